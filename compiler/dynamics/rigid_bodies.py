@@ -31,7 +31,7 @@ from compiler.robots.robot import (
     SolidBody,
     Turn,
 )
-from compiler.robots.state_and_input import robot_inputs, robot_states
+from compiler.robots.state_and_input import dry_friction, robot_inputs, robot_states
 from grammar_lang import ir
 
 # --- Mass matrix, Coriolis forces and gravity of rigid bodies as CasADi expressions ---------------
@@ -220,7 +220,12 @@ def has_turned_columns(model: RobotModel, coordinates: Coordinates) -> bool:
 
 
 def coordinates_for_intervals(model: RobotModel) -> Coordinates:
-    """Those in which interval arithmetic loses least: absolute angles if columns are turned."""
+    """Those in which interval arithmetic loses least: absolute angles if columns are turned.
+
+    Dry friction needs the joints' own: it depends on the signs of their rates.
+    """
+    if dry_friction(model):
+        return own_coordinates(model)
     measured = absolute_angles(model)
     return measured if has_turned_columns(model, measured) else own_coordinates(model)
 

@@ -1,13 +1,14 @@
 """Random closed loops of planar chains stay in their tubes, at samples and between.
 
-The robot is written out by hand (``planar_chain``), SciPy's method of order 8 integrates it, and
-the law is applied by hand: nothing is shared with the proof.
+The robot is written out by hand (``planar_chain``), SciPy's method of order 8 integrates it, from
+event to event where joints rub (``rubbing_chain``), and the law is applied by hand: nothing is
+shared with the proof.
 """
 
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -18,14 +19,17 @@ from scipy.integrate import solve_ivp
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.dynamics.kinematics import absolute_angles
+from compiler.dynamics.rubbing_joints import with_dry_friction
 from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
 from compiler.expressions.tape import tape
+from grammar_lang import ir
 from solvers.verifier.proofs.control_law import ControlLaw, InputError, sampled_law
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from solvers.verifier.proofs.zonotope import InitialSet
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain
+from tests.oracles.rubbing_chain import RubbingChain
 from tests.oracles.some_cases import some
 
 ACCURACY = Accuracy(order=12, bits=64, remainder=1e-9)
@@ -54,9 +58,10 @@ class Loop:
     part: Fraction
     most: list[Fraction]
     mass: Fraction
+    friction: list[Fraction]
 
 
-def loop_of(rng: np.random.Generator) -> Loop:
+def loop_of(rng: np.random.Generator, *, rubs: bool = False) -> Loop:
     n = int(rng.integers(1, 4))
     lengths, pull = rng.uniform(0.6, 1.4, n), rng.uniform(-9.81, 9.81, 2)
     start = np.concatenate([rng.uniform(-1.5, 1.5, n), rng.uniform(-0.4, 0.4, n)])
@@ -65,13 +70,21 @@ def loop_of(rng: np.random.Generator) -> Loop:
     damped = 2 * np.sqrt(stiff) * rng.uniform(0.5, 1.2)
     gains = np.hstack([stiff * mass, damped * mass])
     inputs = gravity + rng.uniform(-0.5, 0.5, (STEPS, n))
-    size = 10.0 ** rng.uniform(-4, -1.5)
+    # How feedback pushes against what was misread is to be less than friction, mostly.
+    size = 10.0 ** (rng.uniform(-7, -3) if rubs else rng.uniform(-4, -1.5))
     disturbed = rng.uniform(0, size, 2 * n), rng.uniform(0, 0.3 * size, 2 * n)
+    friction = np.zeros(n)
+    if rubs:
+        # Some joints are at rest at first, some without friction, some without any disturbance.
+        friction = rng.uniform(0.02, 0.6, n) * (rng.uniform(size=n) < 0.8)
+        still = np.flatnonzero(rng.uniform(size=n) < 0.4)
+        start[n + still] = disturbed[0][n + still] = 0.0
     return Loop(
         rational(lengths), rational(pull), rational(start), [rational(row) for row in inputs],
         [rational(row) for row in gains], Fraction(int(rng.integers(2, 7)), 100),
         rational(disturbed[0]), rational(disturbed[1]), rational(rng.uniform(0, size, 1))[0],
         rational(rng.uniform(0, size, n)), rational(rng.uniform(0, size, 1))[0],
+        rational(friction),
     )  # fmt: skip
 
 
@@ -79,9 +92,12 @@ def segments_of(loop: Loop, *, absolute: bool) -> tuple[RobotGraph, list[TubeSeg
     """The tube; its end may be missing, where no enclosure goes on."""
     model = rod_chain(len(loop.lengths))
     n = len(loop.lengths)
+    sizes = [ir.Num(size) if size else None for size in loop.friction]
+    dofs = (replace(dof, coulomb=size) for dof, size in zip(model.dofs, sizes, strict=True))
+    model = replace(model, dofs=tuple(dofs))
     pull = loop.pull[0], loop.pull[1]
     own = robot_graph(model, pull, absolute_angles(model) if absolute else None)
-    graph = own.holding_inputs.weighed([range(len(model.bodies))])
+    graph = with_dry_friction(own.holding_inputs.weighed([range(len(model.bodies))]))
     law = ControlLaw((tuple(loop.start),) * STEPS, (tuple(map(tuple, loop.gains)),) * STEPS)
     found: list[TubeSegment] = []
     with working_precision(ACCURACY.bits):
@@ -89,6 +105,7 @@ def segments_of(loop: Loop, *, absolute: bool) -> tuple[RobotGraph, list[TubeSeg
         field = VectorField(
             tape(graph.balance), tape(graph.variation), n, tail, n + 1,
             tape(graph.input_slopes), Curvature.of(graph),
+            friction=tuple((i, ball(size)) for i, size in enumerate(loop.friction) if size),
         )  # fmt: skip
         rows = graph.coordinates.rows
         held = sampled_law(law, loop.inputs, rows, loop.noise, (), 0)
@@ -127,6 +144,7 @@ def check(loop: Loop, graph: RobotGraph, found: list[TubeSegment], rng: np.rando
             return rng.choice((-1.0, 1.0), count) if corner else rng.uniform(-1, 1, count)
 
         factor = 1 + float(loop.mass) * float(signs(1)[0])
+        rubbing = RubbingChain(lengths, pull, np.array(loop.friction, float) / factor)
         state = start + radii * signs(2 * n)
         for k, planned in enumerate(np.array(loop.inputs, float)):
             u = planned - gains @ (state + noise * signs(2 * n) - start)
@@ -137,10 +155,13 @@ def check(loop: Loop, graph: RobotGraph, found: list[TubeSegment], rng: np.rando
                     mass, turned, weight = chain_dynamics(lengths, np.ones(n), x[:n], x[n:], pull)
                     return np.concatenate([x[n:], np.linalg.solve(mass, push - turned - weight)])
 
-                reached = solve_ivp(
-                    slope, (0, dt / PIECES), state, "DOP853", rtol=1e-12, atol=1e-13
-                )
-                state = reached.y[:, -1]
+                if any(loop.friction):
+                    state = rubbing.moved(state, push, dt / PIECES)
+                else:
+                    reached = solve_ivp(
+                        slope, (0, dt / PIECES), state, "DOP853", rtol=1e-12, atol=1e-13
+                    )
+                    state = reached.y[:, -1]
                 share = k + Fraction(piece + 1, PIECES)
                 seen += _inside(loop, graph, found, share, state, back)
     return seen
@@ -174,11 +195,11 @@ def _inside(
     return seen
 
 
-def trial(seed: int) -> bool:
+def trial(seed: int, *, rubs: bool = False) -> bool:
     """Whether the tube of a random loop was complete; all that there is of it holds."""
     rng = np.random.default_rng([22, seed])
-    loop = loop_of(rng)
-    graph, found = segments_of(loop, absolute=seed % 2 == 0)
+    loop = loop_of(rng, rubs=rubs)
+    graph, found = segments_of(loop, absolute=not rubs and seed % 2 == 0)
     seen = check(loop, graph, found, rng)
     complete = bool(found) and found[-1].steps[1] == STEPS
     assert seen >= MOTIONS * STEPS * PIECES or not complete
@@ -196,3 +217,15 @@ def test_some_random_closed_loops(seeds: tuple[int, ...]) -> None:
 def test_two_hundred_random_closed_loops(part: int) -> None:
     count = SLOW_LOOPS // 4
     assert sum(trial(100 + count * part + k) for k in range(count)) >= 0.6 * count
+
+
+@pytest.mark.parametrize("seed", some(range(12), 3))
+def test_some_random_loops_with_dry_friction(seed: int) -> None:
+    """Joints start to move, pass through rest, and come to rest for good."""
+    trial(seed, rubs=True)
+
+
+@pytest.mark.slow
+def test_fifty_random_loops_with_dry_friction() -> None:
+    count = 50
+    assert sum(trial(100 + seed, rubs=True) for seed in range(count)) >= 0.6 * count

@@ -10,13 +10,14 @@ from textwrap import shorten
 from flint import arb
 
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.dynamics.rubbing_joints import with_dry_friction
 from compiler.expressions.evaluators.balls import (
     ball,
     closed_ball,
     constant_ball,
 )
 from compiler.expressions.tape import tape
-from compiler.robots.state_and_input import robot_inputs, robot_states
+from compiler.robots.state_and_input import dry_friction, robot_inputs, robot_states
 from compiler.tasks.formula_parts import atoms, formula_text
 from compiler.tasks.monitor import key
 from compiler.tasks.specification import measurement_radii, uncertain_masses
@@ -106,14 +107,16 @@ def driven_robot(
     tail += tuple(constant_ball(constant) for constant in graph.constants)
     own, n = robot_states(graph.model), len(graph.model.dofs)
     still = 0 if law is None else len(robot_inputs(model)) + len(masses)
-    slopes = tape(graph.input_slopes) if task.robust is not None else None
-    disturbances = task.robust is not None or task.repeat
+    graph = with_dry_friction(graph)
+    friction = [(joint, closed_ball(size)) for joint, size in dry_friction(model).items()]
+    slopes = tape(graph.input_slopes) if friction or task.robust is not None else None
+    disturbances = friction or task.robust is not None or task.repeat
     # Without second derivatives, sets are enclosed by boxes.
     curvature = Curvature.of(graph) if disturbances else None
     variation = tape(graph.variation)
     field = VectorField(
         tape(graph.balance), variation, n, tail, len(own) + still, slopes, curvature,
-        in_machine=len(variation.plan.steps) >= LEAST_IN_MACHINE,
+        in_machine=len(variation.plan.steps) >= LEAST_IN_MACHINE, friction=tuple(friction),
     )  # fmt: skip
     moves = tape(graph.point_slopes) if disturbances else None
     point_map = PointMap(tape(graph.points), field, graph.model.dimension, moves)

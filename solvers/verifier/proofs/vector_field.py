@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 from flint import arb, arb_mat, arb_series, ctx
 
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.expressions.evaluators.balls import BALLS, SERIES, SMOOTH_BALLS
+from compiler.expressions.evaluators.balls import BALLS, SERIES, SMOOTH_BALLS, column
 from compiler.expressions.tape import Tape, tape
 from solvers.verifier.proofs.linearisation import Coefficients, InertiaMatrix, Linearisation
 
@@ -63,6 +63,7 @@ class VectorField:
     accelerations a, ``input_slopes`` that of (b, d) in u, which only disturbed inputs need;
     ``tail`` holds the balls of theta and k; s has ``own`` entries.  ``in_machine``: up to a working
     precision of ``MACHINE_BITS``, balls of doubles are enough, in machine code where there is any.
+    The last inputs are the efforts of dry ``friction``, of each the joint and the size (N m, N).
     """
 
     balance: Tape
@@ -73,6 +74,7 @@ class VectorField:
     input_slopes: Tape | None = None
     curvature: Curvature | None = None
     in_machine: bool = False
+    friction: tuple[tuple[int, arb], ...] = ()
 
     @cached_property
     def has_kinks(self) -> bool:
@@ -102,6 +104,18 @@ class VectorField:
             return None
         return MachineField(self.balance, self.variation, self.dofs, self.own, self.tail)
 
+    def sticking(self, joints: frozenset[int]) -> VectorField:
+        """The field of the robot with some joints at rest."""
+        if joints and joints not in self._sticking:
+            from solvers.verifier.proofs.sticking_field import sticking_field
+
+            self._sticking[joints] = sticking_field(self, joints)
+        return self._sticking[joints] if joints else self
+
+    @cached_property
+    def _sticking(self) -> dict[frozenset[int], VectorField]:
+        return {}
+
     def smooth_values(self, program: Tape, moving: Sequence[arb], u: Sequence[arb]) -> list[arb]:
         """The outputs of a program of (``moving``, u, theta, k) on a box.
 
@@ -118,13 +132,17 @@ class VectorField:
         Raises:
             ZeroDivisionError: M may be singular there.
         """
+        mass, forces = self.balance_at(state, u)
+        return InertiaMatrix(mass).solve(column(forces)).entries()
+
+    def balance_at(self, state: Sequence[arb], u: Sequence[arb]) -> tuple[arb_mat, list[arb]]:
+        """M, shape (n, n), and the forces b, (n,), for a state given as balls."""
         if self.machine is not None:
             flat = self.machine.balance_at(state, u)
         else:
             flat = self.balance.evaluate([*state, *u, *self.tail], BALLS)
         n = self.dofs
-        mass = InertiaMatrix(self._square(flat[: n * n]))
-        return mass.solve(arb_mat([[item] for item in flat[n * n : n * n + n]])).entries()
+        return self._square(flat[: n * n]), flat[n * n : n * n + n]
 
     def taylor(
         self,

@@ -1,0 +1,322 @@
+r"""Segments of a tube of a robot with dry friction: joints slide, stick, or do what is not known.
+
+Coulomb friction of size c at joint j is a measurable :math:`f_j \in -c_j\,\operatorname{Sgn}(v_j)`.
+These efforts are :math:`-\partial\Phi(v)` of the convex :math:`\Phi(v) = \sum_j c_j |v_j|`, so that
+two motions under the same inputs obey, with forces and M(q) Lipschitz on a bounded set,
+
+.. math:: \frac{d}{dt}\,(v_1 - v_2)^T M (v_1 - v_2) \le L\,|x_1 - x_2|^2 :
+
+a motion is the only one from where it starts.  Hence it is enough to show of the motions of a
+smooth system that their friction is what the law says:
+
+- **sliding** with sign s: :math:`f_j = -s c_j`, and :math:`s v_j \ge 0` throughout: so it is where
+  it is positive at the start, and where it vanishes it grows;
+- **sticking**: :math:`v_j = 0` at the start, the joint is rigid (``sticking_field.py``), and the
+  effort that this takes is at most :math:`c_j`;
+- **either**: any :math:`|f_j| \le c_j`, a disturbance, as long as it takes to pass through rest, or
+  to come to rest.
+
+Joints S come to rest for certain where friction outweighs what else pushes them.  With a constant
+:math:`\Lambda_0` near :math:`\Lambda = ((M^{-1})_{SS})^{-1}` and g the effort on them besides,
+
+.. math:: V = v_S^T \Lambda_0 v_S, \qquad
+    \dot V = 2 v_S^T (1 + \Delta)(g + f_S) \le -2 \sum_j \delta_j |v_j|, \qquad
+    \delta_j = c_j - |g_j| - \sum_i |\Delta_{ji}| (|g_i| + c_i),
+
+with :math:`\Delta = \Lambda_0 \Lambda^{-1} - 1`, so that :math:`v_S = 0` after the time
+:math:`\lambda\,|v_S(0)| / \min \delta`, :math:`\lambda` being the largest eigenvalue of
+:math:`\Lambda_0`, and from then on.
+
+Source of the uniqueness: Brezis, *Operateurs maximaux monotones* (1973); of the law as an
+inclusion: Filippov, *Differential equations with discontinuous righthand sides* (1988).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Literal, TypeAlias
+
+from flint import arb, arb_mat
+
+from compiler.expressions.evaluators.balls import SIGNS, absolute, column, identity
+from solvers.verifier.proofs.a_priori import Drive
+from solvers.verifier.proofs.linearisation import InertiaMatrix
+from solvers.verifier.proofs.passage import Accuracy, Passage, longest_passage
+from solvers.verifier.proofs.step_control import StepControl
+from solvers.verifier.proofs.vector_field import VectorField
+from solvers.verifier.proofs.zonotope import Zonotope
+
+Mode: TypeAlias = Literal[1, -1, "sticking", "either"]
+Modes: TypeAlias = Mapping[int, Mode]
+"""What each joint with friction does, by its number: it slides with a sign, for instance."""
+
+SLICES = 16
+"""Parts of a segment in which it is looked at what joints do."""
+MOST_TRIALS = 64
+SHORTEST = Fraction(1, 2**30)
+"""In steps: no shorter segment is tried."""
+FARTHER = 8
+"""Where it is not known which way joints go, as many times their rate is given time to change."""
+MOST_WIDE = 2
+"""Joints whose rate is less than so many radii of it are as near to rest as can be told."""
+ANYTHING = arb(0, arb("inf"))
+SPARE = 1.25
+"""Times to pass through rest are taken so much longer than they seem."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    """Up to which part of a segment its modes hold, and which ``joint`` breaks them there."""
+
+    until: Fraction
+    joint: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RubbingRobot:
+    """A robot with dry friction under the inputs of a step; ``drive`` is without friction.
+
+    Segments are those of ``longest_passage`` with its arguments.
+    """
+
+    field: VectorField
+    drive: Drive
+    dt: arb
+    accuracy: Accuracy
+    control: StepControl
+
+    def next(self, states: Zonotope, rest: Fraction) -> tuple[Fraction, Passage, Drive] | None:
+        """A segment of at most ``rest`` steps, and all that drives the robot in it."""
+        if not self.field.friction:
+            drive = self.drive
+            found = longest_passage(
+                self.field, states, drive, self.dt, rest, self.accuracy, self.control
+            )
+            return None if found is None else (*found, drive)
+        modes, most = self._modes(states), rest
+        if "either" in modes.values():
+            most = min(rest, self._through_rest(states, modes))
+        for _ in range(MOST_TRIALS):
+            drive, held = self._driven(modes), _held(modes)
+            field = self.field.sticking(held)
+            found = longest_passage(
+                field, states, drive, self.dt, most, self.accuracy, self.control
+            )
+            if found is None:
+                return None
+            length, passage = found
+            outcome = self._checked(states, passage, modes)
+            if outcome.joint is None:
+                stopped, wanted = self._stopped(states, passage, modes)
+                if wanted > length and length == most < rest:
+                    most = min(rest, wanted)
+                    continue
+                end = _at_rest(passage.end, held | stopped, field)
+                return length, replace(passage, end=end), drive
+            if outcome.until:
+                most = length * outcome.until
+            elif length > SHORTEST and not self._near_rest(states, outcome.joint, modes):
+                most = length / SLICES
+            else:
+                modes = {**modes, outcome.joint: "either"}
+                most = min(rest, self._through_rest(states, modes))
+        return None
+
+    def _modes(self, states: Zonotope) -> Modes:
+        """What joints seem to do next: those at rest stick as long as others do not break them."""
+        hull, n = states.hull(), self.field.dofs
+        modes = dict[int, Mode]()
+        for joint, _ in self.field.friction:
+            rate = hull[n + joint]
+            modes[joint] = (
+                1 if rate > 0 else -1 if rate < 0 else "sticking" if rate.is_zero() else "either"
+            )
+        while (loose := self._loosest(hull, modes)) is not None:
+            modes[loose[0]] = loose[1]
+        return modes
+
+    def _loosest(self, state: Sequence[arb], modes: Modes) -> tuple[int, Mode] | None:
+        """The joint that friction holds least, and what it does then; None where all are held."""
+        held = [(joint, size) for joint, size in self.field.friction if modes[joint] == "sticking"]
+        if not held:
+            return None
+        pushes = self._pushes(state, modes)
+        loose = [(joint, size) for joint, size in held if not abs(pushes[joint]) <= size]
+        if not loose:
+            return None
+        joint, size = max(loose, key=lambda item: float(abs(pushes[item[0]]) / item[1]))
+        push = pushes[joint]
+        return joint, 1 if push > size else -1 if push < -size else "either"
+
+    def _pushes(self, state: Sequence[arb], modes: Modes) -> list[arb]:
+        """What pushes each joint that sticks, (n,), and friction holds: b - M a in its row."""
+        held = _held(modes)
+        u, n = self._driven(modes).all, self.field.dofs
+        pull = self._pull(state, modes)
+        moving = [arb(0) if i in held else pull[i] for i in range(n)]
+        mass, forces = self.field.balance_at(state, u)
+        return (column(forces) - mass * column(moving)).entries()
+
+    def _pull(self, state: Sequence[arb], modes: Modes) -> list[arb]:
+        """The accelerations (n,) of all states of a box; anything where M may be singular."""
+        try:
+            field = self.field.sticking(_held(modes))
+            return field.acceleration(state, self._driven(modes).all)
+        except ZeroDivisionError:
+            return [ANYTHING] * self.field.dofs
+
+    def _driven(self, modes: Modes) -> Drive:
+        """All inputs: friction is against the motion, or unknown; that of a rigid joint is none."""
+        stated, unknown = list(self.drive.stated), list(self.drive.disturbance)
+        for joint, size in self.field.friction:
+            mode = modes[joint]
+            stated.append(-size * mode if mode in (1, -1) else arb(0))
+            unknown.append(size.upper() if mode == "either" else arb(0))
+        return Drive(stated, unknown)
+
+    def _checked(self, states: Zonotope, passage: Passage, modes: Modes) -> _Outcome:
+        """Whether joints do throughout a segment what they were taken to do."""
+        n, start = self.field.dofs, states.hull()
+        for joint, mode in modes.items():
+            if mode in (1, -1) and not start[n + joint] * mode >= 0:
+                return _Outcome(Fraction(0), joint)
+        for number in range(SLICES):
+            ends = (passage.path.length * arb(k) / SLICES for k in (number, number + 1))
+            time = next(ends).union(next(ends))
+            pairs = zip(passage.path.at(time), passage.moved.radii, strict=True)
+            state = [x + SIGNS * r for x, r in pairs]
+            for joint in _held(modes):
+                state[n + joint] = arb(0)
+            broken = self._broken(state, modes)
+            if broken is not None:
+                return _Outcome(Fraction(number, SLICES), broken)
+        return _Outcome(Fraction(1))
+
+    def _broken(self, state: Sequence[arb], modes: Modes) -> int | None:
+        """A joint that may do something else somewhere in a box of states."""
+        loose = self._loosest(state, modes)
+        if loose is not None:
+            return loose[0]
+        n = self.field.dofs
+        for joint, mode in modes.items():
+            if mode in (1, -1) and not state[n + joint] * mode >= 0:
+                still = list(state)
+                still[n + joint] = arb(0)
+                pull = self._pull(still, modes)
+                if not pull[joint] * mode > 0:
+                    return joint
+        return None
+
+    def _near_rest(self, states: Zonotope, joint: int, modes: Modes) -> bool:
+        """Whether it cannot be told from a smaller part of a segment what a joint does."""
+        place = self.field.dofs + joint
+        rate, radius = states.middle[place], states.radii[place]
+        if modes[joint] == "sticking" or radius.is_zero():
+            return False
+        return bool(abs(rate) <= MOST_WIDE * radius)
+
+    def _through_rest(self, states: Zonotope, modes: Modes) -> Fraction:
+        """About how long joints of which nothing is known take to rest, or through it, in steps."""
+        state, n = states.hull(), self.field.dofs
+        unknown = [joint for joint, mode in modes.items() if mode == "either"]
+        try:
+            time = self._time_to_rest(state, state, modes)[1]
+        except ZeroDivisionError:
+            time = None
+        if time is None:
+            pull = self._pull(state, modes)
+            rates = {joint: state[n + joint].abs_upper() for joint in unknown}
+            through = [
+                rates[joint] / pull[joint].abs_lower()
+                for joint in unknown
+                if rates[joint] > 0 and not pull[joint].contains(0)
+            ]
+            # What is not known then grows from segment to segment, until it decides.
+            times = [FARTHER * rates[joint] / pull[joint].abs_upper() for joint in unknown]
+            time = min(through, key=float) if through else max(times, key=float)
+        return self._steps(time)
+
+    def _steps(self, time: arb) -> Fraction:
+        """A time in steps, and some more."""
+        steps = float(time / self.dt) * SPARE
+        return max(SHORTEST, Fraction(steps)) if math.isfinite(steps) else SHORTEST
+
+    def _stopped(
+        self, states: Zonotope, passage: Passage, modes: Modes
+    ) -> tuple[frozenset[int], Fraction]:
+        """The joints that are at rest for certain at the end of a segment, and were not held.
+
+        With them, in how many steps they would be, or others; 0 where that is not known.
+        """
+        path = passage.path
+        over = path.at(arb(0).union(path.length))
+        box = [x + SIGNS * r for x, r in zip(over, passage.moved.radii, strict=True)]
+        for joint in _held(modes):
+            box[self.field.dofs + joint] = arb(0)
+        try:
+            stopping, time = self._time_to_rest(box, states.hull(), modes)
+        except ZeroDivisionError:
+            time = None
+        if time is None or not time.is_finite():
+            return frozenset(), Fraction(0)
+        if bool(time <= path.length):
+            return stopping, Fraction(0)
+        return frozenset(), self._steps(time)
+
+    def _time_to_rest(
+        self, box: Sequence[arb], start: Sequence[arb], modes: Modes
+    ) -> tuple[frozenset[int], arb | None]:
+        """Joints that friction brings to rest, and within which time; None: not for certain.
+
+        Args:
+            box: all states that there are meanwhile.
+            start: those at first.
+            modes: what joints do.
+        """
+        n, sizes = self.field.dofs, dict(self.field.friction)
+        unknown = [joint for joint, mode in modes.items() if mode == "either"]
+        mass, _ = self.field.sticking(_held(modes)).balance_at(box, self._driven(modes).all)
+        solver = InertiaMatrix(mass)
+        while unknown:
+            # What else pushes them: without their own friction, with all of that of the others.
+            drive = self._driven({**modes, **dict.fromkeys(unknown, "sticking")})
+            _, forces = self.field.sticking(_held(modes)).balance_at(box, drive.all)
+            pull = solver.solve(column(forces))
+            columns = solver.solve(arb_mat([[arb(int(i == j)) for j in unknown] for i in range(n)]))
+            mobility = arb_mat([[columns[i, j] for j in range(len(unknown))] for i in unknown])
+            near = mobility.mid().inv().mid()
+            near = ((near + near.transpose()) / 2).mid()
+            off = absolute(near * mobility - identity(len(unknown)))
+            push = InertiaMatrix(mobility).solve(column([pull[i, 0] for i in unknown])).entries()
+            size = [sizes[joint] for joint in unknown]
+            worst = off * column([(abs(g) + c).upper() for g, c in zip(push, size, strict=True)])
+            spare = [
+                (c - abs(g) - w).lower()
+                for c, g, w in zip(size, push, worst.entries(), strict=True)
+            ]
+            kept = [joint for joint, left in zip(unknown, spare, strict=True) if left > 0]
+            if len(kept) == len(unknown):
+                heaviest = max(sum(row, arb(0)).upper() for row in absolute(near).tolist())
+                fast = sum((start[n + joint].abs_upper() ** 2 for joint in unknown), arb(0)).sqrt()
+                least = min(spare, key=float)
+                return frozenset(unknown), (heaviest * fast / least).upper()
+            unknown = kept
+        return frozenset(), None
+
+
+def _held(modes: Modes) -> frozenset[int]:
+    return frozenset(joint for joint, mode in modes.items() if mode == "sticking")
+
+
+def _at_rest(states: Zonotope, joints: frozenset[int], field: VectorField) -> Zonotope:
+    """The states, whose rates of some joints are known to be zero."""
+    if not joints:
+        return states
+    middle, columns = list(states.middle), states.columns.copy()
+    for joint in joints:
+        middle[field.dofs + joint] = arb(0)
+        columns[field.dofs + joint] = 0.0
+    return Zonotope(middle, columns)
