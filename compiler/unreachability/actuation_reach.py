@@ -6,7 +6,8 @@ docs/decisions/0040-out-of-reach-of-the-drives.md has the bounds and their proof
 balls and intervals; floats choose directions and preconditioners only.
 
 Nothing is said of forces on a robot whose modules have states or inputs of their own, or a torque
-other than ``u - b * rate(q)`` with b >= 0; its rate limits count all the same.
+other than ``u - b * rate(q)`` with b >= 0; its rate limits count all the same.  Dry friction takes
+energy, as this damping does; what is known of momentum, and backwards in time, is left out then.
 """
 
 from __future__ import annotations
@@ -22,7 +23,12 @@ from compiler.dynamics.energy_graph import EnergyGraph, energy_graph
 from compiler.expressions.evaluators.balls import ball, closed_ball, constant_ball
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.robots.robot import RobotDof, RobotModel
-from compiler.robots.state_and_input import input_bounds, robot_inputs, unbounded_kinds
+from compiler.robots.state_and_input import (
+    dry_friction,
+    input_bounds,
+    robot_inputs,
+    unbounded_kinds,
+)
 from compiler.unreachability.actuation_bounds import BoxEvaluator, LeafBox
 from compiler.unreachability.actuation_levels import Budget, least, needed
 from compiler.unreachability.actuation_measures import (
@@ -147,7 +153,8 @@ def _region(
         near = ball(NEAR) * arb(0, 1)
         given = reader.read([closed_ball(value) + near for value in passage.start.values])
     slow = task.final_rates if passage.arrives else None
-    backwards = all(item.low.is_zero() and item.high.is_zero() for item in damping)
+    lossless = all(item.low.is_zero() and item.high.is_zero() for item in damping)
+    backwards = lossless and not dry_friction(model)
     limits = Limits(
         ball(task.steps * task.step),
         _first_rate(task),
@@ -163,7 +170,7 @@ def _turned(
     drive: DriveReach, tail: Sequence[Ends], leaves: Sequence[LeafBox]
 ) -> list[MomentumMeasure]:
     """What only the drive of one joint can change, where there is such a thing."""
-    if drive.groups is None or not leaves:
+    if drive.groups is None or not leaves or dry_friction(drive.model):
         return []
     hulls = [leaves[0].coordinates[i] for i in range(len(drive.model.dofs))]
     for leaf in leaves[1:]:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.parameter_values import nearest_values
+from compiler.robots.state_and_input import dry_friction
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.search.closed_loop import controlled, loop_claim
@@ -14,11 +16,13 @@ from solvers.search.constraint_tightening import beyond_loop, missing_margin
 from solvers.search.path_task import Design, motion_of
 from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
+from solvers.trajectory.friction_inputs import friction_inputs
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
 from solvers.trajectory.visited_cells import cell_names
+from solvers.verifier.claims.claimed_inputs import input_margins
 from solvers.verifier.proofs.checked_condition import decisive
-from solvers.verifier.proofs.effort_bounds import least_share, planned_efforts, planned_margins
+from solvers.verifier.proofs.effort_bounds import least_share
 from solvers.verifier.proofs.scene import Scene, Watch
 from solvers.verifier.proofs.trajectory_proof import ENDED, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
@@ -64,7 +68,7 @@ def certified_design(
         path_problem.constraints.recorded,
         path_problem.effector,
         tuple(decimal(value) for value in trajectory.x[0, : 2 * len(model.dofs)]),
-        tuple(tuple(decimal(value) for value in row) for row in trajectory.u),
+        _decimals(trajectory.u),
         tuple(tuple(names) for names in cell_names(path_problem, trajectory, found.entries)),
         found,
         path_problem.abstraction,
@@ -79,6 +83,8 @@ def certified_design(
     broken = seen_broken(scene, design, path_problem, last=last)
     if broken is not None:
         return broken
+    driven = trajectory.u + friction_inputs(path_problem.numeric, trajectory)
+    design = replace(design, inputs=_decimals(driven))
     watch = replace(watch, brief=path_problem.spread is None, roughly=roughly)
     conditions = prove_motion(scene, motion_of(design), watch)
     obstacle = decisive(conditions)
@@ -92,15 +98,21 @@ def certified_design(
             beyond_loop(conditions),
         )
     if design.controller is None:
-        fine = fine_motion(path_problem.numeric, trajectory, float(task.step))
-        outcome = replace(found.outcome, trajectory=fine)
-    else:
-        # The search's bounds were tightened by what feedback may add.
-        peak = planned_efforts(model, task, conditions)[0]
-        rho = least_share(planned_margins(model, task, conditions))
-        outcome = replace(found.outcome, trajectory=trajectory, effort_peak=peak, robustness=rho)
+        trajectory = fine_motion(path_problem.numeric, trajectory, float(task.step))
+    outcome = replace(found.outcome, trajectory=replace(trajectory, u=driven))
+    if design.controller is not None or dry_friction(model):
+        # The search's bounds were tightened by what feedback adds, and inputs against friction.
+        exact = None if design.controller is not None else motion_of(design).inputs
+        margins = input_margins(model, task, exact, conditions)
+        peak = max((float(m.bound.upper) - m.least for m in margins if m.bound.effort), default=0.0)
+        outcome = replace(outcome, effort_peak=peak, robustness=least_share(margins))
     configuration = replace(found, outcome=outcome)
     return Found(replace(design, configuration=configuration, conditions=conditions))
+
+
+def _decimals(u: Array) -> tuple[tuple[str, ...], ...]:
+    """Inputs (k, m) as they are stated."""
+    return tuple(tuple(decimal(value) for value in row) for row in u)
 
 
 def seen_broken(

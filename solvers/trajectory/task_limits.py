@@ -14,6 +14,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_states
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
+from solvers.trajectory.friction_inputs import input_friction
 
 # --- What a robot and a task bound, in floats: joints and rates, inputs ---------------------------
 
@@ -98,11 +99,19 @@ def motion_limits(
 
 
 def input_groups(model: RobotModel, task: ir.Task) -> tuple[InputGroup, ...]:
-    """The bounded inputs of a robot in a task."""
-    return tuple(
-        InputGroup(bound.inputs, float(bound.lower), float(bound.upper), bound.norm2, bound.effort)
-        for bound in input_bounds(model, task)
-    )
+    """The bounded inputs of a robot in a task, as if it had no dry friction.
+
+    Bounds leave room for what inputs add against it, as far as there is any.
+    """
+    friction = input_friction(model)
+    found = []
+    for bound in input_bounds(model, task):
+        own = friction[list(bound.inputs)]
+        added = float(np.linalg.norm(own) if bound.norm2 else np.max(own, initial=0.0))
+        added = min(added, float(bound.widest_margin))
+        lower, upper = float(bound.lower) + added, float(bound.upper) - added
+        found.append(InputGroup(bound.inputs, lower, upper, bound.norm2, bound.effort))
+    return tuple(found)
 
 
 def resting_inputs(groups: tuple[InputGroup, ...], steps: int, count: int) -> Array:

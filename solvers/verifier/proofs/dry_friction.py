@@ -46,6 +46,7 @@ from solvers.verifier.proofs.a_priori import Drive
 from solvers.verifier.proofs.linearisation import InertiaMatrix
 from solvers.verifier.proofs.passage import Accuracy, Passage, longest_passage
 from solvers.verifier.proofs.step_control import StepControl
+from solvers.verifier.proofs.sticking_field import StickingFields
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
 
@@ -82,11 +83,16 @@ class RubbingRobot:
     Segments are those of ``longest_passage`` with its arguments.
     """
 
-    field: VectorField
+    fields: StickingFields
     drive: Drive
     dt: arb
     accuracy: Accuracy
     control: StepControl
+
+    @property
+    def field(self) -> VectorField:
+        """The field of the robot whose joints all move."""
+        return self.fields.whole
 
     def next(self, states: Zonotope, rest: Fraction) -> tuple[Fraction, Passage, Drive] | None:
         """A segment of at most ``rest`` steps, and all that drives the robot in it."""
@@ -101,7 +107,7 @@ class RubbingRobot:
             most = min(rest, self._through_rest(states, modes))
         for _ in range(MOST_TRIALS):
             drive, held = self._driven(modes), _held(modes)
-            field = self.field.sticking(held)
+            field = self.fields.of(held)
             found = longest_passage(
                 field, states, drive, self.dt, most, self.accuracy, self.control
             )
@@ -163,7 +169,7 @@ class RubbingRobot:
     def _pull(self, state: Sequence[arb], modes: Modes) -> list[arb]:
         """The accelerations (n,) of all states of a box; anything where M may be singular."""
         try:
-            field = self.field.sticking(_held(modes))
+            field = self.fields.of(_held(modes))
             return field.acceleration(state, self._driven(modes).all)
         except ZeroDivisionError:
             return [ANYTHING] * self.field.dofs
@@ -259,7 +265,7 @@ class RubbingRobot:
         try:
             stopping, time = self._time_to_rest(box, states.hull(), modes)
         except ZeroDivisionError:
-            time = None
+            stopping, time = frozenset(), None
         if time is None or not time.is_finite():
             return frozenset(), Fraction(0)
         if bool(time <= path.length):
@@ -278,12 +284,12 @@ class RubbingRobot:
         """
         n, sizes = self.field.dofs, dict(self.field.friction)
         unknown = [joint for joint, mode in modes.items() if mode == "either"]
-        mass, _ = self.field.sticking(_held(modes)).balance_at(box, self._driven(modes).all)
+        mass, _ = self.fields.of(_held(modes)).balance_at(box, self._driven(modes).all)
         solver = InertiaMatrix(mass)
         while unknown:
             # What else pushes them: without their own friction, with all of that of the others.
             drive = self._driven({**modes, **dict.fromkeys(unknown, "sticking")})
-            _, forces = self.field.sticking(_held(modes)).balance_at(box, drive.all)
+            _, forces = self.fields.of(_held(modes)).balance_at(box, drive.all)
             pull = solver.solve(column(forces))
             columns = solver.solve(arb_mat([[arb(int(i == j)) for j in unknown] for i in range(n)]))
             mobility = arb_mat([[columns[i, j] for j in range(len(unknown))] for i in unknown])

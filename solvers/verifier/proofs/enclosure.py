@@ -30,6 +30,7 @@ from solvers.verifier.proofs.linearisation import Coefficients
 from solvers.verifier.proofs.moved_set import Spread, pulled
 from solvers.verifier.proofs.passage import Accuracy, Passage
 from solvers.verifier.proofs.step_control import StepControl
+from solvers.verifier.proofs.sticking_field import StickingFields
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, box, zonotope
 
@@ -129,7 +130,7 @@ def tube(
     states = zonotope(initial if isinstance(initial, InitialSet) else box(initial))
     control = StepControl(float(dt))
     control.learn_degree(states.radii, [arb(0)] * field.size, accuracy.order)
-    start = dt * numbers.start
+    start, fields = dt * numbers.start, StickingFields(field)
     for number in numbers:
         u = inputs[number]
         if law is None:
@@ -141,7 +142,7 @@ def tube(
         added = [arb(0)] * len(u) if error is None else error.about(commanded)
         drive = Drive(stated, added)
         first, last = Fraction(number), Fraction(number + 1)
-        robot = RubbingRobot(field, drive, dt, accuracy, control)
+        robot = RubbingRobot(fields, drive, dt, accuracy, control)
         while first < last:
             found = robot.next(states, last - first)
             if found is None:

@@ -11,7 +11,7 @@ from flint import arb, arb_mat
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import BALLS, ball, below, closed_ball, column
 from compiler.expressions.tape import tape
-from compiler.robots.state_and_input import InputBound, input_bounds, robot_states
+from compiler.robots.state_and_input import InputBound, dry_friction, input_bounds, robot_states
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.effort_bounds import distance
 from solvers.verifier.proofs.scene import Scene
@@ -33,7 +33,8 @@ def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> Check
     and u0 - S^-1 b(u0) is within the box, it has one there, and no other in the box (interval
     Newton; Neumaier, *Interval methods for systems of equations*, 1990).  The margin is the least
     share that it leaves of a bound.  Of more inputs than joints, some keep values that balance the
-    robot in floats.  Forces that no input changes have to be zero.
+    robot in floats.  Forces that no input changes have to be zero.  Where there is dry friction,
+    which may balance a robot, that inputs alone do not refutes nothing.
 
     Args:
         scene: the robot in its task.
@@ -42,6 +43,7 @@ def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> Check
     """
     bounds = input_bounds(scene.model, scene.task)
     inputs, unique = _Balance(scene, state, tail, bounds).inputs()
+    unique = unique and not dry_friction(scene.model)
     if inputs is None:
         status = Status.FAILS if unique else Status.UNDECIDED
         why = "no input pushes against what moves a joint" if unique else NOT_KNOWN

@@ -13,6 +13,20 @@ from compiler.expressions.tape import Node, Tape
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 
 
+class StickingFields:
+    """The fields of a robot with some joints at rest, each made when it is first asked for."""
+
+    def __init__(self, whole: VectorField) -> None:
+        self.whole = whole
+        self._known = {frozenset[int](): whole}
+
+    def of(self, joints: frozenset[int]) -> VectorField:
+        """That with these joints at rest."""
+        if joints not in self._known:
+            self._known[joints] = sticking_field(self.whole, joints)
+        return self._known[joints]
+
+
 def sticking_field(field: VectorField, joints: frozenset[int]) -> VectorField:
     """The field of a robot with these joints at rest; coordinates are the joints' own."""
     n, height = field.dofs, field.dofs + field.own

@@ -104,18 +104,6 @@ class VectorField:
             return None
         return MachineField(self.balance, self.variation, self.dofs, self.own, self.tail)
 
-    def sticking(self, joints: frozenset[int]) -> VectorField:
-        """The field of the robot with some joints at rest."""
-        if joints and joints not in self._sticking:
-            from solvers.verifier.proofs.sticking_field import sticking_field
-
-            self._sticking[joints] = sticking_field(self, joints)
-        return self._sticking[joints] if joints else self
-
-    @cached_property
-    def _sticking(self) -> dict[frozenset[int], VectorField]:
-        return {}
-
     def smooth_values(self, program: Tape, moving: Sequence[arb], u: Sequence[arb]) -> list[arb]:
         """The outputs of a program of (``moving``, u, theta, k) on a box.
 

@@ -1,0 +1,70 @@
+r"""What inputs add against dry friction, so that a robot moves as if it had none.
+
+A search plans motions of the robot without dry friction, within bounds that leave room for it.  A
+joint that slides all along a step needs its friction on top; over a step in which its rate goes
+from v to w, taken as linear, friction has the mean of its sign,
+
+.. math:: \bar\sigma = \frac{|w| - |v|}{w - v} .
+
+At rest nothing is added: friction itself then holds what inputs and loads leave.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import dry_friction, robot_inputs
+from grammar_lang.ir.constants import to_float
+from solvers.trajectory.trajectory import Trajectory
+
+STILL = 1e-6
+"""Rates below this part of a joint's largest one are those of a joint at rest, gradually."""
+TINY = 1e-300
+
+
+def joint_friction(model: RobotModel) -> Array:
+    """The size of the effort of dry friction at each joint, (n,), in N m or N."""
+    found = np.zeros(len(model.dofs))
+    for joint, size in dry_friction(model).items():
+        found[joint] = to_float(size)
+    return found
+
+
+def input_friction(model: RobotModel) -> Array:
+    """The same for each input that drives a joint itself, (m,); 0 for declared ones."""
+    sizes = joint_friction(model)
+    return np.array([0.0 if i.dof is None else sizes[i.dof] for i in robot_inputs(model)])
+
+
+def friction_inputs(numeric: NumericRobot, trajectory: Trajectory) -> Array:
+    """What inputs (k, m) add to those of a motion without dry friction.
+
+    Inputs that act on a joint only by states of its module cannot make up for it.
+    """
+    n, m, size = numeric.n, numeric.m, numeric.size
+    sizes = joint_friction(numeric.graph.model)
+    if not (sizes.any() and m):
+        return np.zeros_like(trajectory.u)
+    efforts = sizes * _mean_signs(trajectory.x[:, n : 2 * n])
+    before = trajectory.x[:-1]
+    with np.errstate(all="ignore"):
+        slopes = numeric.acceleration(before, trajectory.u, trajectory.theta)[1]
+        mass = numeric.mass_matrix(before[:, :n], trajectory.theta)
+        pull = np.linalg.solve(mass, efforts[:, :, None])
+        inverse = np.linalg.pinv(slopes[:, :n, size : size + m])
+    return np.asarray((inverse @ pull)[:, :, 0])
+
+
+def _mean_signs(rates: Array) -> Array:
+    """The mean sign of each rate (k + 1, n) over each step, (k, n)."""
+    still = STILL * np.max(np.abs(rates), axis=0, initial=0.0) + TINY
+    sizes = np.hypot(rates, still)
+    changes = np.diff(rates, axis=0)
+    steady = np.abs(changes) <= still
+    middle = (rates[:-1] + rates[1:]) / 2
+    quotient = np.diff(sizes, axis=0) / np.where(steady, 1.0, changes)
+    found: Array = np.where(steady, middle / np.hypot(middle, still), quotient)
+    return found
