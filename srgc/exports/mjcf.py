@@ -24,6 +24,12 @@ LIGHTEST = 1e-15
 """It refuses lighter moving bodies (mjMINVAL)."""
 LONGEST_STEP = Fraction(1, 1000)
 """Of the simulation, in seconds."""
+HARD = (0.9999, 0.9999)
+"""How hard dry friction is: as much so as MuJoCo takes it, from the first creep on.
+
+With its time constant, of two steps, that comes next to the law that the sign of the rate alone
+decides: friction changes its sign two steps early at most, not twenty, and joints at rest stay.
+"""
 JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
 
 
@@ -58,6 +64,7 @@ class _Writer:
         self.tools = robot.tree.tools()
         self.order: list[int] = []
         self.hulls: dict[tuple[float, ...], str] = {}
+        self.timestep = float(robot.step / substeps(robot.step))
 
     def document(self) -> str:
         robot, xml = self.robot, self.xml
@@ -68,8 +75,7 @@ class _Writer:
         xml.open("mujoco", model=robot.name)
         # inertiafromgeom: geoms are for the eye alone.
         xml.element("compiler", angle="radian", inertiafromgeom="false", balanceinertia="false")
-        timestep = float(robot.step / count)
-        xml.open("option", timestep=timestep, integrator="RK4", gravity=robot.gravity)
+        xml.open("option", timestep=self.timestep, integrator="RK4", gravity=robot.gravity)
         xml.element("flag", contact="disable")
         xml.close()
         self.meshes()
@@ -156,16 +162,20 @@ class _Writer:
 
     def joint(self, item: _BodyJoint) -> None:
         joint, place = item.joint, item.place
-        name, damping = self.robot.names.joints[joint.dof], self.robot.dampings[joint.dof]
+        name, drive = self.robot.names.joints[joint.dof], self.robot.drives[joint.dof]
         limits: dict[str, Value] = {"limited": "false"}
         if joint.range is not None:
             if not joint.range[0] < joint.range[1]:
                 raise ValueError(f"MuJoCo takes no range of one value, and {name} has such a range")
             limits = {"limited": "true", "range": joint.range}
-        if damping:
-            limits["damping"] = damping
-        if armature := self.robot.armature(joint.dof):
-            limits["armature"] = armature
+        if drive.damping:
+            limits["damping"] = drive.damping
+        if drive.armature:
+            limits["armature"] = drive.armature
+        if drive.friction:
+            limits["frictionloss"] = drive.friction
+            limits["solreffriction"] = (2 * self.timestep, 1)
+            limits["solimpfriction"] = HARD
         self.xml.element(
             "joint",
             name=name,
