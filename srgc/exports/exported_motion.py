@@ -216,6 +216,8 @@ def _efforts(
     mass = numeric.mass_matrix(q, theta)
     inertial: Array = (mass @ acceleration[:, :, None])[:, :, 0]
     drives = joint_drives(design.model, design.stated)
+    # Where a joint rests, dry friction is against what it is about to do.
+    way = np.sign(np.where(v == 0, acceleration, v))
     friction: Array = np.array([drive.damping for drive in drives]) * v
-    friction += np.array([drive.friction for drive in drives]) * np.sign(v)
+    friction += np.array([drive.friction for drive in drives]) * way
     return inertial + bias + friction

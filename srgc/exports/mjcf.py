@@ -24,12 +24,13 @@ LIGHTEST = 1e-15
 """It refuses lighter moving bodies (mjMINVAL)."""
 LONGEST_STEP = Fraction(1, 1000)
 """Of the simulation, in seconds."""
-HARD = (0.9999, 0.9999)
-"""How hard dry friction is: as much so as MuJoCo takes it, from the first creep on.
+AT_ONCE = (1e-9, 1.0)
+"""Time constant (s) and damping ratio of dry friction: MuJoCo makes two steps of it (refsafe).
 
-With its time constant, of two steps, that comes next to the law that the sign of the rate alone
-decides: friction changes its sign two steps early at most, not twenty, and joints at rest stay.
+So friction changes its sign with the rate, two steps early at most; else it is 20 ms.
 """
+HARD = (0.9999, 0.9999)
+"""As hard as MuJoCo takes dry friction, from the first creep on: what sticks does not move."""
 JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
 
 
@@ -64,7 +65,6 @@ class _Writer:
         self.tools = robot.tree.tools()
         self.order: list[int] = []
         self.hulls: dict[tuple[float, ...], str] = {}
-        self.timestep = float(robot.step / substeps(robot.step))
 
     def document(self) -> str:
         robot, xml = self.robot, self.xml
@@ -75,7 +75,8 @@ class _Writer:
         xml.open("mujoco", model=robot.name)
         # inertiafromgeom: geoms are for the eye alone.
         xml.element("compiler", angle="radian", inertiafromgeom="false", balanceinertia="false")
-        xml.open("option", timestep=self.timestep, integrator="RK4", gravity=robot.gravity)
+        timestep = float(robot.step / count)
+        xml.open("option", timestep=timestep, integrator="RK4", gravity=robot.gravity)
         xml.element("flag", contact="disable")
         xml.close()
         self.meshes()
@@ -174,8 +175,7 @@ class _Writer:
             limits["armature"] = drive.armature
         if drive.friction:
             limits["frictionloss"] = drive.friction
-            limits["solreffriction"] = (2 * self.timestep, 1)
-            limits["solimpfriction"] = HARD
+            limits |= {"solreffriction": AT_ONCE, "solimpfriction": HARD}
         self.xml.element(
             "joint",
             name=name,

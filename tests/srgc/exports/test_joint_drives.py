@@ -17,8 +17,10 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from srgc.results.found_design import found_design
 from tests.conftest import srgc_process
 from tests.oracles import geared_arm as arm
+from tests.oracles import result_files
 from tests.oracles.mujoco_dynamics import of_file
 from tests.oracles.robots import evaluate
+from tests.oracles.small_specs import replaced
 from tests.srgc.conftest import Ran
 
 Export = Callable[..., Ran]
@@ -77,11 +79,17 @@ def test_the_inverse_dynamics_of_mujoco_are_ours(
         close(data.qfrc_inverse + data.qfrc_constraint, due)
 
 
-def spun(srgc: Export, folder: Path, torques: list[tuple[float, float]]) -> tuple[float, float]:
-    """The angle and rate in MuJoCo after torques have been held for so many seconds each."""
+def spun(
+    srgc: Export, folder: Path, torques: list[tuple[float, float]], shorter: int = 1
+) -> tuple[float, float]:
+    """The angle and rate in MuJoCo after torques have been held for so many seconds each.
+
+    In steps that are so many times ``shorter`` than those of the file.
+    """
     path = folder / "wheel.xml"
     assert srgc("export", folder, "--to", "mjcf", "-o", path) == Ran(0, "", "")
     model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.timestep /= shorter
     data = mujoco.MjData(model)
     for torque, seconds in torques:
         data.ctrl[:] = torque
@@ -89,20 +97,39 @@ def spun(srgc: Export, folder: Path, torques: list[tuple[float, float]]) -> tupl
     return float(data.qpos[0]), float(data.qvel[0])
 
 
-def test_a_disc_turns_back_against_its_friction_as_it_should(srgc: Export, tmp_path: Path) -> None:
+@pytest.mark.parametrize("shorter", [1, 10])
+def test_a_disc_turns_back_against_its_friction_as_it_should(
+    srgc: Export, tmp_path: Path, shorter: int
+) -> None:
     """By hand: 1.5 a = u - 1.2 forwards, u + 1.2 backwards; the change of sign takes two steps."""
-    angle, rate = spun(srgc, arm.flywheel(tmp_path / "out"), [(4, 1), (-2.5, 2)])
+    folder = arm.flywheel(tmp_path / "out")
+    angle, rate = spun(srgc, folder, [(4, 1), (-2.5, 2)], shorter)
     faster, slower, back = 2.8 / 1.5, 3.7 / 1.5, 1.3 / 1.5
     rests = faster / slower
-    assert rate == pytest.approx(-back * (2 - rests), abs=2e-3)
+    assert rate == pytest.approx(-back * (2 - rests), abs=2e-3 / shorter)
     reached = faster / 2 + faster**2 / slower / 2
-    assert angle == pytest.approx(reached - back * (2 - rests) ** 2 / 2, abs=2e-3)
+    assert angle == pytest.approx(reached - back * (2 - rests) ** 2 / 2, abs=2e-3 / shorter)
 
 
 def test_a_torque_below_the_friction_moves_nothing(srgc: Export, tmp_path: Path) -> None:
     angle, rate = spun(srgc, arm.flywheel(tmp_path / "out"), [(1.1, 2), (-1.1, 2)])
     assert abs(angle) < 1e-6
     assert abs(rate) < 1e-6
+
+
+def test_a_plain_motor_has_to_give_dry_friction_too(srgc: Export, tmp_path: Path) -> None:
+    """Where a module's own dynamics are left out: by hand, 1.5 a and 1.2 against the motion."""
+    given = ";\n  input t in [-9, 9] N*m; torque(q) = t;"
+    spec = replaced(arm.FLYWHEEL, " effort <= 9 N*m;", given)
+    folder = arm.flywheel(tmp_path / "out", spec)
+    rows = [["4"]] * 5 + [["-6"]] * 5
+    result_files.alter(folder, lambda claim: claim.update(inputs=rows), sign=True)
+    motion = json.loads(srgc("export", folder, "--to", "json").out)
+    velocity, acceleration = (np.array(motion[key]) for key in ("velocity", "acceleration"))
+    assert velocity.min() < 0 < velocity.max()
+    way = np.sign(velocity)
+    way[0] = 1
+    np.testing.assert_allclose(motion["effort"], 1.5 * acceleration + 1.2 * way, rtol=1e-12)
 
 
 # --- URDF and the file beside it -----------------------------------------------------------------
@@ -185,7 +212,7 @@ def test_a_urdf_that_is_printed_has_nothing_beside_it(srgc: Export, folder: Path
 
 
 def test_dry_friction_alone_needs_no_file(srgc: Export, tmp_path: Path) -> None:
-    spec = arm.FLYWHEEL.replace("gear 100 rotor 1e-4 kg*m^2 ", "")
+    spec = replaced(arm.FLYWHEEL, "gear 100 rotor 1e-4 kg*m^2 ", "")
     folder = arm.flywheel(tmp_path / "out", spec)
     urdf, beside = tmp_path / "a.b.urdf", tmp_path / "a.b.joints.json"
     assert srgc("export", folder, "--to", "urdf", "-o", urdf) == Ran(0, "", "")
@@ -198,8 +225,8 @@ def test_dry_friction_alone_needs_no_file(srgc: Export, tmp_path: Path) -> None:
 
 
 def test_an_acceleration_alone_needs_one(srgc: Export, tmp_path: Path) -> None:
-    spec = arm.FLYWHEEL.replace("effort <= 9", "accel <= 3 rad/s^2 effort <= 9")
-    spec = spec.replace("  drive q: gear 100 rotor 1e-4 kg*m^2 coulomb 1.2 N*m; }", "}")
+    spec = replaced(arm.FLYWHEEL, "effort <= 9", "accel <= 3 rad/s^2 effort <= 9")
+    spec = replaced(spec, "  drive q: gear 100 rotor 1e-4 kg*m^2 coulomb 1.2 N*m; }", "}")
     folder = arm.flywheel(tmp_path / "out", spec)
     # Into the result folder itself, whose results have other names.
     assert srgc("export", folder, "--to", "urdf", "-o", folder / "arm.urdf").status == 0
