@@ -65,6 +65,6 @@ def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int
         click.echo(f"note: {note}", err=True)
     if written.content is not None:
         click.echo(written.content, nl=False)
-    elif form in FOLDERS:
+    elif form in FOLDERS or len(written.files) > 1:
         click.echo("".join(f"{path}\n" for path in written.files), nl=False)
     return 0

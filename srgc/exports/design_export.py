@@ -10,6 +10,7 @@ from pathlib import Path
 from srgc.exports.controller_files import CONTROLLER_FILES, C, controller_files
 from srgc.exports.exported_motion import ExportedMotion, exported_motion
 from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
+from srgc.exports.joint_file import SUFFIX, UNSAID, joints_json
 from srgc.exports.mjcf import mjcf_text
 from srgc.exports.motion_formats import (
     gain_table,
@@ -39,6 +40,7 @@ FILE_NAMES = {
     "ros2": "trajectory.yaml",
     "npz": "trajectory.npz",
 }
+JOINTS = f"robot{SUFFIX}"
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
 FORMS = (*ROBOTS, *MOTIONS)
 FOLDERS = ("mujoco", "controller", "all")
@@ -47,7 +49,7 @@ REPLAYED = (FILE_NAMES["mjcf"], FILE_NAMES["csv"], TORQUES, GAINS, SCRIPT)
 FOLDER_FILES = {
     "mujoco": REPLAYED,
     "controller": CONTROLLER_FILES,
-    "all": tuple(dict.fromkeys((*FILE_NAMES.values(), *CONTROLLER_FILES, *REPLAYED))),
+    "all": tuple(dict.fromkeys((*FILE_NAMES.values(), JOINTS, *CONTROLLER_FILES, *REPLAYED))),
 }
 
 
@@ -71,7 +73,7 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
         UsageFault: the format cannot hold it.
     """
     if form in ROBOTS:
-        return _robot_text(design, form).encode()
+        return _robot_text(design, ROBOTS[form]).encode()
     motion = exported_motion(design)
     if form == "ros2":
         return joint_trajectory(motion, efforts=efforts).encode()
@@ -98,9 +100,11 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     notes = list(remarks(design))
     for name in ROBOTS:
         try:
-            found[FILE_NAMES[name]] = _robot_text(design, name).encode()
+            found[FILE_NAMES[name]] = _robot_text(design, ROBOTS[name]).encode()
         except UsageFault as fault:
             notes.append(f"no {FILE_NAMES[name]}: {fault}")
+    if FILE_NAMES["urdf"] in found and (joints := _robot_text(design, joints_json)):
+        found[JOINTS] = joints.encode()
     try:
         found |= _replayed(design, motion)
     except UsageFault as fault:
@@ -125,7 +129,7 @@ def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
     others = left_out(design)
     if others is not None:
         raise UsageFault(f"MJCF does not hold {others}, so held torques do not move it as planned")
-    return _robot_text(design, "mjcf", factors)
+    return _robot_text(design, mjcf_text, factors)
 
 
 def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
@@ -140,9 +144,11 @@ def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
     }
 
 
-def _robot_text(design: FoundDesign, form: str, factors: Sequence[float] = ()) -> str:
+def _robot_text(
+    design: FoundDesign, write: Callable[[ExportedRobot], str], factors: Sequence[float] = ()
+) -> str:
     try:
-        return ROBOTS[form](exported_robot(design, factors))
+        return write(exported_robot(design, factors))
     except ValueError as error:
         raise UsageFault(f"the robot cannot be exported: {error}") from None
 
@@ -172,7 +178,7 @@ def written_export(
         folder: one that ``synth`` has written, with the verdict found.
         form: one of the ``FORMS`` or ``FOLDERS``.
         output: the file to write, or for ``FOLDERS`` the folder, which is made; None: nothing is
-            written.
+            written. Beside ``arm.urdf`` there may be ``arm.joints.json``.
         efforts: whether a ROS 2 message has efforts.
 
     Raises:
@@ -182,14 +188,26 @@ def written_export(
     """
     if form in FOLDERS:
         return _written_folder(folder, form, output)
-    file = None if output is None else folder_output(folder, output)
+    if output is None:
+        design = found_design(folder)
+        content = export_bytes(design, form, efforts=efforts)
+        unsaid = (UNSAID,) if form == "urdf" and _robot_text(design, joints_json) else ()
+        return WrittenExport((), content, (*remarks(design), *unsaid))
+    paths = (output, output.parent / f"{output.stem}{SUFFIX}") if form == "urdf" else (output,)
+    files = [folder_output(folder, path) for path in paths]
     design = found_design(folder)
-    content = export_bytes(design, form, efforts=efforts)
-    notes = remarks(design)
-    if file is None:
-        return WrittenExport((), content, notes)
-    file.write(content)
-    return WrittenExport((file.path,), None, notes)
+    contents = [export_bytes(design, form, efforts=efforts)]
+    if form == "urdf" and (joints := _robot_text(design, joints_json)):
+        contents.append(joints.encode())
+    for file, content in zip(files, contents, strict=False):
+        file.write(content)
+    left = [path for path in paths[len(contents) :] if path.exists()]
+    notes = (*remarks(design), *map(_of_an_earlier_export, left))
+    return WrittenExport(paths[: len(contents)], None, notes)
+
+
+def _of_an_earlier_export(path: Path) -> str:
+    return f"{path} is of an earlier export: remove it"
 
 
 def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExport:
@@ -207,5 +225,5 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
     # Gains or single precision of another design, say, would be taken for this one's.
     other = sorted({*FOLDER_FILES[form]} - made.files.keys())
     left = [name for name in other if (output / name).exists()]
-    notes = (*made.notes, *(f"{output / name} is of an earlier export: remove it" for name in left))
+    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left))
     return WrittenExport(tuple(output / name for name in sorted(made.files)), None, notes)

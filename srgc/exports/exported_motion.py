@@ -17,7 +17,8 @@ from grammar_lang.ir.constants import to_float
 from solvers.trajectory.fine_motion import fine_motion
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import CertificateError, exact
-from srgc.exports.exported_robot import dampings, design_names, design_tree, left_out
+from srgc.exports.exported_robot import design_names, design_tree, left_out
+from srgc.exports.joint_drives import joint_drives
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
 
@@ -214,5 +215,9 @@ def _efforts(
     )
     mass = numeric.mass_matrix(q, theta)
     inertial: Array = (mass @ acceleration[:, :, None])[:, :, 0]
-    friction: Array = np.array(dampings(design)) * v
+    drives = joint_drives(design.model, design.stated)
+    # Where a joint rests, dry friction is against what it is about to do.
+    way = np.sign(np.where(v == 0, acceleration, v))
+    friction: Array = np.array([drive.damping for drive in drives]) * v
+    friction += np.array([drive.friction for drive in drives]) * way
     return inertial + bias + friction

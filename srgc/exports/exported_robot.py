@@ -9,11 +9,11 @@ from fractions import Fraction
 from compiler.expressions.exact_numbers import rational_bounds
 from compiler.rigid_links.rigid_tree import LinkJoint, RigidTree, RigidTreeError, rigid_tree
 from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
-from compiler.robots.robot import OwnDynamics, RobotModel
+from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
-from grammar_lang.ir.constants import to_float
+from srgc.exports.joint_drives import JointDrive, joint_drives, viscous_friction
 from srgc.results.found_design import FoundDesign
 from srgc.version import VERSION
 
@@ -163,99 +163,7 @@ def design_names(design: FoundDesign, tree: RigidTree | None) -> PartNames:
     return part_names(design.model, tree, graph, modules, tools)
 
 
-# --------------------------------------------------------------------------------------------------
-# What of the modules' own dynamics other formats can hold: viscous friction, and nothing else.
-#
-# That is torque(q) = u - b rate(q).
-
-
-@dataclass(frozen=True, slots=True)
-class _Linear:
-    """``constant + effort * u + rate * rate(q)``, exactly."""
-
-    constant: Fraction
-    effort: Fraction = Fraction(0)
-    rate: Fraction = Fraction(0)
-
-    @property
-    def number(self) -> Fraction | None:
-        """The value, if it is one."""
-        return None if self.effort or self.rate else self.constant
-
-    def plus(self, other: _Linear, factor: int) -> _Linear:
-        """The sum with ``factor`` times another."""
-        return _Linear(
-            self.constant + factor * other.constant,
-            self.effort + factor * other.effort,
-            self.rate + factor * other.rate,
-        )
-
-    def times(self, factor: Fraction) -> _Linear:
-        """All of it times a number."""
-        return _Linear(self.constant * factor, self.effort * factor, self.rate * factor)
-
-
-def viscous_friction(own: OwnDynamics, theta: Sequence[Fraction]) -> dict[int, Fraction] | None:
-    """The damping b >= 0 (SI) of each degree of freedom that a module's own dynamics act on.
-
-    None if they are anything else for parameters with these values, or are not rational.
-    """
-    values = {name: theta[index] for name, index in own.parameters}
-    found: dict[int, Fraction] = {}
-    for torque in own.torques:
-        read = _linear(torque.value, torque.dof, values)
-        if read is None or read.constant != 0 or read.effort != 1 or read.rate > 0:
-            return None
-        found[own.bound_dofs[torque.dof]] = -read.rate
-    return found
-
-
-def _linear(expression: ir.Expr, dof: str, values: dict[str, Fraction]) -> _Linear | None:
-    """An expression as a linear one in the input and the rate of a degree of freedom."""
-    match expression:
-        case ir.Num(value):
-            return _Linear(value)
-        case ir.ParameterOf(_, name):
-            return _Linear(values[name])
-        case ir.EffortOf(_, name) if name == dof:
-            return _Linear(Fraction(0), effort=Fraction(1))
-        case ir.RateOf(_, name) if name == dof:
-            return _Linear(Fraction(0), rate=Fraction(1))
-        case ir.Unary("neg", operand):
-            inner = _linear(operand, dof, values)
-            return None if inner is None else inner.times(Fraction(-1))
-        case ir.Binary(operator, left, right):
-            a, b = _linear(left, dof, values), _linear(right, dof, values)
-            return None if a is None or b is None else _combined(operator, a, b)
-        case _:
-            return None
-
-
-def _combined(operator: str, a: _Linear, b: _Linear) -> _Linear | None:
-    """An operation on two linear expressions, if the result is one."""
-    if operator in ("+", "-"):
-        return a.plus(b, 1 if operator == "+" else -1)
-    left, right = a.number, b.number
-    if operator == "*" and left is not None:
-        return b.times(left)
-    if right is None:
-        return None
-    if operator == "*":
-        return a.times(right)
-    if operator == "/" and right:
-        return a.times(1 / right)
-    if operator == "^" and left:
-        return _Linear(left ** int(right))
-    return None
-
-
-def dampings(design: FoundDesign) -> tuple[float, ...]:
-    """The viscous friction of every degree of freedom that has no other dynamics of its own."""
-    found = [0.0] * len(design.model.dofs)
-    for own in design.model.own:
-        for dof, damping in (viscous_friction(own, design.stated) or {}).items():
-            found[dof] = float(damping)
-    return tuple(found)
+# --- What of the modules' own dynamics other formats do not hold ----------------------------------
 
 
 def left_out(design: FoundDesign) -> str | None:
@@ -288,12 +196,11 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
         tree,
         design_names(design, tree),
         tuple(motor_bound(model, task, dof) for dof in range(len(model.dofs))),
-        dampings(design),
+        joint_drives(model, design.stated),
         (gravity[0], gravity[1], gravity[2]),
         task.step,
         tuple(float(value) for value in coordinates),
         (*origin(design), *plane, *remarks(design)),
-        tuple(0.0 if dof.inertia is None else to_float(dof.inertia) for dof in model.dofs),
     )
 
 
@@ -328,16 +235,13 @@ def origin(design: FoundDesign) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """A joint by its name, the number of the link that it carries, and the bound of its effort.
-
-    ``damping`` is its viscous friction (N m s or N s/m).
-    """
+    """A joint by its name, the number of the link that it carries, and the bound of its effort."""
 
     name: str
     link: int
     joint: LinkJoint
     bound: float | None
-    damping: float
+    drive: JointDrive
 
 
 @dataclass(frozen=True, slots=True)
@@ -345,30 +249,23 @@ class ExportedRobot:
     """A robot with the numbers of its task.
 
     ``efforts`` are the bounds of the motors by degree of freedom (N m, N), None without one, and
-    ``dampings`` the viscous friction of the joints (N m s, N s/m), 0 without, ``armatures`` the
-    inertias of their rotors as they feel them (kg m^2, kg);
-    ``gravity`` is in m/s^2, ``step`` that of the task in seconds; ``start`` holds coordinates and
-    rates, or nothing; ``remarks`` are lines for a reader.
+    ``drives`` what else drives them; ``gravity`` is in m/s^2, ``step`` that of the task in
+    seconds; ``start`` holds coordinates and rates, or nothing; ``remarks`` are lines for a reader.
     """
 
     name: str
     tree: RigidTree
     names: PartNames
     efforts: tuple[float | None, ...]
-    dampings: tuple[float, ...]
+    drives: tuple[JointDrive, ...]
     gravity: tuple[float, float, float]
     step: Fraction
     start: tuple[float, ...]
     remarks: tuple[str, ...]
-    armatures: tuple[float, ...] = ()
-
-    def armature(self, dof: int) -> float:
-        """The inertia of the rotor of a degree of freedom as it feels it (kg m^2, kg)."""
-        return self.armatures[dof] if self.armatures else 0.0
 
     def motors(self) -> Iterator[Motor]:
         """The motors in the order of the degrees of freedom."""
         for link, joint in self.tree.carried():
             dof = joint.dof
-            name, damping = self.names.joints[dof], self.dampings[dof]
-            yield Motor(name, link, joint, self.efforts[dof], damping)
+            name, drive = self.names.joints[dof], self.drives[dof]
+            yield Motor(name, link, joint, self.efforts[dof], drive)

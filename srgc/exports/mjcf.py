@@ -24,6 +24,13 @@ LIGHTEST = 1e-15
 """It refuses lighter moving bodies (mjMINVAL)."""
 LONGEST_STEP = Fraction(1, 1000)
 """Of the simulation, in seconds."""
+AT_ONCE = (1e-9, 1.0)
+"""Time constant (s) and damping ratio of dry friction: MuJoCo makes two steps of it (refsafe).
+
+So friction changes its sign with the rate, two steps early at most; else it is 20 ms.
+"""
+HARD = (0.9999, 0.9999)
+"""As hard as MuJoCo takes dry friction, from the first creep on: what sticks does not move."""
 JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
 
 
@@ -156,16 +163,19 @@ class _Writer:
 
     def joint(self, item: _BodyJoint) -> None:
         joint, place = item.joint, item.place
-        name, damping = self.robot.names.joints[joint.dof], self.robot.dampings[joint.dof]
+        name, drive = self.robot.names.joints[joint.dof], self.robot.drives[joint.dof]
         limits: dict[str, Value] = {"limited": "false"}
         if joint.range is not None:
             if not joint.range[0] < joint.range[1]:
                 raise ValueError(f"MuJoCo takes no range of one value, and {name} has such a range")
             limits = {"limited": "true", "range": joint.range}
-        if damping:
-            limits["damping"] = damping
-        if armature := self.robot.armature(joint.dof):
-            limits["armature"] = armature
+        if drive.damping:
+            limits["damping"] = drive.damping
+        if drive.armature:
+            limits["armature"] = drive.armature
+        if drive.friction:
+            limits["frictionloss"] = drive.friction
+            limits |= {"solreffriction": AT_ONCE, "solimpfriction": HARD}
         self.xml.element(
             "joint",
             name=name,

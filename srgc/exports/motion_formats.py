@@ -23,6 +23,7 @@ from compiler.rigid_links.rigid_tree import PRECISION
 from grammar_lang import ir
 from srgc.exports.exported_motion import ExportedMotion, Quantity, free_inputs
 from srgc.exports.exported_robot import motor_bound, origin, remarks
+from srgc.exports.joint_drives import joint_drives
 from srgc.exports.xml_lines import plain_line
 from srgc.faults import UsageFault
 
@@ -76,6 +77,7 @@ def _parts(motion: ExportedMotion) -> Iterator[tuple[str, str]]:
 
 def _joints(motion: ExportedMotion) -> Iterator[dict[str, Any]]:
     model, task = motion.design.model, motion.design.task
+    drives = joint_drives(model, motion.design.stated)
     for number, (joint, effort) in enumerate(zip(motion.joints, motion.efforts, strict=True)):
         dof = model.dofs[number]
         yield {
@@ -87,6 +89,7 @@ def _joints(motion: ExportedMotion) -> Iterator[dict[str, Any]]:
             "effort_unit": effort.unit,
             "range": _bounds(dof.range),
             "rate": _bounds(dof.rate),
+            "acceleration": drives[number].acceleration,
             "effort": motor_bound(model, task, number),
         }
 

@@ -130,10 +130,13 @@ class _Writer:
         else:
             lower, upper = joint.range or (-UNLIMITED, UNLIMITED)
             self.xml.element("limit", lower=lower, upper=upper, effort=most, velocity=speed)
-        if motor.damping:
-            self.xml.element("dynamics", damping=motor.damping)
-        if rotor := self.robot.armature(joint.dof):
-            self.xml.comment(f"the rotor adds {rotor!r} in SI units to M, which URDF cannot say")
+        drive = motor.drive
+        friction = {"damping": drive.damping, "friction": drive.friction}
+        if any(friction.values()):
+            self.xml.element("dynamics", **{key: value for key, value in friction.items() if value})
+        if drive.armature:
+            rotor = f"the rotor adds {drive.armature!r} in SI units to M, which URDF cannot say"
+            self.xml.comment(rotor)
         self.xml.close()
 
     def effector(self, number: int, parent: str, pose: Pose) -> None:

@@ -9,6 +9,7 @@ from compiler.rigid_links.rigid_tree import rigid_tree
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir
 from srgc.exports.exported_robot import ExportedRobot, PartNames
+from srgc.exports.joint_drives import joint_drives
 from tests.oracles.robots import Builder, interval
 
 PLANAR: tuple[ir.Axis, ...] = ("x", "-x", "y", "-y")
@@ -101,5 +102,5 @@ def exported(
         tuple(f"e{i + 1}" for i in range(len(model.effectors))),
     )
     x, y, z = [*(float(value) for value in gravity), 0.0, 0.0, 0.0][:3]
-    efforts, dampings = (None,) * len(model.dofs), (0.0,) * len(model.dofs)
-    return ExportedRobot("robot", tree, names, efforts, dampings, (x, y, z), Fraction(1, 8), (), ())
+    efforts, drives = (None,) * len(model.dofs), joint_drives(model, theta)
+    return ExportedRobot("robot", tree, names, efforts, drives, (x, y, z), Fraction(1, 8), (), ())

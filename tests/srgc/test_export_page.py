@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from srgc.cli import run
-from tests.oracles import pages
+from tests.oracles import geared_arm, pages
 from tests.oracles.found_folders import claim_found
 from tests.oracles.small_specs import TURNER, replaced
 from tests.srgc.conftest import ROOT
@@ -27,7 +29,7 @@ NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 def program() -> tuple[str, str]:
     """The program of the page and what it prints."""
     blocks = pages.blocks(PAGE)
-    (number,) = (i for i, block in enumerate(blocks) if block.kind == "python")
+    (number,) = (i for i, block in enumerate(blocks) if block.kind == "python" and not block.name)
     assert blocks[number + 1].kind == "text"
     return blocks[number].body, blocks[number + 1].body
 
@@ -45,6 +47,38 @@ def test_the_program_replays_a_robot_that_cannot_move(
     content, output = program()
     exec(compile(content, "export.md", "exec"), {})
     assert capsys.readouterr().out == output
+
+
+def test_the_file_beside_a_urdf_is_as_shown(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "how-to" / "drives.md").read_text(encoding="utf-8")
+    word = "Base Shoulder Tube Elbow Tube Hook"
+    folder = claim_found(tmp_path / "out", pages.files(page)["lifter.srg"], word, ["0.5", "0.3"])
+    assert run(["export", str(folder), "--to", "urdf", "-o", str(tmp_path / "arm.urdf")]) == 0
+    written = (tmp_path / "arm.joints.json").read_text(encoding="utf-8")
+    [shown] = [block.body for block in pages.blocks(PAGE) if block.kind == "json"]
+    assert json.loads(shown)["about"][0] == json.loads(written)["about"][0]
+    assert shown.partition(' "joint_limits"')[2] == written.partition(' "joint_limits"')[2]
+
+
+@pytest.mark.slow
+def test_pinocchio_gets_what_is_beside_a_urdf(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = geared_arm.geared_arm(tmp_path / "out")
+    assert run(["export", str(folder), "--to", "urdf", "-o", "arm.urdf"]) == 0
+    names: dict[str, Any] = {}
+    exec(pages.files(PAGE)["arm_in_pinocchio.py"], names)
+    model = names["model"]
+    assert list(model.gravity.linear) == [0, 0, -9.81]
+    places = [model.idx_vs[model.getJointId(name)] for name in geared_arm.JOINTS]
+    for found, expected in (
+        (model.armature, geared_arm.ARMATURE),
+        (model.damping, geared_arm.VISCOUS),
+        (model.friction, geared_arm.COULOMB),
+    ):
+        assert found[places] == pytest.approx(expected, rel=1e-15)
+    assert (list(model.rotorInertia), list(model.rotorGearRatio)) == ([0] * 4, [1] * 4)
 
 
 def test_the_script_prints_what_the_page_shows(

@@ -8,7 +8,7 @@ import pytest
 
 from compiler.robots.robot import OwnDynamics
 from grammar_lang import ir
-from srgc.exports.exported_robot import viscous_friction
+from srgc.exports.joint_drives import viscous_friction
 
 U, RATE = ir.EffortOf(ir.THIS, "q"), ir.RateOf(ir.THIS, "q")
 TENTH = ir.Num(Fraction(1, 10))

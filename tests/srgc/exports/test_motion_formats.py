@@ -185,7 +185,8 @@ def test_json_says_what_the_joints_are(srgc: Export, tmp_path: Path) -> None:
     turn, hinge, slide = document["joints"]
     assert turn == {
         "name": "V_2", "symbols": [2], "kind": "revolute", "axis": "z", "unit": "rad",
-        "effort_unit": "N*m", "range": None, "rate": None, "effort": 7.0,
+        "effort_unit": "N*m", "range": None, "rate": None, "acceleration": None,
+        "effort": 7.0,
     }  # fmt: skip
     assert hinge["range"] == [-np.pi / 2, np.pi / 4]
     assert hinge["rate"] == [-1.0, 2.0]

@@ -1,0 +1,69 @@
+"""What of its joints URDF has no place for, as a file beside it: rotors, accelerations.
+
+The file is JSON, which is YAML, too.  ``joint_limits`` is in it as in the file of that name of
+MoveIt, where it adds to a URDF or replaces what that says of joints; ``drives`` has for each joint
+what libraries of dynamics keep in arrays.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+
+from srgc.exports.exported_robot import ExportedRobot, Motor
+from srgc.exports.xml_lines import plain_line
+
+FORMAT = "srgc joints 1"
+SUFFIX = ".joints.json"
+"""In place of the suffix of the URDF."""
+UNSAID = (
+    "URDF has no place for rotors and limits of accelerations; "
+    "name a file with -o, and a file beside it has them"
+)
+
+
+def joints_json(robot: ExportedRobot) -> str:
+    """The document, a line per joint, in SI units; empty where URDF says all of the robot.
+
+    Keys are the names of joints in the URDF.  Velocities have the larger of two bounds, as there.
+    """
+    if not any(each.armature or each.acceleration is not None for each in robot.drives):
+        return ""
+    about = [plain_line(remark) for remark in robot.remarks]
+    parts = [f' "format": {_text(FORMAT)}', f' "about": {_text(about)}']
+    for key, entries in (("joint_limits", _limits), ("drives", _drive)):
+        rows = [f"  {_text(motor.name)}: {_row(dict(entries(motor)))}" for motor in robot.motors()]
+        parts.append(f' "{key}": {{\n' + ",\n".join(rows) + "\n }")
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def _limits(motor: Motor) -> Iterator[tuple[str, float]]:
+    """What MoveIt would otherwise take from the URDF, where each joint has some velocity."""
+    rate, most = motor.joint.rate, motor.drive.acceleration
+    yield "has_velocity_limits", rate is not None
+    if rate is not None:
+        yield "max_velocity", max(abs(end) for end in rate)
+    yield "has_acceleration_limits", most is not None
+    if most is not None:
+        yield "max_acceleration", most
+
+
+def _drive(motor: Motor) -> Iterator[tuple[str, float]]:
+    drive = motor.drive
+    yield "armature", drive.armature
+    yield "damping", drive.damping
+    yield "friction", drive.friction
+
+
+def _row(entries: Mapping[str, float]) -> str:
+    return "{" + ", ".join(f"{_text(key)}: {_number(entries[key])}" for key in entries) + "}"
+
+
+def _number(value: float) -> str:
+    """A double, or a truth value, as JSON and YAML 1.1 read it: 1e-05 is a text in the latter."""
+    return re.sub(r"^(-?\d+)e", r"\1.0e", _text(value))
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
