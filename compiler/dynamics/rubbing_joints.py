@@ -28,6 +28,4 @@ def with_dry_friction(graph: RobotGraph) -> RobotGraph:
     for place, joint in enumerate(rubbing):
         forces[joint] = friction[place]
     added = generalised_forces(graph.coordinates, forces)
-    return replace(
-        graph, parts=replace(p, u=ca.vertcat(p.u, friction), forces=p.forces + added)
-    )
+    return replace(graph, parts=replace(p, u=ca.vertcat(p.u, friction), forces=p.forces + added))

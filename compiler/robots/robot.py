@@ -353,11 +353,6 @@ class RobotModel:
         shapes = [f"shape {number}" for number in range(1, len(self.shapes) + 1)]
         return (*self._uncovered(bodies), *shapes)
 
-    @property
-    def limits_accelerations(self) -> bool:
-        """Whether the acceleration of some joint is bound."""
-        return any(dof.accel is not None for dof in self.dofs)
-
     def _uncovered(self, items: Sequence[Item]) -> Iterator[Item]:
         return (item for number, item in enumerate(items) if number not in self.covered)
 

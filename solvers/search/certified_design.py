@@ -15,10 +15,13 @@ from solvers.search.configuration_search import Configuration
 from solvers.search.constraint_tightening import beyond_loop, missing_margin
 from solvers.search.path_task import Design, motion_of
 from solvers.search.search_state import Answer, Blocked, Cause, Found
+from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
 from solvers.trajectory.friction_inputs import friction_inputs
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.rubbing_motion import rubbing_loop
 from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
+from solvers.trajectory.trajectory import Trajectory
 from solvers.trajectory.visited_cells import cell_names
 from solvers.verifier.claims.claimed_inputs import input_margins
 from solvers.verifier.proofs.checked_condition import decisive
@@ -97,17 +100,30 @@ def certified_design(
             0.0 if spread is None else missing_margin(conditions, spread),
             beyond_loop(conditions),
         )
-    if design.controller is None:
-        trajectory = fine_motion(path_problem.numeric, trajectory, float(task.step))
-    outcome = replace(found.outcome, trajectory=replace(trajectory, u=driven))
-    if design.controller is not None or dry_friction(model):
-        # The search's bounds were tightened by what feedback adds, and inputs against friction.
-        exact = None if design.controller is not None else motion_of(design).inputs
-        margins = input_margins(model, task, exact, conditions)
-        peak = max((float(m.bound.upper) - m.least for m in margins if m.bound.effort), default=0.0)
-        outcome = replace(outcome, effort_peak=peak, robustness=least_share(margins))
-    configuration = replace(found, outcome=outcome)
-    return Found(replace(design, configuration=configuration, conditions=conditions))
+    design = replace(design, conditions=conditions)
+    outcome = _outcome(design, path_problem, replace(trajectory, u=driven), gains)
+    return Found(replace(design, configuration=replace(found, outcome=outcome)))
+
+
+def _outcome(
+    design: Design, path_problem: PathProblem, trajectory: Trajectory, gains: Array | None
+) -> ControlOutcome:
+    """The motion of a proved design: from its reference, and from the ``gains`` of a controller."""
+    numeric, model, task = path_problem.numeric, path_problem.model, path_problem.task
+    rubs = bool(dry_friction(model))
+    if gains is None:
+        trajectory = fine_motion(numeric, trajectory, float(task.step))
+    elif rubs:
+        trajectory = rubbing_loop(numeric, trajectory, gains, float(task.step))
+    outcome = replace(design.configuration.outcome, trajectory=trajectory)
+    if gains is None and not rubs:
+        return outcome
+    # The search's bounds were tightened by what feedback adds, and inputs against friction.
+    exact = motion_of(design).inputs if gains is None else None
+    margins = input_margins(model, task, exact, design.conditions)
+    peaks = (float(m.bound.upper) - m.least for m in margins if m.bound.effort)
+    peak, rho = max(peaks, default=0.0), least_share(margins)
+    return replace(outcome, effort_peak=max(peak, 0.0), robustness=rho)
 
 
 def _decimals(u: Array) -> tuple[tuple[str, ...], ...]:

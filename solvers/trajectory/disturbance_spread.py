@@ -190,7 +190,8 @@ def disturbance_spread(
     by_q = numeric.points(trajectory.x[:, :n], theta).by_q
     points, states = np.zeros(by_q.shape[:2]), np.zeros((k + 1, 2 * n))
     inputs = np.zeros((k, numeric.m))
-    pulled = np.zeros((k, n)) if model.limits_accelerations else None
+    limited = any(dof.accel is not None for dof in model.dofs)
+    pulled = np.zeros((k, n)) if limited else None
     slopes = pulled if pulled is None else _slopes(numeric, trajectory)
     for sample in range(k + 1):
         if loop is not None and sample == loop[0]:

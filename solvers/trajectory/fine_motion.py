@@ -9,12 +9,14 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.robots.state_and_input import dry_friction
 from compiler.tasks.formula_parts import atoms
 from compiler.tasks.sampled_formula import sampled
 from compiler.tasks.word_formula import holds
 from compiler.time_limits.time_limit import is_late
 from compiler.workspaces.polytope import polytope_of
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
+from solvers.trajectory.rubbing_motion import rubbing_motion
 from solvers.trajectory.simulated_motion import SimulatedMotion
 from solvers.trajectory.task_limits import state_limits
 from solvers.trajectory.trajectory import Trajectory
@@ -30,8 +32,10 @@ def fine_motion(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Tra
 
     ``dt`` is the time between samples in seconds.  For tables and pictures, and whoever compares
     with another simulator; no proof rests on it, so that a limit of time leaves the states as fine
-    as they are by then.
+    as they are by then.  With dry friction it goes from event to event.
     """
+    if dry_friction(numeric.graph.model):
+        return replace(trajectory, x=rubbing_motion(numeric, trajectory, dt))
     states, parts = trajectory.x, 1
     while parts <= MOST_PARTS and not is_late():
         finer = _sampled(numeric, trajectory, dt, parts)

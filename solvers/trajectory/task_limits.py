@@ -54,7 +54,7 @@ def acceleration_limits(model: RobotModel) -> Array:
 
     Nothing where no joint has one, (0,).
     """
-    if not model.limits_accelerations:
+    if all(dof.accel is None for dof in model.dofs):
         return np.zeros(0)
     return np.array([np.inf if d.accel is None else to_float(d.accel) for d in model.dofs])
 

@@ -15,6 +15,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.fine_motion import fine_motion
+from solvers.trajectory.rubbing_motion import rates_of_change
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import CertificateError, exact
 from srgc.exports.exported_robot import design_names, design_tree, left_out
@@ -164,7 +165,7 @@ def _integrated(design: FoundDesign) -> ExportedMotion:
     count, n = len(planned.u), len(model.dofs)
     moved = planned_motion(design, numeric)
     held = moved.u[[*range(count), count - 1]]
-    rates = numeric.acceleration(moved.x, held, planned.theta)[0]
+    rates = rates_of_change(numeric, moved.x, held, planned.theta)[:, n:]
     q, v = moved.x[:, :n], moved.x[:, n : 2 * n]
     tips = numeric.points(q, planned.theta).value[:, : len(model.effectors)]
     effort = _efforts(design, numeric, moved.x, rates[:, :n], held, planned.theta)

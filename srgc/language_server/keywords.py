@@ -25,7 +25,9 @@ _MODULE = {
         "`dof NAME: revolute AXIS in [lo, hi] deg rate in [lo, hi] rad/s accel <= a effort <= v;`: "
         "a coordinate with its limits."
     ),
-    "drive": "`drive DOF: gear G rotor J viscous B coulomb C;`: what moves a joint, from its data sheet.",
+    "drive": (
+        "`drive DOF: gear G rotor J viscous B coulomb C;`: what moves a joint, from its data sheet."
+    ),
     "gear": "`gear G`: turns of the rotor per turn of the joint, or rad per metre.",
     "rotor": "`rotor J`: the rotor's own moment of inertia; the joint feels gear^2 times it.",
     "coulomb": "`coulomb C`: dry friction, an effort of this size against the motion, N*m or N.",

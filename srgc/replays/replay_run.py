@@ -15,6 +15,9 @@ from scipy.integrate import solve_ivp
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.robots.state_and_input import dry_friction
+from solvers.trajectory.rubbing_motion import rubbing_motion
+from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.certified_tube import CertifiedTube
 from solvers.verifier.report import Report
 from solvers.verifier.verification import verify_directory
@@ -52,10 +55,15 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         return np.concatenate([x[n : 2 * n], rest])
 
     within = np.linspace(0.0, float(step), INSTANTS + 1)
-    times, states = [0.0], [planned.x[0]]
-    feedback = design.feedback
+    states, feedback, rubs = [planned.x[0]], design.feedback, bool(dry_friction(design.model))
     for number, row in enumerate(planned.u):
         u = row if feedback is None else feedback.commanded(number, row, states[-1])
+        if rubs:
+            held = Trajectory(states[-1][None, :], u[None, :], planned.theta)
+            states += list(rubbing_motion(numeric, held, float(step), INSTANTS)[1:])
+            if not np.isfinite(states[-1]).all():
+                raise UsageFault(f"the integration fails in step {number}")
+            continue
         solution = solve_ivp(
             rate, (0.0, within[-1]), states[-1], "DOP853", within[1:], args=(u,),
             rtol=RELATIVE, atol=ABSOLUTE,
@@ -63,7 +71,7 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         if not solution.success or not np.isfinite(solution.y).all():
             raise UsageFault(f"the integration fails in step {number}: {solution.message}")
         states += list(solution.y.T)
-        times += [float((number + i / Fraction(INSTANTS)) * step) for i in range(1, INSTANTS + 1)]
+    times = [float(i * step / INSTANTS) for i in range(len(states))]
     found = np.array(states)
     tips = numeric.points(found[:, :n], planned.theta).value[:, : len(design.model.effectors)]
     return ReplayedMotion(
