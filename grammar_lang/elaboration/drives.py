@@ -80,24 +80,30 @@ class DriveReader:
             value = self._value(part, dof.kind)
             if value is not None:
                 parts[part.kind] = value
-        gear, rotor = parts.get("gear", ir.Num(Fraction(1))), parts.get("rotor")
+        self._keep(item, dof, parts)
+
+    def _keep(self, item: s.Drive, dof: ir.Dof, parts: Mapping[Kind, ir.Expr]) -> None:
+        """What the parts of a drive are for its degree of freedom."""
+        name, rotor = item.name.text, parts.get("rotor")
+        coulomb = parts.get("coulomb")
+        if coulomb is not None and constants.to_float(coulomb) > 0:
+            dof = replace(dof, coulomb=coulomb)
+        if "viscous" in parts:
+            self.viscous[name] = parts["viscous"]
         if rotor is not None:
             if dof.kind == "prismatic" and "gear" not in parts:
                 message = "the rotor of a prismatic joint needs a `gear`, its turns (rad) per metre"
                 self.sink.error(Code.BAD_VALUE, message, item.span, "add `gear 100 m^-1`")
                 return
+            gear = parts.get("gear", ir.Num(Fraction(1)))
             inertia = ir.Binary("*", ir.Binary("*", gear, gear), rotor)
             if _computable(inertia):
-                self.dofs[name] = replace(dof, inertia=inertia)
+                dof = replace(dof, inertia=inertia)
             else:
                 message = "what the joint feels of its rotor is beyond all computing"
                 hint = f"gear^2 * rotor is zero, or from {SMALLEST:g} to {LARGEST:g} in SI units"
                 self.sink.error(Code.BAD_NUMBER, message, item.span, hint)
-        coulomb = parts.get("coulomb")
-        if coulomb is not None and constants.to_float(coulomb) > 0:
-            self.dofs[name] = replace(self.dofs[name], coulomb=coulomb)
-        if "viscous" in parts:
-            self.viscous[name] = parts["viscous"]
+        self.dofs[name] = dof
 
     def _value(self, part: s.DrivePart, kind: ir.DofKind) -> ir.Expr | None:
         """A number that is not negative, closed, in SI."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.parameter_values import nearest_values
@@ -86,7 +88,7 @@ def certified_design(
     broken = seen_broken(scene, design, path_problem, last=last)
     if broken is not None:
         return broken
-    driven = trajectory.u + friction_inputs(path_problem.numeric, trajectory)
+    driven = _against_friction(path_problem, trajectory, gains)
     design = replace(design, inputs=_decimals(driven))
     watch = replace(watch, brief=path_problem.spread is None, roughly=roughly)
     conditions = prove_motion(scene, motion_of(design), watch)
@@ -103,6 +105,26 @@ def certified_design(
     design = replace(design, conditions=conditions)
     outcome = _outcome(design, path_problem, replace(trajectory, u=driven), gains)
     return Found(replace(design, configuration=replace(found, outcome=outcome)))
+
+
+def _against_friction(
+    path_problem: PathProblem, trajectory: Trajectory, gains: Array | None
+) -> Array:
+    """The inputs (k, m) of a motion with dry friction; the same without.
+
+    In an open loop they are those that feedback would command from sample to sample: where a joint
+    turns back within a step, the mean of its friction alone carries a robot away.
+    """
+    numeric = path_problem.numeric
+    added = friction_inputs(numeric, trajectory)
+    u = trajectory.u + added
+    if gains is not None or not added.any():
+        return u
+    near = replace(trajectory, u=u)
+    followed = rubbing_loop(
+        numeric, near, path_problem.gains(trajectory), float(path_problem.task.step)
+    )
+    return followed.u if np.isfinite(followed.u).all() else u
 
 
 def _outcome(
