@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.parameter_values import nearest_values
@@ -21,7 +19,7 @@ from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
 from solvers.trajectory.friction_inputs import friction_inputs
 from solvers.trajectory.path_following import PathProblem
-from solvers.trajectory.rubbing_motion import rubbing_loop
+from solvers.trajectory.rubbing_motion import rubbing_inputs, rubbing_loop
 from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
 from solvers.trajectory.trajectory import Trajectory
 from solvers.trajectory.visited_cells import cell_names
@@ -117,14 +115,12 @@ def _against_friction(
     """
     numeric = path_problem.numeric
     added = friction_inputs(numeric, trajectory)
-    u = trajectory.u + added
     if gains is not None or not added.any():
-        return u
-    near = replace(trajectory, u=u)
-    followed = rubbing_loop(
-        numeric, near, path_problem.gains(trajectory), float(path_problem.task.step)
+        return trajectory.u + added
+    gains, task = path_problem.gains(trajectory), path_problem.task
+    return rubbing_inputs(
+        numeric, trajectory, added, gains, float(task.step), path_problem.substeps
     )
-    return followed.u if np.isfinite(followed.u).all() else u
 
 
 def _outcome(

@@ -25,6 +25,8 @@ STILL = 1e-11
 SPARE = 1e-12
 """An effort that is held may be so much more than friction, in N m or N, before a joint moves."""
 RELATIVE, ABSOLUTE = 1e-11, 1e-13
+CLOSE, MOST_CORRECTIONS = 1e-9, 6
+"""Rates at the end of a step that are as wanted, in SI; how often inputs are corrected."""
 MOST_EVENTS = 200
 """In a step."""
 
@@ -48,6 +50,53 @@ def rubbing_motion(
         for _ in range(parts):
             states.append(robot.moved(states[-1], u, dt / parts))
     return np.array(states)
+
+
+def rubbing_inputs(
+    numeric: NumericRobot,
+    planned: Trajectory,
+    added: Array,
+    gains: Array,
+    dt: float,
+    substeps: int,
+) -> Array:
+    """Inputs (k, m) under which a robot moves as planned without dry friction, as far as they can.
+
+    A joint that turns back within a step makes what is ``added`` (k, m) against friction too much,
+    or too little: it is changed until rates at the end of each step are what they would be without
+    friction, feedback keeping the motion to the plan.  What is left is of the last rates alone.
+
+    Args:
+        numeric: the robot.
+        planned: a motion without dry friction.
+        added: what its inputs need at least.
+        gains: of feedback from sample to sample, (k, m, N).
+        dt: the time of a step, in seconds.
+        substeps: into how many parts a step is divided without friction.
+    """
+    robot, x = _RubbingRobot(numeric, planned.theta), planned.x[0]
+    n, found = numeric.n, np.array(planned.u)
+    rates = slice(n, 2 * n)
+    for k, wanted in enumerate(planned.x[:-1]):
+        u = planned.u[k] - gains[k] @ (x - wanted)
+        free = numeric.step(x[None, :], u[None, :], planned.theta, dt, substeps)
+        last = k == len(found) - 1
+        target = planned.x[-1, rates] if last else free.value[0, rates]
+        back = np.linalg.pinv(free.input[0, rates])
+        best, u = np.inf, u + added[k]
+        for _ in range(MOST_CORRECTIONS):
+            end = robot.moved(x, u, dt)
+            off = end[rates] - target
+            if not np.max(np.abs(off)) < best:
+                break
+            best, found[k], following = float(np.max(np.abs(off))), u, end
+            if best < CLOSE:
+                break
+            u = u - back @ off
+        if not np.isfinite(best):
+            return planned.u + added
+        x = following
+    return found
 
 
 def rubbing_loop(
