@@ -35,7 +35,7 @@ from compiler.expressions.trigonometric_polynomial import (
     Variable,
 )
 from compiler.robots.robot import OwnDynamics, RobotDof, RobotModel
-from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
+from compiler.robots.state_and_input import EFFORT_UNITS, RobotInput, robot_inputs, robot_states
 from grammar_lang import ir
 from grammar_lang.ir.expression_text import expression_text, number_text
 
@@ -269,10 +269,13 @@ def _joints(dof: RobotDof, word: Sequence[str]) -> str:
 def _limits(dof: RobotDof) -> str:
     found = domain_text(dof.range, RANGE_UNITS[dof.kind])
     found = f"{found}, rate {domain_text(dof.rate, RATE_UNITS[dof.kind])}"
-    if dof.accel is None:
-        return found
-    most = number_text(rational_bounds(dof.accel)[0])
-    return f"{found}, acceleration up to {most} {ACCELERATION_UNITS[dof.kind]}"
+    if dof.accel is not None:
+        most = number_text(rational_bounds(dof.accel)[0])
+        found = f"{found}, acceleration up to {most} {ACCELERATION_UNITS[dof.kind]}"
+    if dof.coulomb is not None:
+        size = number_text(rational_bounds(dof.coulomb)[0])
+        found = f"{found}, dry friction {size} {EFFORT_UNITS[dof.kind]}"
+    return found
 
 
 def _parameters(model: RobotModel) -> Iterator[Item]:

@@ -21,6 +21,7 @@ from solvers.trajectory.friction_inputs import friction_inputs
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.rubbing_motion import rubbing_inputs, rubbing_loop
 from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
+from solvers.trajectory.task_limits import final_samples
 from solvers.trajectory.trajectory import Trajectory
 from solvers.trajectory.visited_cells import cell_names
 from solvers.verifier.claims.claimed_inputs import input_margins
@@ -119,8 +120,9 @@ def _against_friction(
         return trajectory.u + added
     gains, task = path_problem.gains(trajectory), path_problem.task
     return rubbing_inputs(
-        numeric, trajectory, added, gains, float(task.step), path_problem.substeps
-    )
+        numeric, trajectory, added, gains, float(task.step), path_problem.substeps,
+        final_samples(task),
+    )  # fmt: skip
 
 
 def _outcome(

@@ -9,7 +9,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import robot_inputs
+from compiler.robots.state_and_input import dry_friction, robot_inputs
 from compiler.tasks.specification import measurement_radii
 from grammar_lang import ir
 from solvers.search.constraint_tightening import WIDEST
@@ -47,7 +47,8 @@ def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tupl
     if outcome.regulated:
         return (True,)
     if task.robust is None:
-        return (False,)
+        # What inputs add against dry friction is off where joints turn back.
+        return (False, True) if dry_friction(path_problem.model) else (False,)
     spread = path_problem.spreading(outcome.trajectory, 1.0).spread
     fits = spread is not None and spread.widest < WIDEST
     return (False, True) if fits else (True,)

@@ -20,9 +20,8 @@ from compiler.robots.state_and_input import dry_friction, robot_inputs
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.trajectory import Trajectory
 
-STILL = 1e-6
-"""Rates below this part of a joint's largest one are those of a joint at rest, gradually."""
-TINY = 1e-300
+STILL = 1e-3
+"""Rates below this at both ends of a step, in SI, are those of a joint at rest."""
 
 
 def joint_friction(model: RobotModel) -> Array:
@@ -60,11 +59,9 @@ def friction_inputs(numeric: NumericRobot, trajectory: Trajectory) -> Array:
 
 def _mean_signs(rates: Array) -> Array:
     """The mean sign of each rate (k + 1, n) over each step, (k, n)."""
-    still = STILL * np.max(np.abs(rates), axis=0, initial=0.0) + TINY
-    sizes = np.hypot(rates, still)
-    changes = np.diff(rates, axis=0)
-    steady = np.abs(changes) <= still
-    middle = (rates[:-1] + rates[1:]) / 2
-    quotient = np.diff(sizes, axis=0) / np.where(steady, 1.0, changes)
-    found: Array = np.where(steady, middle / np.hypot(middle, still), quotient)
-    return found
+    before, after = rates[:-1], rates[1:]
+    changes, turned = after - before, np.abs(after) - np.abs(before)
+    moves = np.maximum(np.abs(before), np.abs(after)) > STILL
+    steady = changes == 0
+    found: Array = np.where(steady, np.sign(before), turned / np.where(steady, 1.0, changes))
+    return np.where(moves, found, 0.0)

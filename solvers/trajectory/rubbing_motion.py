@@ -22,6 +22,8 @@ from solvers.trajectory.trajectory import Trajectory
 
 STILL = 1e-11
 """Rates below this, in SI, are those of joints at rest."""
+SLOW = 1e-3
+"""Rates that a joint at rest need not have."""
 SPARE = 1e-12
 """An effort that is held may be so much more than friction, in N m or N, before a joint moves."""
 RELATIVE, ABSOLUTE = 1e-11, 1e-13
@@ -59,12 +61,13 @@ def rubbing_inputs(
     gains: Array,
     dt: float,
     substeps: int,
+    final: int,
 ) -> Array:
     """Inputs (k, m) under which a robot moves as planned without dry friction, as far as they can.
 
     A joint that turns back within a step makes what is ``added`` (k, m) against friction too much,
     or too little: it is changed until rates at the end of each step are what they would be without
-    friction, feedback keeping the motion to the plan.  What is left is of the last rates alone.
+    friction, feedback keeping the motion to the plan, and as planned at the last samples.
 
     Args:
         numeric: the robot.
@@ -73,27 +76,30 @@ def rubbing_inputs(
         gains: of feedback from sample to sample, (k, m, N).
         dt: the time of a step, in seconds.
         substeps: into how many parts a step is divided without friction.
+        final: at how many of the last samples rates are as planned, wherever the robot is.
     """
     robot, x = _RubbingRobot(numeric, planned.theta), planned.x[0]
     n, found = numeric.n, np.array(planned.u)
     rates = slice(n, 2 * n)
     for k, wanted in enumerate(planned.x[:-1]):
-        u = planned.u[k] - gains[k] @ (x - wanted)
+        last = k >= len(found) - final
+        u = planned.u[k] if last else planned.u[k] - gains[k] @ (x - wanted)
         free = numeric.step(x[None, :], u[None, :], planned.theta, dt, substeps)
-        last = k == len(found) - 1
-        target = planned.x[-1, rates] if last else free.value[0, rates]
+        target = planned.x[k + 1, rates] if last else free.value[0, rates]
         back = np.linalg.pinv(free.input[0, rates])
         best, u = np.inf, u + added[k]
         for _ in range(MOST_CORRECTIONS):
             end = robot.moved(x, u, dt)
             off = end[rates] - target
+            # No input makes a joint creep that friction holds.
+            off[(np.abs(end[rates]) <= STILL) & (np.abs(target) <= SLOW)] = 0.0
             if not np.max(np.abs(off)) < best:
                 break
             best, found[k], following = float(np.max(np.abs(off))), u, end
             if best < CLOSE:
                 break
             u = u - back @ off
-        if not np.isfinite(best):
+        if is_late() or not np.isfinite(best):
             return planned.u + added
         x = following
     return found

@@ -68,6 +68,18 @@ def test_friction_is_taken_from_a_torque_of_ones_own() -> None:
     assert [dof.inertia for dof in found.dofs] == [None, None]
 
 
+def test_dry_friction_is_an_effort_of_the_joint() -> None:
+    """In its unit; a friction of zero is none."""
+    found = module(
+        "dof q: revolute z; dof d: prismatic x; dof r: revolute z; const c = 3 N*m;"
+        "drive q: coulomb c / 2 viscous 1 N*m*s; drive d: coulomb 20 N; drive r: coulomb 0 N*m;"
+    )
+    assert [None if dof.coulomb is None else to_float(dof.coulomb) for dof in found.dofs] == [
+        1.5, 20.0, None,
+    ]  # fmt: skip
+    assert [torque.dof for torque in found.torques] == ["q"]
+
+
 HEAD = (
     "module M { role joint; dof q: revolute z; dof d: prismatic x; const c = 2 kg; "
     "param p in [1, 2]; "
@@ -100,6 +112,12 @@ HEAD = (
         ("drive q: viscous -1 N*m*s;", [("BAD_VALUE", "-1 N*m*s")]),
         ("drive q: viscous c;", [("UNIT_MISMATCH", "c")]),
         ("drive q: viscous p;", [("NOT_CONSTANT", "p")]),
+        ("drive q: coulomb 2 N*m coulomb 2 N*m;", [("REPEATED_CLAUSE", "coulomb 2 N*m")]),
+        ("drive q: coulomb 2 N;", [("UNIT_MISMATCH", "2 N")]),
+        ("drive d: coulomb 2 N*m;", [("UNIT_MISMATCH", "2 N*m")]),
+        ("drive q: coulomb -1 N*m;", [("BAD_VALUE", "-1 N*m")]),
+        ("drive q: coulomb p;", [("NOT_CONSTANT", "p")]),
+        ("drive d: coulomb 1 N rotor 2 kg*m^2 gear 3 m^-1;", []),
         ("dof r: revolute z effort <= 0 N*m;", [("BAD_VALUE", "0 N*m")]),
         ("dof r: revolute z effort <= 5 N;", [("UNIT_MISMATCH", "5 N")]),
         ("dof r: revolute z accel <= 0 rad/s^2;", [("BAD_VALUE", "0 rad/s^2")]),

@@ -23,17 +23,19 @@ MOST_EVENTS = 200
 
 @dataclass(frozen=True)
 class RubbingChain:
-    """Rods of uniform density 1, friction (n,) in N m, the acceleration of gravity in m/s^2."""
+    """Rods, friction (n,) in N m, the acceleration of gravity in m/s^2, densities (n,) in kg/m."""
 
     lengths: Array
     pull: Sequence[float]
     friction: Array
+    densities: Array | None = None
 
     def accelerations(self, x: Array, u: Array, signs: Sequence[int]) -> tuple[Array, Array]:
         """The accelerations (n,), and the efforts of friction (n,), where 0 says at rest."""
         n = len(self.lengths)
+        densities = np.ones(n) if self.densities is None else self.densities
         mass, turned, weight = chain_dynamics(
-            self.lengths, np.ones(n), x[:n], x[n:], list(self.pull)
+            self.lengths, densities, x[:n], x[n:], list(self.pull)
         )
         moving, still = np.flatnonzero(signs), np.flatnonzero(np.equal(signs, 0))
         push = u - turned - weight - self.friction * np.array(signs)

@@ -102,7 +102,7 @@ class RubbingRobot:
                 self.field, states, drive, self.dt, rest, self.accuracy, self.control
             )
             return None if found is None else (*found, drive)
-        modes, most = self._modes(states), rest
+        modes, most, limit = self._modes(states), rest, rest
         if "either" in modes.values():
             most = min(rest, self._through_rest(states, modes))
         for _ in range(MOST_TRIALS):
@@ -117,17 +117,17 @@ class RubbingRobot:
             outcome = self._checked(states, passage, modes)
             if outcome.joint is None:
                 stopped, wanted = self._stopped(states, passage, modes)
-                if wanted > length and length == most < rest:
-                    most = min(rest, wanted)
+                if wanted > length and length == most < limit:
+                    most = min(limit, wanted)
                     continue
                 end = _at_rest(passage.end, held | stopped, field)
                 return length, replace(passage, end=end), drive
             if outcome.until:
-                most = length * outcome.until
+                most = limit = length * outcome.until
             elif length > SHORTEST and not self._near_rest(states, outcome.joint, modes):
-                most = length / SLICES
+                most = limit = length / SLICES
             else:
-                modes = {**modes, outcome.joint: "either"}
+                modes, limit = {**modes, outcome.joint: "either"}, rest
                 most = min(rest, self._through_rest(states, modes))
         return None
 

@@ -128,6 +128,9 @@ def _dof(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> str:
     if dof.inertia is not None:
         felt = "kg*m^2" if revolute else "kg"
         lines.append(f"- rotor: {to_float(dof.inertia):.6g} {felt} on the diagonal of M")
+    if dof.coulomb is not None:
+        effort = "N*m" if revolute else "N"
+        lines.append(f"- dry friction: {to_float(dof.coulomb):.6g} {effort} against its motion")
     return "\n".join(lines)
 
 

@@ -1,0 +1,285 @@
+"""Robots with dry friction: closed forms, an integrator by hand, and what is not refuted."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flint import arb
+from scipy.integrate import quad
+
+from compiler.discretisation.numeric_robot import NumericRobot
+from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
+from compiler.dynamics.rubbing_joints import with_dry_friction
+from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
+from compiler.expressions.tape import tape
+from grammar_lang import ir
+from solvers.trajectory.friction_inputs import STILL, friction_inputs
+from solvers.trajectory.rubbing_motion import rubbing_motion
+from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.certified_tube import certified_tube
+from solvers.verifier.claims.certificate import FoundClaim
+from solvers.verifier.claims.spec_copy import claimed_task, read_claim
+from solvers.verifier.proofs.checked_condition import decisive
+from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
+from solvers.verifier.proofs.sticking_field import sticking_field
+from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
+from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.proofs.vector_field import VectorField
+from solvers.verifier.proofs.zonotope import InitialSet
+from solvers.verifier.verification import Outcome, claimed_robot, verify_directory
+from srgc.cli import run
+from tests.oracles import result_files
+from tests.oracles.planar_chain import chain_dynamics
+from tests.oracles.robots import rod_chain
+from tests.oracles.rubbing_chain import RubbingChain
+
+F = Fraction
+ACCURACY = Accuracy(12, 96, 1e-12)
+
+
+def rubbing_graph(friction: list[Fraction], pull: tuple[Fraction, Fraction]) -> RobotGraph:
+    model = rod_chain(len(friction))
+    sizes = [ir.Num(size) if size else None for size in friction]
+    dofs = (replace(dof, coulomb=size) for dof, size in zip(model.dofs, sizes, strict=True))
+    return robot_graph(replace(model, dofs=tuple(dofs)), pull)
+
+
+def field_of(graph: RobotGraph, lengths: list[Fraction], friction: list[Fraction]) -> VectorField:
+    rubs = with_dry_friction(graph)
+    tail = (*map(ball, lengths), *map(constant_ball, rubs.constants))
+    return VectorField(
+        tape(rubs.balance), tape(rubs.variation), len(lengths), tail, 0, tape(rubs.input_slopes),
+        friction=tuple((i, ball(size)) for i, size in enumerate(friction) if size),
+    )  # fmt: skip
+
+
+def segments_of(
+    lengths: list[Fraction], friction: list[Fraction], start: list[Fraction],
+    inputs: list[list[Fraction]], step: Fraction,
+) -> list[TubeSegment]:  # fmt: skip
+    with working_precision(ACCURACY.bits):
+        field = field_of(rubbing_graph(friction, (F(0), F(0))), lengths, friction)
+        initial = InitialSet(tuple(map(ball, start)))
+        rows = [[ball(u) for u in row] for row in inputs]
+        return list(tube(field, initial, rows, ball(step), ACCURACY))
+
+
+def test_a_rod_starts_stops_and_stays() -> None:
+    """J = l^3 / 3: it slides with (u -+ c) / J, rests while |u| <= c, and its rate is then zero."""
+    c, inertia = F(3, 10), F(8, 3)
+    inputs = [F(8, 10), F(0), F(-1, 5), F(29, 100), F(-8, 10)]
+    found = segments_of([F(2)], [c], [F(0), F(0)], [[u] for u in inputs], F(1))
+    up, down, harder = (F(8, 10) - c) / inertia, c / inertia, (c + F(1, 5)) / inertia
+    rate = up - down
+    stop = rate / harder
+    rest = up / 2 + up - down / 2 + rate * stop / 2
+    last = rest - (F(8, 10) - c) / inertia / 2
+    wanted = [
+        (up / 2, up), (up / 2 + up - down / 2, rate), (rest, F(0)), (rest, F(0)),
+        (last, -(F(8, 10) - c) / inertia),
+    ]  # fmt: skip
+    ends = {int(each.steps[1]): each.end for each in found if each.steps[1].denominator == 1}
+    for number, values in enumerate(wanted, 1):
+        for item, value in zip(ends[number], values, strict=True):
+            assert abs(item - ball(value)) < 1e-8
+            assert item.rad() < 1e-8
+    assert ends[3][1].is_zero()
+    assert ends[4][1].is_zero()
+    # It stops within the third second, where its tube passes through rest.
+    assert any(2 < each.steps[1] < 3 and each.end[1].is_zero() for each in found)
+
+
+@pytest.mark.parametrize("held", [{0}, {1}, {0, 2}])
+def test_a_sticking_joint_is_rigid(held: set[int]) -> None:
+    """The others have the accelerations of a chain some of whose rates do not change."""
+    rng = np.random.default_rng(sum(held))
+    lengths = [F(13, 10), F(9, 10), F(7, 10)]
+    sizes, pull = [F(1, 2), F(1, 3), F(1, 4)], (F(1, 2), F(-3))
+    x, u = rng.uniform(-1, 1, 6), rng.uniform(-1, 1, 3)
+    for joint in held:
+        x[3 + joint] = 0.0
+    mass, turned, weight = chain_dynamics(
+        np.array(lengths, float), np.ones(3), x[:3], x[3:], [0.5, -3.0]
+    )
+    moving = [joint for joint in range(3) if joint not in held]
+    wanted = np.zeros(3)
+    wanted[moving] = np.linalg.solve(mass[np.ix_(moving, moving)], (u - turned - weight)[moving])
+    with working_precision(96):
+        field = sticking_field(
+            field_of(rubbing_graph(sizes, pull), lengths, sizes), frozenset(held)
+        )
+        inputs = [arb(value) for value in (*u, 0, 0, 0)]
+        found = field.acceleration([arb(value) for value in x], inputs)
+    assert np.array([float(item) for item in found]) == pytest.approx(wanted, abs=1e-12)
+
+
+def test_what_inputs_add_is_the_mean_sign_of_the_rate() -> None:
+    """By quadrature: sliding one way, turning back within a step, at rest."""
+    friction = [F(1, 2), F(1, 3)]
+    numeric = NumericRobot(rubbing_graph(friction, (F(0), F(-1))))
+    rates = np.array([[0.0, 0.0], [0.8, 0.0], [-0.4, 0.0], [-0.5, -0.3]])
+    x = np.concatenate([np.zeros((4, 2)), rates], axis=1)
+    planned = Trajectory(x, np.zeros((3, 2)), np.array([1.2, 0.7]))
+    found = friction_inputs(numeric, planned)
+    for step in range(3):
+        for joint in range(2):
+            v, w = rates[step, joint], rates[step + 1, joint]
+            mean = quad(lambda s: np.sign(v + s * (w - v)), 0, 1, points=[abs(v) / 1.2])[0]  # noqa: B023
+            assert found[step, joint] == pytest.approx(float(friction[joint]) * mean, abs=1e-5)
+
+
+def test_nothing_is_added_at_rest() -> None:
+    numeric = NumericRobot(rubbing_graph([F(1, 2), F(1, 3)], (F(0), F(-1))))
+    x = np.zeros((3, 4))
+    x[:, 2], x[1, 3] = [0.9 * STILL, -0.9 * STILL, 0.0], 0.5
+    planned = Trajectory(x, np.zeros((2, 2)), np.array([1.2, 0.7]))
+    assert friction_inputs(numeric, planned)[:, 0] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_motions_in_floats_are_those_of_the_oracle(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    friction = [F(int(x), 100) for x in rng.integers(5, 60, 2)]
+    numeric = NumericRobot(rubbing_graph(friction, (F(1, 2), F(-2))))
+    lengths = np.array([1.3, 0.8])
+    u = rng.uniform(-2, 2, (6, 2))
+    x = np.concatenate([rng.uniform(-1, 1, 2), rng.uniform(-0.5, 0.5, 2) * [0, 1]])
+    found = rubbing_motion(numeric, Trajectory(x[None, :], u, lengths), 0.2)
+    chain = RubbingChain(lengths, [0.5, -2.0], np.array(friction, float))
+    for row, state in zip(u, found[1:], strict=True):
+        x = chain.moved(x, row, 0.2)
+        assert state == pytest.approx(x, abs=1e-7)
+
+
+SPEC = """\
+module B { role base; }
+module Big { role joint;
+  dof q: revolute z in [-170, 170] deg rate in [-3, 3] rad/s effort <= 12 N*m;
+  drive q: coulomb 0.7 N*m; }
+module Small { role joint; dof q: revolute z in [-170, 170] deg effort <= 5 N*m;
+  drive q: coulomb 0.25 N*m; }
+module Upper { role link; const length = 0.6 m; }
+module Fore { role link; const length = 0.45 m; }
+module E { role effector; }
+grammar Pair { start N; all: N -> B Big Upper Small Fore E; }
+semantics Pair {
+  all {
+    this.one = rot(z, Big.q);
+    this.two = this.one * move(x, Upper.length) * rot(z, Small.q);
+    rod(frame: this.one, axis: x, length: Upper.length, density: 1 kg/m);
+    rod(frame: this.two, axis: x, length: Fore.length, density: 2 kg/m);
+    effector(frame: this.two * move(x, Fore.length));
+  }
+}
+workspace Table {
+  plane xy;
+  bounds box [-3, 3] x [-3, 3] m;
+  region S box [0.7, 0.9] x [0.1, 0.4] m;
+  target T box [-0.3, 0.2] x [0.6, 0.9] m;
+}
+task Turn {
+  robot Pair; workspace Table; start in S at rest; reach T at rest CLAUSES; gravity (0, -2) m/s^2;
+  horizon 10 steps of 0.2 s;
+}
+"""
+TASKS = {
+    "open": " for 0.3 s; control open loop",
+    "robust": "; control feedback; robust start 0.2 deg, 0.2 deg/s; robust effort 0.2 % of bound",
+}
+
+
+def quiet(*arguments: object) -> int:
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        return run([str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    scratch = tmp_path_factory.mktemp("friction")
+    spec = scratch / "pair.srg"
+    spec.write_text(SPEC.replace(" CLAUSES", TASKS["open"]), encoding="utf-8")
+    assert quiet("synth", spec, "-o", scratch / "out", "-q") == 0
+    return scratch / "out"
+
+
+def test_a_design_moves_as_was_proved(folder: Path) -> None:
+    """An integrator by hand, from event to event, stays in the tube and rests where it is asked."""
+    assert verify_directory(folder).outcome is Outcome.VALID
+    certificate = result_files.read(folder)
+    known = certified_tube(folder)
+    chain = RubbingChain(
+        np.array([0.6, 0.45]), [0.0, -2.0], np.array([0.7, 0.25]), np.array([1.0, 2.0])
+    )
+    x = np.array([float(value) for value in certificate["start"]])
+    for step, row in enumerate(certificate["inputs"]):
+        x = chain.moved(x, np.array([float(value) for value in row]), 0.2)
+        outside, _ = known.distances(np.array([0.2 * (step + 1)]), x[None, :])
+        assert outside.max() < 1e-6
+    assert np.abs(x[2:]).max() < 1e-3
+    tip = [0.6 * np.cos(x[0]) + 0.45 * np.cos(x[0] + x[1]),
+           0.6 * np.sin(x[0]) + 0.45 * np.sin(x[0] + x[1])]  # fmt: skip
+    assert -0.3 <= tip[0] <= 0.2
+    assert 0.6 <= tip[1] <= 0.9
+
+
+@pytest.mark.parametrize("size", ["0", "11/10"])
+def test_the_same_inputs_do_not_do_with_other_friction(folder: Path, size: str) -> None:
+    """Without friction, and with more of it than was taken into account."""
+    claimed = claimed_task(folder, read_claim(folder))
+    assert isinstance(claimed.claim, FoundClaim)
+    robot = claimed_robot(claimed.claim, claimed.program, claimed.task)
+    first, second = robot.model.dofs
+    other = replace(first, coulomb=ir.Num(F(size)) if F(size) else None)
+    model = replace(robot.model, dofs=(other, second))
+    scene = scene_of(claimed.program, claimed.task, model, claimed.cells, robot.derivation)
+    worst = decisive(prove_motion(scene, robot.motion))
+    assert worst is not None
+    assert worst.status is Status.FAILS
+
+
+@pytest.mark.slow
+def test_all_disturbed_motions_against_dry_friction(tmp_path: Path) -> None:
+    spec = tmp_path / "pair.srg"
+    spec.write_text(SPEC.replace(" CLAUSES", TASKS["robust"]), encoding="utf-8")
+    assert quiet("synth", spec, "-o", tmp_path / "out", "-q") == 0
+    assert verify_directory(tmp_path / "out").outcome is Outcome.VALID
+
+
+CRANE = """\
+module Rail { role base; }
+module Lift { role joint; dof s: prismatic y in [-2, 2] m effort <= 5 N; DRIVE }
+module Hook { role effector; }
+grammar Crane { start N; all: N -> Rail Lift Hook; }
+semantics Crane {
+  all { this.frame = move(y, Lift.s); point(frame: this.frame, mass: 1 kg);
+    effector(frame: this.frame); }
+}
+workspace Shaft {
+  plane xy;
+  bounds box [-1, 1] x [-2, 2] m;
+  region Top box [-0.1, 0.1] x [0.9, 1.1] m;
+  target Bottom box [-0.1, 0.1] x [-0.1, 0.1] m;
+}
+task Lower {
+  robot Crane; workspace Shaft; start in Top at restHELD; reach Bottom at rest;
+  gravity (0, -9.81) m/s^2; horizon 20 steps of 0.1 s;
+}
+"""
+IMPOSSIBLE, UNKNOWN = 3, 4
+
+
+@pytest.mark.parametrize("held", ["", " held"])
+def test_a_drive_that_only_friction_helps_to_brake_is_not_refuted(
+    tmp_path: Path, held: str
+) -> None:
+    """5 N do not hold 9.81 N; with 6 N of friction the load rests, falls with 3.81 and brakes."""
+    for drive, code in (("", IMPOSSIBLE), ("drive s: coulomb 6 N;", UNKNOWN)):
+        spec = tmp_path / "crane.srg"
+        spec.write_text(CRANE.replace("DRIVE", drive).replace("HELD", held), encoding="utf-8")
+        assert quiet("synth", spec, "-o", tmp_path / "out", "-q", "--force") == code
