@@ -87,7 +87,7 @@ def rubbing_inputs(
         free = numeric.step(x[None, :], u[None, :], planned.theta, dt, substeps)
         target = planned.x[k + 1, rates] if last else free.value[0, rates]
         back = np.linalg.pinv(free.input[0, rates])
-        best, u = np.inf, u + added[k]
+        best, u, following = np.inf, u + added[k], x
         for _ in range(MOST_CORRECTIONS):
             end = robot.moved(x, u, dt)
             off = end[rates] - target
