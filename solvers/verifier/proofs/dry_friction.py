@@ -227,23 +227,24 @@ class RubbingRobot:
     def _through_rest(self, states: Zonotope, modes: Modes) -> Fraction:
         """About how long joints of which nothing is known take to rest, or through it, in steps."""
         state, n = states.hull(), self.field.dofs
-        unknown = [joint for joint, mode in modes.items() if mode == "either"]
         try:
-            time = self._time_to_rest(state, state, modes)[1]
+            stopping, time = self._time_to_rest(state, state, modes)
         except ZeroDivisionError:
-            time = None
-        if time is None:
-            pull = self._pull(state, modes)
-            rates = {joint: state[n + joint].abs_upper() for joint in unknown}
-            through = [
-                rates[joint] / pull[joint].abs_lower()
-                for joint in unknown
-                if rates[joint] > 0 and not pull[joint].contains(0)
-            ]
-            # What is not known then grows from segment to segment, until it decides.
-            times = [FARTHER * rates[joint] / pull[joint].abs_upper() for joint in unknown]
-            time = min(through, key=float) if through else max(times, key=float)
-        return self._steps(time)
+            stopping, time = frozenset(), None
+        left = [j for j, mode in modes.items() if mode == "either" and j not in stopping]
+        if not left:
+            return self._steps(arb(0) if time is None else time)
+        pull = self._pull(state, modes)
+        rates = {joint: state[n + joint].abs_upper() for joint in left}
+        through = [
+            rates[joint] / pull[joint].abs_lower()
+            for joint in left
+            if rates[joint] > 0 and not pull[joint].contains(0)
+        ]
+        # What is not known then grows from segment to segment, until it decides.
+        times = [FARTHER * rates[joint] / pull[joint].abs_upper() for joint in left]
+        wanted = min(through, key=float) if through else max(times, key=float)
+        return self._steps(wanted if time is None else wanted.max(time))
 
     def _steps(self, time: arb) -> Fraction:
         """A time in steps, and some more."""

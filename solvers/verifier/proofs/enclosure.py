@@ -37,6 +37,10 @@ from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, box, zonotope
 __all__ = ["Accuracy", "EnclosureFailure", "TubeSegment", "polynomial", "tube"]
 
 
+MOST_PARTS = 8192
+"""Of a step: with more segments than this a tube would not come to an end."""
+
+
 class EnclosureFailure(ArithmeticError):
     """No enclosure could be validated beyond a time, in seconds."""
 
@@ -143,9 +147,10 @@ def tube(
         drive = Drive(stated, added)
         first, last = Fraction(number), Fraction(number + 1)
         robot = RubbingRobot(fields, drive, dt, accuracy, control)
+        parts = 0
         while first < last:
-            found = robot.next(states, last - first)
-            if found is None:
+            found, parts = robot.next(states, last - first), parts + 1
+            if found is None or parts > MOST_PARTS:
                 raise EnclosureFailure(float(start.mid()))
             length, passage, drive = found
             seconds = dt * ball(length)
