@@ -35,7 +35,13 @@ from compiler.expressions.trigonometric_polynomial import (
     Variable,
 )
 from compiler.robots.robot import OwnDynamics, RobotDof, RobotModel
-from compiler.robots.state_and_input import EFFORT_UNITS, RobotInput, robot_inputs, robot_states
+from compiler.robots.state_and_input import (
+    EFFORT_UNITS,
+    RobotInput,
+    dry_friction,
+    robot_inputs,
+    robot_states,
+)
 from grammar_lang import ir
 from grammar_lang.ir.expression_text import expression_text, number_text
 
@@ -373,6 +379,9 @@ def _motion(model: RobotModel) -> Iterator[Item]:
             yield _equation(force, (driven[dof], rf"\text{{{escaped(driven[dof])}}}"))
         else:
             yield _equation(force, (f"u{free[dof]}", f"u_{{{free[dof]}}}"))
+    for dof, size in dry_friction(model).items():
+        amount = f"{number_text(rational_bounds(size)[0])} {EFFORT_UNITS[model.dofs[dof].kind]}"
+        yield Remark(f"less dry friction at q{dof + 1}: {amount} against qd{dof + 1}, less at rest")
 
 
 def _equation(left: tuple[str, str], right: tuple[str, str]) -> Equation:

@@ -57,6 +57,18 @@ def test_merged_and_removed_joints_are_said(srgc, arm_file):
     ]
 
 
+def test_dry_friction_is_said(srgc, arm_file, tmp_path):
+    text = arm_file.read_text(encoding="utf-8")
+    spec = tmp_path / "rubs.srg"
+    driven = text.replace("[-180, 180] deg;", "[-180, 180] deg; drive q: coulomb 1.5 N*m;")
+    spec.write_text(driven, encoding="utf-8")
+    found = sections(srgc("model", spec, "--word", TWO).out)
+    assert found["Coordinates"][1].endswith("rate unbounded, dry friction 1.5 N*m")
+    assert found["Equations of motion"][-1] == (
+        "less dry friction at q2: 1.5 N*m against qd2, less at rest"
+    )
+
+
 def test_gravity_and_bounds_are_those_of_the_task(srgc, spec):
     path = spec(TURNER.replace("reach T;", "reach T;\n  gravity (1, -9.81) m/s^2;"))
     word = "B eps JO eps L eps EN"
