@@ -24,7 +24,7 @@ from solvers.trajectory.simulated_motion import clear_violations, simulated_moti
 from solvers.trajectory.task_limits import final_samples
 from solvers.trajectory.trajectory import Trajectory
 from solvers.trajectory.visited_cells import cell_names
-from solvers.verifier.claims.claimed_inputs import input_margins
+from solvers.verifier.claims.claimed_inputs import held_bounds, input_margins
 from solvers.verifier.proofs.checked_condition import decisive
 from solvers.verifier.proofs.effort_bounds import least_share
 from solvers.verifier.proofs.scene import Scene, Watch
@@ -85,10 +85,11 @@ def certified_design(
         design = replace(design, loop=loop)
     scene = scene_of(program, task, model, path_problem.abstraction, derivation)
     broken = seen_broken(scene, design, path_problem, last=last)
+    driven = trajectory.u if broken else _against_friction(path_problem, trajectory, gains)
+    design = replace(design, inputs=_decimals(driven))
+    broken = broken or _beyond_bounds(design, task)
     if broken is not None:
         return broken
-    driven = _against_friction(path_problem, trajectory, gains)
-    design = replace(design, inputs=_decimals(driven))
     watch = replace(watch, brief=path_problem.spread is None, roughly=roughly)
     conditions = prove_motion(scene, motion_of(design), watch)
     obstacle = decisive(conditions)
@@ -123,6 +124,16 @@ def _against_friction(
         numeric, trajectory, added, gains, float(task.step), path_problem.substeps,
         final_samples(task),
     )  # fmt: skip
+
+
+def _beyond_bounds(design: Design, task: ir.Task) -> Blocked | None:
+    """That inputs of an open loop leave their bounds; what a controller commands is proved."""
+    if design.controller is not None:
+        return None
+    held = held_bounds(design.model, task, motion_of(design).inputs)
+    if all(each.holds for _, each in held):
+        return None
+    return Blocked(Cause.BROKEN, "; inputs against dry friction leave their bounds")
 
 
 def _outcome(

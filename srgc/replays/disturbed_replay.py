@@ -35,6 +35,8 @@ AGAIN = 8
 """So many motions at least are simulated again with half the step."""
 SAFETY = 2.0
 """A change by half the step, times this, is taken for the error."""
+NARROW = 1e-9
+"""In SI: a tube that is narrower than this is a point, and has no faces."""
 MOST_STEPS = 2_000_000_000
 """Of all simulations together."""
 
@@ -171,10 +173,13 @@ class _Kind:
     def shares(self) -> Array:
         """Distances (B, k - 1, n) from the middle, over those of the faces.
 
-        Not at the first instant, where corners of what disturbs a motion are at faces.
+        Not at the first instant, where corners of what disturbs a motion are at faces, nor where
+        a tube has no width to speak of: a joint that dry friction holds.
         """
         lower, upper = self.bounds[1:, :, 0], self.bounds[1:, :, 1]
-        found: Array = np.abs(2 * self.values[:, 1:] - (lower + upper)) / (upper - lower)
+        width = upper - lower
+        off = np.abs(2 * self.values[:, 1:] - (lower + upper))
+        found: Array = np.where(width > NARROW, off / np.maximum(width, NARROW), 0.0)
         return found
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import input_bounds, robot_inputs
+from compiler.robots.state_and_input import dry_friction, input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
 from solvers.search.path_task import Design
@@ -123,6 +123,8 @@ def change_lines(change: Reconfiguration) -> list[str]:
 
 # --- The outcome of a synthesis as plain text -----------------------------------------------------
 
+FRICTION_UNUSED = "motions that dry friction alone holds or brakes were not looked for"
+"""What is said of a robot with dry friction of which nothing is known."""
 UNASKED_SELF = "self-collision was not asked for (`avoid self with body;`)"
 """What is said of a task that lets a robot pass through itself."""
 
@@ -165,6 +167,8 @@ def _nearest(nearest: NearestMotion, task: ir.Task) -> Iterator[str]:
     first = first_to_try(nearest)
     if first is not None:
         yield f"         try first {first}"
+    if dry_friction(nearest.model):
+        yield f"         {FRICTION_UNUSED}"
 
 
 def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> list[str]:

@@ -283,3 +283,43 @@ def test_a_drive_that_only_friction_helps_to_brake_is_not_refuted(
         spec = tmp_path / "crane.srg"
         spec.write_text(CRANE.replace("DRIVE", drive).replace("HELD", held), encoding="utf-8")
         assert quiet("synth", spec, "-o", tmp_path / "out", "-q", "--force") == code
+
+
+CART = """\
+module B { role base; }
+module P { role joint; dof s: prismatic x in [0, 2] m; drive s: coulomb FRICTION N; }
+module J { role joint; dof q: revolute z in [-170, 170] deg; drive q: coulomb 0.1 N*m; }
+module L { role link; param length in [0.4, 0.7] m; }
+module E { role effector; }
+grammar G { start N; all: N -> B P J L E; }
+semantics G {
+  all {
+    this.cart = move(x, P.s);
+    this.arm = this.cart * rot(z, J.q);
+    point(frame: this.cart, mass: 2 kg);
+    rod(frame: this.arm, axis: x, length: L.length, density: 2 kg/m);
+    effector(frame: this.arm * move(x, L.length));
+  }
+}
+workspace W {
+  plane xy;
+  bounds box [-1, 3] x [-2, 2] m;
+  region Home box [0.4, 0.9] x [-0.2, 0.2] m;
+  target T box [1, 1.5] x [0.2, 0.6] m;
+}
+task Go {
+  robot G; workspace W; start in Home at rest; reach T at rest; effort <= 10 N*m; effort <= 40 N;
+  horizon 15 steps of 0.1 s;
+}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", ["40", "60"])
+def test_nothing_is_found_with_inputs_beyond_their_bounds(tmp_path: Path, friction: str) -> None:
+    """What friction takes is all that there is, or more: the cart moves for the arm beside it."""
+    spec = tmp_path / "cart.srg"
+    spec.write_text(CART.replace("FRICTION", friction), encoding="utf-8")
+    status = quiet("synth", spec, "-o", tmp_path / "out", "-q", "--time-limit", 25)
+    assert status in (0, UNKNOWN)
+    assert status == UNKNOWN or verify_directory(tmp_path / "out").outcome is Outcome.VALID
