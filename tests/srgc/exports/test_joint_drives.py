@@ -33,11 +33,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return arm.geared_arm(tmp_path_factory.mktemp("geared") / "out")
 
 
-def states(count: int = 30) -> list[tuple[Array, Array, Array]]:
-    """Angles, rates of at least 0.02 rad/s, accelerations."""
+def states(least: float, count: int = 30) -> list[tuple[Array, Array, Array]]:
+    """Angles, rates of at least ``least`` rad/s on a scale of powers, accelerations."""
     rng = np.random.default_rng(4)
     signs = rng.choice([-1, 1], (count, 4))
-    rates = signs * rng.uniform(0.02, 1.5, (count, 4))
+    rates = signs * least * (1.5 / least) ** rng.uniform(size=(count, 4))
     angles = rng.uniform(-arm.RANGE, arm.RANGE, (count, 4))
     return list(zip(angles, rates, rng.uniform(-9, 9, (count, 4)), strict=True))
 
@@ -70,7 +70,7 @@ def test_the_inverse_dynamics_of_mujoco_are_ours(
     close(model.dof_armature, arm.ARMATURE)
     assert model.dof_damping.tolist() == arm.VISCOUS.tolist()
     assert model.dof_frictionloss.tolist() == arm.COULOMB.tolist()
-    for q, v, a in states():
+    for q, v, a in states(0.02):
         data.qpos[:], data.qvel[:], data.qacc[:] = q, v, a
         mujoco.mj_inverse(model, data)
         due = without_dry_friction(folder, q, v, a)
@@ -153,7 +153,7 @@ def test_the_inverse_dynamics_of_pinocchio_are_ours(
         assert model.friction[place] == drive["friction"]
     close(model.armature[rates], arm.ARMATURE)
     data = model.createData()
-    for q, v, a in states():
+    for q, v, a in states(1.001e-3):
         at = pinocchio.integrate(model, pinocchio.neutral(model), q[rates])
         due = without_dry_friction(folder, q, v, a)
         found = pinocchio.rnea(model, data, at, v[rates], a[rates]) + model.damping * v[rates]
