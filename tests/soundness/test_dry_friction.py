@@ -26,7 +26,7 @@ from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.spec_copy import claimed_task, read_claim
 from solvers.verifier.proofs.checked_condition import decisive
-from solvers.verifier.proofs.enclosure import Accuracy, TubeSegment, tube
+from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.sticking_field import sticking_field
 from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
@@ -36,7 +36,7 @@ from solvers.verifier.verification import Outcome, claimed_robot, verify_directo
 from srgc.cli import run
 from tests.oracles import result_files
 from tests.oracles.planar_chain import chain_dynamics
-from tests.oracles.robots import rod_chain
+from tests.oracles.robots import WORLD, Builder, rod_chain
 from tests.oracles.rubbing_chain import RubbingChain
 
 F = Fraction
@@ -54,7 +54,7 @@ def field_of(graph: RobotGraph, lengths: list[Fraction], friction: list[Fraction
     rubs = with_dry_friction(graph)
     tail = (*map(ball, lengths), *map(constant_ball, rubs.constants))
     return VectorField(
-        tape(rubs.balance), tape(rubs.variation), len(lengths), tail, 0, tape(rubs.input_slopes),
+        tape(rubs.balance), tape(rubs.variation), len(friction), tail, 0, tape(rubs.input_slopes),
         friction=tuple((i, ball(size)) for i, size in enumerate(friction) if size),
     )  # fmt: skip
 
@@ -65,9 +65,8 @@ def segments_of(
 ) -> list[TubeSegment]:  # fmt: skip
     with working_precision(ACCURACY.bits):
         field = field_of(rubbing_graph(friction, (F(0), F(0))), lengths, friction)
-        initial = InitialSet(tuple(map(ball, start)))
         rows = [[ball(u) for u in row] for row in inputs]
-        return list(tube(field, initial, rows, ball(step), ACCURACY))
+        return list(tube(field, box_at(start), rows, ball(step), ACCURACY))
 
 
 def test_a_rod_starts_stops_and_stays() -> None:
@@ -93,6 +92,33 @@ def test_a_rod_starts_stops_and_stays() -> None:
     assert ends[4][1].is_zero()
     # It stops within the third second, where its tube passes through rest.
     assert any(2 < each.steps[1] < 3 and each.end[1].is_zero() for each in found)
+
+
+def test_a_singular_mass_matrix_ends_a_tube_though_a_joint_sticks() -> None:
+    """Two massless links with one mass at their end: M is singular where they are stretched.
+
+    The inertia that is left with the first joint at rest is m l^2 everywhere.
+    """
+    builder, mass = Builder(), F(1, 2)
+    elbow = builder.move(builder.joint(WORLD), "x", builder.number(1))
+    tip = builder.move(builder.joint(elbow), "x", builder.number(F(7, 10)))
+    builder.point(tip, builder.number(mass))
+    builder.effector(tip)
+    model, size = builder.build(), F(50)
+    first, second = model.dofs
+    rubs = replace(model, dofs=(replace(first, coulomb=ir.Num(size)), second))
+    with working_precision(ACCURACY.bits):
+        field = field_of(robot_graph(rubs, (F(0), F(0))), [], [size, F(0)])
+        turning = [F(0), F(1, 2), F(0), F(-1)]
+        inputs = [[arb(0), arb(0)]]
+        apart = list(tube(field, box_at(turning), inputs, ball(F(1, 4)), ACCURACY))
+        assert apart[-1].steps[1] == 1
+        with pytest.raises(EnclosureFailure):
+            list(tube(field, box_at(turning), inputs, arb(1), ACCURACY))
+
+
+def box_at(state: list[Fraction]) -> InitialSet:
+    return InitialSet(tuple(map(ball, state)))
 
 
 @pytest.mark.parametrize("held", [{0}, {1}, {0, 2}])

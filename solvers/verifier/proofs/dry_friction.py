@@ -11,8 +11,8 @@ smooth system that their friction is what the law says:
 
 - **sliding** with sign s: :math:`f_j = -s c_j`, and :math:`s v_j \ge 0` throughout: so it is where
   it is positive at the start, and where it vanishes it grows;
-- **sticking**: :math:`v_j = 0` at the start, the joint is rigid (``sticking_field.py``), and the
-  effort that this takes is at most :math:`c_j`;
+- **sticking**: :math:`v_j = 0` at the start, the joint is rigid (``sticking_field.py``), the
+  effort that this takes is at most :math:`c_j`, and M with its row and column is regular, too;
 - **either**: any :math:`|f_j| \le c_j`, a disturbance, as long as it takes to pass through rest, or
   to come to rest.
 
@@ -158,12 +158,18 @@ class RubbingRobot:
         return joint, 1 if push > size else -1 if push < -size else "either"
 
     def _pushes(self, state: Sequence[arb], modes: Modes) -> list[arb]:
-        """What pushes each joint that sticks, (n,), and friction holds: b - M a in its row."""
-        held = _held(modes)
-        u, n = self._driven(modes).all, self.field.dofs
+        """What pushes each joint that sticks, (n,), and friction holds: b - M a in its row.
+
+        Anything where M may be singular, though what is left of it without these joints is not.
+        """
+        held, n = _held(modes), self.field.dofs
         pull = self._pull(state, modes)
         moving = [arb(0) if i in held else pull[i] for i in range(n)]
-        mass, forces = self.field.balance_at(state, u)
+        mass, forces = self.field.balance_at(state, self._driven(modes).all)
+        try:
+            InertiaMatrix(mass).solve(column(forces))
+        except ZeroDivisionError:
+            return [ANYTHING] * n
         return (column(forces) - mass * column(moving)).entries()
 
     def _pull(self, state: Sequence[arb], modes: Modes) -> list[arb]:
