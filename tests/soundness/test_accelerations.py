@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import json
 from pathlib import Path
 
@@ -12,51 +10,21 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.command_line import quiet, synthesised
+from tests.oracles.rod_pair import rod_pair
 
 MOST = (1.1, 2.3)
 """rad/s^2; without the limits the fastest motions have twice as much."""
-ARM = """\
-module B { role base; }
-module J1 { role joint; dof q: revolute z in [-170, 170] deg accel <= 1.1 rad/s^2; }
-module J2 { role joint;
+JOINTS = """\
+module Big { role joint; dof q: revolute z in [-170, 170] deg accel <= 1.1 rad/s^2; }
+module Small { role joint;
   dof q: revolute z in [-170, 170] deg rate in [-3, 3] rad/s accel <= 2.3 rad/s^2 effort <= 9 N*m; }
-module Upper { role link; const length = 0.6 m; }
-module Fore { role link; const length = 0.45 m; }
-module E { role effector; }
-grammar Pair { start N; all: N -> B J1 Upper J2 Fore E; }
-semantics Pair {
-  all {
-    this.one = rot(z, J1.q);
-    this.two = this.one * move(x, Upper.length) * rot(z, J2.q);
-    rod(frame: this.one, axis: x, length: Upper.length, density: 1 kg/m);
-    rod(frame: this.two, axis: x, length: Fore.length, density: 2 kg/m);
-    effector(frame: this.two * move(x, Fore.length));
-  }
-}
-workspace Table {
-  plane xy;
-  bounds box [-3, 3] x [-3, 3] m;
-  region S box [0.7, 0.9] x [0.1, 0.4] m;
-  target T box [-0.3, 0.2] x [0.6, 0.9] m;
-}
-task Turn {
-  robot Pair; workspace Table; start in S at rest; reach T at rest; effort <= 12 N*m;
-  gravity (0, -2) m/s^2; horizon 14 steps of 0.15 s; EXTRA
-}
 """
-
-
-def quiet(*arguments: object) -> int:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        return run([str(argument) for argument in arguments])
-
-
-def synthesised(scratch: Path, text: str) -> Path:
-    (scratch / "spec.srg").write_text(text, encoding="utf-8")
-    assert quiet("synth", scratch / "spec.srg", "-o", scratch / "out", "-q") == 0
-    return scratch / "out"
+ARM = rod_pair(
+    JOINTS,
+    "reach T at rest; effort <= 12 N*m; gravity (0, -2) m/s^2; horizon 14 steps of 0.15 s; EXTRA",
+)
 
 
 @pytest.fixture(scope="module")

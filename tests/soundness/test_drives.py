@@ -2,59 +2,30 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.command_line import quiet, synthesised
 from tests.oracles.mujoco_dynamics import of_file
+from tests.oracles.rod_pair import rod_pair
 
-SPEC = """\
-module B { role base; }
+JOINTS = """\
 module Big { role joint;
   dof q: revolute z in [-170, 170] deg rate in [-3, 3] rad/s effort <= 12 N*m;
   drive q: gear 100 rotor 1e-5 kg*m^2 viscous 0.3 N*m*s; }
 module Small { role joint; dof q: revolute z in [-170, 170] deg effort <= 5 N*m;
   drive q: viscous 0.1 N*m*s gear 50 rotor 2e-5 kg*m^2; }
-module Upper { role link; const length = 0.6 m; }
-module Fore { role link; const length = 0.45 m; }
-module E { role effector; }
-grammar Pair { start N; all: N -> B Big Upper Small Fore E; }
-semantics Pair {
-  all {
-    this.one = rot(z, Big.q);
-    this.two = this.one * move(x, Upper.length) * rot(z, Small.q);
-    rod(frame: this.one, axis: x, length: Upper.length, density: 1 kg/m);
-    rod(frame: this.two, axis: x, length: Fore.length, density: 2 kg/m);
-    effector(frame: this.two * move(x, Fore.length));
-  }
-}
-workspace Table {
-  plane xy;
-  bounds box [-3, 3] x [-3, 3] m;
-  region S box [0.7, 0.9] x [0.1, 0.4] m;
-  target T box [-0.3, 0.2] x [0.6, 0.9] m;
-}
-task Turn { robot Pair; workspace Table; start in S at rest; reach T; horizon 10 steps of 0.2 s; }
 """
-
-
-def quiet(*arguments: object) -> int:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        return run([str(argument) for argument in arguments])
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    scratch = tmp_path_factory.mktemp("drives")
-    (scratch / "pair.srg").write_text(SPEC, encoding="utf-8")
-    assert quiet("synth", scratch / "pair.srg", "-o", scratch / "out", "-q") == 0
-    return scratch / "out"
+    spec = rod_pair(JOINTS, "reach T; horizon 10 steps of 0.2 s;")
+    return synthesised(tmp_path_factory.mktemp("drives"), spec)
 
 
 def mass(q: np.ndarray) -> np.ndarray:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -33,10 +31,11 @@ from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet
 from solvers.verifier.verification import Outcome, claimed_robot, verify_directory
-from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.command_line import quiet, synthesised
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import WORLD, Builder, rod_chain
+from tests.oracles.rod_pair import rod_pair
 from tests.oracles.rubbing_chain import RubbingChain
 
 F = Fraction
@@ -183,55 +182,20 @@ def test_motions_in_floats_are_those_of_the_oracle(seed: int) -> None:
         assert state == pytest.approx(x, abs=1e-7)
 
 
-SPEC = """\
-module B { role base; }
+JOINTS = """\
 module Big { role joint;
   dof q: revolute z in [-170, 170] deg rate in [-3, 3] rad/s effort <= 12 N*m;
   drive q: coulomb 0.7 N*m; }
 module Small { role joint; dof q: revolute z in [-170, 170] deg effort <= 5 N*m;
   drive q: coulomb 0.25 N*m; }
-module Upper { role link; const length = 0.6 m; }
-module Fore { role link; const length = 0.45 m; }
-module E { role effector; }
-grammar Pair { start N; all: N -> B Big Upper Small Fore E; }
-semantics Pair {
-  all {
-    this.one = rot(z, Big.q);
-    this.two = this.one * move(x, Upper.length) * rot(z, Small.q);
-    rod(frame: this.one, axis: x, length: Upper.length, density: 1 kg/m);
-    rod(frame: this.two, axis: x, length: Fore.length, density: 2 kg/m);
-    effector(frame: this.two * move(x, Fore.length));
-  }
-}
-workspace Table {
-  plane xy;
-  bounds box [-3, 3] x [-3, 3] m;
-  region S box [0.7, 0.9] x [0.1, 0.4] m;
-  target T box [-0.3, 0.2] x [0.6, 0.9] m;
-}
-task Turn {
-  robot Pair; workspace Table; start in S at rest; reach T at rest CLAUSES; gravity (0, -2) m/s^2;
-  horizon 10 steps of 0.2 s;
-}
 """
-TASKS = {
-    "open": " for 0.3 s; control open loop",
-    "robust": "; control feedback; robust start 0.2 deg, 0.2 deg/s; robust effort 0.2 % of bound",
-}
-
-
-def quiet(*arguments: object) -> int:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        return run([str(argument) for argument in arguments])
+TASK = "gravity (0, -2) m/s^2; horizon 10 steps of 0.2 s;"
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    scratch = tmp_path_factory.mktemp("friction")
-    spec = scratch / "pair.srg"
-    spec.write_text(SPEC.replace(" CLAUSES", TASKS["open"]), encoding="utf-8")
-    assert quiet("synth", spec, "-o", scratch / "out", "-q") == 0
-    return scratch / "out"
+    asked = f"reach T at rest for 0.3 s; control open loop; {TASK}"
+    return synthesised(tmp_path_factory.mktemp("friction"), rod_pair(JOINTS, asked))
 
 
 def test_a_design_moves_as_was_proved(folder: Path) -> None:
@@ -271,10 +235,12 @@ def test_the_same_inputs_do_not_do_with_other_friction(folder: Path, size: str) 
 
 @pytest.mark.slow
 def test_all_disturbed_motions_against_dry_friction(tmp_path: Path) -> None:
-    spec = tmp_path / "pair.srg"
-    spec.write_text(SPEC.replace(" CLAUSES", TASKS["robust"]), encoding="utf-8")
-    assert quiet("synth", spec, "-o", tmp_path / "out", "-q") == 0
-    assert verify_directory(tmp_path / "out").outcome is Outcome.VALID
+    asked = (
+        "reach T at rest; control feedback; robust start 0.2 deg, 0.2 deg/s; "
+        f"robust effort 0.2 % of bound; {TASK}"
+    )
+    folder = synthesised(tmp_path, rod_pair(JOINTS, asked))
+    assert verify_directory(folder).outcome is Outcome.VALID
 
 
 CRANE = """\

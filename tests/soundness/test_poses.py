@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from compiler.arrays import Array
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.command_line import quiet, synthesised
 from tests.oracles.mujoco_dynamics import of_file
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.small_specs import replaced
@@ -52,17 +50,9 @@ task Turn { robot Arm; workspace Table; start in S at rest;
 LENGTHS, DENSITIES, PULL = np.array([0.6, 0.45, 0.2]), np.array([1, 2, 0.5]), (0.0, -1.62)
 
 
-def quiet(*arguments: object) -> int:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        return run([str(argument) for argument in arguments])
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    scratch = tmp_path_factory.mktemp("poses")
-    (scratch / "arm.srg").write_text(SPEC, encoding="utf-8")
-    assert quiet("synth", scratch / "arm.srg", "-o", scratch / "out", "-q") == 0
-    return scratch / "out"
+    return synthesised(tmp_path_factory.mktemp("poses"), SPEC)
 
 
 def dynamics(q: Array, v: Array, carried: float) -> tuple[Array, Array]:

@@ -6,8 +6,6 @@ from where its ends are.
 
 from __future__ import annotations
 
-import contextlib
-import io
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +13,8 @@ import pytest
 
 from compiler.arrays import Array
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.command_line import quiet
 from tests.oracles.exported_motions import replay
 
 SPEC = """\
@@ -54,11 +52,6 @@ BEYOND = "[0.15, 0.25] x [-0.25, -0.15]"
 ABOVE = "[0.1, 0.4] x [0.118, 0.120]"
 """The tip comes to 118 mm at least, the tube's surface to 108 mm, and to 110 mm at best."""
 FOUND, UNKNOWN = 0, 4
-
-
-def quiet(*arguments: object) -> int:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        return run([str(argument) for argument in arguments])
 
 
 def synthesised(scratch: Path, target: str, clause: str) -> tuple[int, Path]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from itertools import combinations
 from pathlib import Path
 
@@ -13,8 +11,8 @@ import pytest
 
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.cli import run
 from tests.oracles import result_files
+from tests.oracles.command_line import quiet, synthesised
 from tests.oracles.exported_motions import replay
 
 SPEC = """\
@@ -73,18 +71,9 @@ HARD = 3
 """The group of geoms that collide."""
 
 
-def quiet(*arguments: object) -> int:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        return run([str(argument) for argument in arguments])
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    scratch = tmp_path_factory.mktemp("shapes")
-    spec = scratch / "arm.srg"
-    spec.write_text(SPEC, encoding="utf-8")
-    assert quiet("synth", spec, "-o", scratch / "out", "-q") == 0
-    return scratch / "out"
+    return synthesised(tmp_path_factory.mktemp("shapes"), SPEC)
 
 
 @pytest.fixture(scope="module")
