@@ -20,7 +20,7 @@ from compiler.robots.state_and_input import dry_friction, robot_inputs
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.trajectory import Trajectory
 
-STILL = 1e-3
+AT_REST = 1e-3
 """Rates below this at both ends of a step, in SI, are those of a joint at rest."""
 
 
@@ -61,7 +61,7 @@ def _mean_signs(rates: Array) -> Array:
     """The mean sign of each rate (k + 1, n) over each step, (k, n)."""
     before, after = rates[:-1], rates[1:]
     changes, turned = after - before, np.abs(after) - np.abs(before)
-    moves = np.maximum(np.abs(before), np.abs(after)) > STILL
+    moves = np.maximum(np.abs(before), np.abs(after)) > AT_REST
     steady = changes == 0
     found: Array = np.where(steady, np.sign(before), turned / np.where(steady, 1.0, changes))
     return np.where(moves, found, 0.0)

@@ -17,13 +17,11 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.state_and_input import dry_friction
 from compiler.time_limits.time_limit import is_late
-from solvers.trajectory.friction_inputs import joint_friction
+from solvers.trajectory.friction_inputs import AT_REST, joint_friction
 from solvers.trajectory.trajectory import Trajectory
 
 STILL = 1e-11
 """Rates below this, in SI, are those of joints at rest."""
-SLOW = 1e-3
-"""Rates that a joint at rest need not have."""
 SPARE = 1e-12
 """An effort that is held may be so much more than friction, in N m or N, before a joint moves."""
 RELATIVE, ABSOLUTE = 1e-11, 1e-13
@@ -92,7 +90,7 @@ def rubbing_inputs(
             end = robot.moved(x, u, dt)
             off = end[rates] - target
             # No input makes a joint creep that friction holds.
-            off[(np.abs(end[rates]) <= STILL) & (np.abs(target) <= SLOW)] = 0.0
+            off[(np.abs(end[rates]) <= STILL) & (np.abs(target) <= AT_REST)] = 0.0
             if not np.max(np.abs(off)) < best:
                 break
             best, found[k], following = float(np.max(np.abs(off))), u, end

@@ -17,7 +17,7 @@ from compiler.dynamics.rubbing_joints import with_dry_friction
 from compiler.expressions.evaluators.balls import ball, constant_ball, working_precision
 from compiler.expressions.tape import tape
 from grammar_lang import ir
-from solvers.trajectory.friction_inputs import STILL, friction_inputs
+from solvers.trajectory.friction_inputs import AT_REST, friction_inputs
 from solvers.trajectory.rubbing_motion import rubbing_motion
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.certified_tube import certified_tube
@@ -162,7 +162,7 @@ def test_what_inputs_add_is_the_mean_sign_of_the_rate() -> None:
 def test_nothing_is_added_at_rest() -> None:
     numeric = NumericRobot(rubbing_graph([F(1, 2), F(1, 3)], (F(0), F(-1))))
     x = np.zeros((3, 4))
-    x[:, 2], x[1, 3] = [0.9 * STILL, -0.9 * STILL, 0.0], 0.5
+    x[:, 2], x[1, 3] = [0.9 * AT_REST, -0.9 * AT_REST, 0.0], 0.5
     planned = Trajectory(x, np.zeros((2, 2)), np.array([1.2, 0.7]))
     assert friction_inputs(numeric, planned)[:, 0] == pytest.approx(0.0, abs=1e-15)
 

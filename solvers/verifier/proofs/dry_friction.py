@@ -78,7 +78,7 @@ class _Outcome:
 
 @dataclass(frozen=True, slots=True)
 class RubbingRobot:
-    """A robot with dry friction under the inputs of a step; ``drive`` is without friction.
+    """A robot under the inputs of a step, with dry friction or without, which ``drive`` leaves out.
 
     Segments are those of ``longest_passage`` with its arguments.
     """
@@ -97,11 +97,10 @@ class RubbingRobot:
     def next(self, states: Zonotope, rest: Fraction) -> tuple[Fraction, Passage, Drive] | None:
         """A segment of at most ``rest`` steps, and all that drives the robot in it."""
         if not self.field.friction:
-            drive = self.drive
             found = longest_passage(
-                self.field, states, drive, self.dt, rest, self.accuracy, self.control
+                self.field, states, self.drive, self.dt, rest, self.accuracy, self.control
             )
-            return None if found is None else (*found, drive)
+            return None if found is None else (*found, self.drive)
         modes, most, limit = self._modes(states), rest, rest
         if "either" in modes.values():
             most = min(rest, self._through_rest(states, modes))
