@@ -32,8 +32,10 @@ def loop_diagnostics(program: ir.Program, sink: Sink) -> None:
 def _at_first(formula: ir.Formula, *, positive: bool = True) -> Iterator[tuple[ir.Atom, bool]]:
     """The atoms that are true (or false) at the first instant wherever a formula holds there."""
     match formula:
-        case ir.Atom():
-            yield formula, positive
+        case ir.Atom(poses=poses):
+            # An effector that is out of a pose may be anywhere.
+            if positive or not poses:
+                yield formula, positive
         case ir.Not(operand=part):
             yield from _at_first(part, positive=not positive)
         case ir.And(operands=parts) | ir.Or(operands=parts):

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from compiler.robots.effector_counts import several_effectors
-from compiler.tasks.formula_parts import subformulas
 from compiler.words.acceptance import accept_dfa
 from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa, intersection
 from compiler.words.grammar import Srg, alphabet_of, srg
@@ -16,6 +15,7 @@ from compiler.words.language import Language, restrict
 from compiler.words.recogniser import viable_prefix
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.ir.formula_parts import subformulas
 
 
 def task_diagnostics(program: ir.Program, sink: Sink) -> None:

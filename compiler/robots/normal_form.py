@@ -34,6 +34,7 @@ from compiler.robots.robot import (
 from compiler.words.derivation import Derivation, replay
 from compiler.words.language import Language, language
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import asked_poses
 
 
 def normalise(model: RobotModel) -> RobotModel:
@@ -383,5 +384,10 @@ def family_of(program: ir.Program, task: ir.Task) -> RobotFamily:
     workspace = program.workspaces[task.workspace]
     grammar = program.grammars[task.grammar]
     return RobotFamily(
-        program, grammar, workspace.dimension, task.avoid_self, bool(task.poses), task.payloads
+        program,
+        grammar,
+        workspace.dimension,
+        task.avoid_self,
+        bool(asked_poses(task)),
+        task.payloads,
     )

@@ -182,6 +182,20 @@ class Slots:
             for end in (slot - 1, slot + 1):
                 self.clauses.append((-row.every[slot], row.some[end]))
 
+    def free(self, key: object) -> Node:
+        """Something of which nothing is known, the same for the same key."""
+        known = ("free", key)
+        if known not in self._known:
+            some = tuple(self.variable() for _ in range(self.last + 1))
+            every = tuple(
+                self.variable() if self._is_interval(slot) else there
+                for slot, there in enumerate(some)
+            )
+            pairs = zip(every, some, strict=True)
+            self.clauses += [(-throughout, somewhere) for throughout, somewhere in pairs]
+            self._node(known, Row(some, every))
+        return self._known[known]
+
     # --- Boolean connectives -------------------------------------------------------------------
 
     def disjunction(self, nodes: Iterable[Node]) -> Node:

@@ -8,12 +8,12 @@ from fractions import Fraction
 from functools import reduce
 from math import inf
 from operator import and_, or_
-from typing import TypeAlias, assert_never
+from typing import NamedTuple, assert_never
 
-from compiler.tasks.formula_parts import operands
 from compiler.tasks.lasso import Lasso
 from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import operands
 
 # --- When a formula holds, from when its atoms do: exact, in dense time ---------------------------
 #
@@ -21,8 +21,12 @@ from grammar_lang import ir
 # 4, with windows cut off at the end of the trace; three values as in Kleene's strong logic.
 
 
-AtomKey: TypeAlias = tuple[str, int]
-"""A region and an effector's number, from 1."""
+class AtomKey(NamedTuple):
+    """A region, an effector's number, from 1, and how its frame is turned."""
+
+    region: str
+    effector: int
+    poses: tuple[ir.Pose, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +44,7 @@ class Verdicts:
 
 def key(atom: ir.Atom) -> AtomKey:
     """What an atom speaks of."""
-    return atom.region, atom.effector
+    return AtomKey(atom.region, atom.effector, atom.poses)
 
 
 def satisfied(

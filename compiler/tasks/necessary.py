@@ -230,7 +230,7 @@ class _Avoided:
                 return _union([self.throughout(part) for part in operands])
             case ir.Or(operands=operands):
                 return _common([self.throughout(part) for part in operands])
-            case ir.Not(operand=ir.Atom(region=region, effector=effector)):
+            case ir.Not(operand=ir.Atom(region=region, effector=effector, poses=())):
                 return frozenset([Place(region, effector)])
             case ir.Not(operand=ir.Until(right=right)):
                 return self.throughout(ir.Not(right))

@@ -13,11 +13,11 @@ from typing import TypeAlias
 
 from compiler.robots.effector_counts import several_effectors
 from compiler.tasks.endless_slots import EndlessSlots
-from compiler.tasks.formula_parts import operands, subformulas
 from compiler.tasks.formula_slots import Clause, Node, Slots, TooManySlotsError, common_step
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import Polytope, polytope_of, refuting_polytope
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import operands, subformulas
 from grammar_lang.source import Span
 
 Temporal: TypeAlias = ir.Until | ir.Always | ir.Eventually | ir.Next | ir.Last
@@ -213,8 +213,12 @@ class _Writer:
     def node(self, formula: ir.Formula) -> Node:
         slots = self.slots
         match formula:
-            case ir.Atom(region=region, effector=effector):
-                return self.atom(region, effector)
+            case ir.Atom(region=region, effector=effector, poses=poses):
+                there = self.atom(region, effector)
+                if not poses:
+                    return there
+                # Nothing is known of how it is turned.
+                return slots.conjunction([there, slots.free((effector, poses))])
             case ir.Not(operand=operand):
                 return -self.node(operand)
             case ir.And(operands=operands):

@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
-from typing import assert_never
+from functools import lru_cache, partial
 
-from compiler.tasks.formula_parts import atoms
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.pieces import Pieces, Polygon, apart, disjoint
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code
+from grammar_lang.ir.formula_parts import atoms, with_atoms
 
 PIECE_LIMIT = 5_000
 """So many pieces may a map have within the bounds."""
@@ -136,7 +135,8 @@ def expanded(program: ir.Program, task: ir.Task) -> tuple[ir.Program, ir.Task]:
         task,
         avoid=tuple(avoid for avoid in (_avoid(a, names) for a in task.avoid) if avoid.regions),
         satisfy=tuple(
-            replace(clause, formula=_formula(clause.formula, names)) for clause in task.satisfy
+            replace(clause, formula=with_atoms(clause.formula, partial(_atom, names=names)))
+            for clause in task.satisfy
         ),
     )
     workspaces = {**program.workspaces, place.name: place}
@@ -163,22 +163,6 @@ def task_by_task(program: ir.Program) -> Iterator[ir.Program]:
 def _avoid(avoid: ir.Avoid, names: Mapping[str, tuple[str, ...]]) -> ir.Avoid:
     regions = (piece for name in avoid.regions for piece in names.get(name, (name,)))
     return replace(avoid, regions=tuple(regions))
-
-
-def _formula(node: ir.Formula, names: Mapping[str, tuple[str, ...]]) -> ir.Formula:
-    """The formula over regions; its depth is bounded by the parser."""
-    match node:
-        case ir.Atom():
-            return _atom(node, names)
-        case ir.Not() | ir.Always() | ir.Eventually() | ir.Next() | ir.Last():
-            return replace(node, operand=_formula(node.operand, names))
-        case ir.And() | ir.Or():
-            return replace(node, operands=tuple(_formula(part, names) for part in node.operands))
-        case ir.Implies() | ir.Until():
-            left, right = _formula(node.left, names), _formula(node.right, names)
-            return replace(node, left=left, right=right)
-        case _:
-            assert_never(node)
 
 
 def _atom(atom: ir.Atom, names: Mapping[str, tuple[str, ...]]) -> ir.Formula:

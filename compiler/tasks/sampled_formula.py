@@ -4,8 +4,9 @@ Compare Fainekos & Pappas, *Robustness of temporal logic specifications for cont
 signals* (2009), Section 4: because of what happens between samples a formula is strengthened.
 Here it is for motions that, from one sample to the next, are in the cell of the first and then in
 that of the second, and at the instant of change in both (cells are closed; every effector changes
-at an instant of its own).  If a cell trace satisfies ``sampled(F)`` at sample 0, these motions
-satisfy F at time 0.  The converse is false: this is for the search, never for a refutation.
+at an instant of its own), turned as literals say.  If a cell trace satisfies ``sampled(F)`` at
+sample 0, these motions satisfy F at time 0.  The converse is false: this is for the search, never
+for a refutation.
 
 Every subformula has two translations, of which the second is used below operators that ask for
 all instants of an interval:
@@ -125,8 +126,14 @@ class _Translation:
     def _point(self, signed: Signed) -> SampledFormula:
         formula, positive = signed
         match formula:
-            case ir.Atom(region=region, effector=effector):
-                return Literal(region, effector, positive)
+            case ir.Atom(region=region, effector=effector, poses=poses):
+                if positive or not poses:
+                    return Literal(region, effector, positive, poses)
+                turned = (
+                    Literal(region, effector, positive=True, poses=(pose,), away=True)
+                    for pose in poses
+                )
+                return some((Literal(region, effector, positive), *turned))
             case ir.Not(operand=part):
                 return self.point((part, not positive))
             case ir.And() | ir.Or() | ir.Implies():

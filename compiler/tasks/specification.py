@@ -9,7 +9,6 @@ from typing import assert_never
 
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_inputs
-from compiler.tasks.formula_parts import atoms
 from compiler.tasks.sampled_formula import (
     Literal,
     SampledFormula,
@@ -20,6 +19,7 @@ from compiler.tasks.sampled_formula import (
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from grammar_lang.ir import StartAt, StartIn, Task
+from grammar_lang.ir.formula_parts import atoms
 
 # --- The one formula of a task: its ``satisfy`` clauses, with ``reach`` and ``avoid`` as sugar ----
 
@@ -40,7 +40,7 @@ def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | N
     parts = [clause.formula for clause in task.satisfy]
     if task.reach is not None:
         if task.repeat:
-            there = ir.Atom(task.reach.region, recorded + 1)
+            there = ir.Atom(task.reach.region, recorded + 1, poses=task.reach.poses)
             parts.append(ir.Eventually(there, _THROUGHOUT))
         else:
             parts.append(_stay(task, task.reach, recorded))

@@ -10,14 +10,21 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from grammar_lang import ir
+
 
 @dataclass(frozen=True, slots=True)
 class Literal:
-    """The effector (from 1) is in a cell inside the region, or in one that is not."""
+    """The effector (from 1) is in a cell inside the region, or in one that is not.
+
+    No cell tells how its frame is turned: in all ``poses`` there, or in none, ``away`` from them.
+    """
 
     region: str
     effector: int
     positive: bool
+    poses: tuple[ir.Pose, ...] = ()
+    away: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,13 +290,18 @@ NecessaryCondition: TypeAlias = tuple[SampledFormula, int]
 
 @dataclass(frozen=True, slots=True)
 class Obligation:
-    """An effector (from 0) is inside a region, or not, from sample ``first`` to ``last``."""
+    """An effector (from 0) is inside a region, or not, from sample ``first`` to ``last``.
+
+    Inside its frame is in all ``poses``, or in none, ``away`` from them.
+    """
 
     region: str
     effector: int
     inside: bool
     first: int
     last: int
+    poses: tuple[ir.Pose, ...] = ()
+    away: bool = False
 
 
 def obligations(formula: SampledFormula, word: Word) -> tuple[Obligation, ...] | None:
@@ -298,20 +310,21 @@ def obligations(formula: SampledFormula, word: Word) -> tuple[Obligation, ...] |
     if not rows[id(formula)][0]:
         return None
     demanded: dict[int, set[int]] = {id(formula): {0}}
-    kept: dict[tuple[str, int, bool], set[int]] = {}
+    kept: dict[Literal, set[int]] = {}
     for node in reversed([*nodes(formula)]):
         samples = demanded.get(id(node), set())
         if isinstance(node, Literal):
-            key = node.region, node.effector - 1, node.positive
-            kept.setdefault(key, set()).update(samples)
+            kept.setdefault(node, set()).update(samples)
             continue
         for sample in sorted(samples):
             for part, at in _needs(node, sample, rows, len(word) - 1):
                 demanded.setdefault(id(part), set()).add(at)
     return tuple(
-        Obligation(*key, first, last)
-        for key in sorted(kept)
-        for first, last in _runs(sorted(kept[key]))
+        Obligation(
+            kind.region, kind.effector - 1, kind.positive, first, last, kind.poses, kind.away
+        )
+        for kind in sorted(kept, key=lambda kind: (kind.region, kind.effector, kind.positive))
+        for first, last in _runs(sorted(kept[kind]))
     )
 
 

@@ -26,10 +26,6 @@ def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
             rest = "at rest" if item.rates.bound is None else "rates <= v"
             hint = f"remove `{rest}`, or remove `repeat;`"
             sink.error(Code.REST_WITHOUT_END, message, item.span, hint, notes)
-        elif isinstance(item, t.Reach) and item.poses:
-            message = "a motion that goes on for ever has no end at which to be in a pose"
-            hint = "remove the pose, or remove `repeat;`"
-            sink.error(Code.REST_WITHOUT_END, message, item.poses[0].span, hint, notes)
         elif isinstance(item, t.Satisfy):
             for last in _lasts(item.formula):
                 message = "a motion that goes on for ever has no last part"

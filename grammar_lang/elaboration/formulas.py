@@ -7,7 +7,7 @@ windows.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -24,6 +24,7 @@ _ALWAYS = ir.Window(Fraction(0), None)
 @dataclass(frozen=True, slots=True)
 class _Reader:
     region: Callable[[s.Ident], str]
+    poses: Callable[[Sequence[f.Pose]], tuple[ir.Pose, ...]]
     sink: Sink
 
     @property
@@ -47,11 +48,11 @@ class _Reader:
                 return kind(self.formula(left), self.formula(right), span)
 
     def _atom(self, atom: f.Atom) -> ir.Atom:
-        name = self.region(atom.region)
+        name, poses = self.region(atom.region), self.poses(atom.poses)
         if atom.effector is None:
-            return ir.Atom(name, 1, atom.span, numbered=False)
+            return ir.Atom(name, 1, atom.span, numbered=False, poses=poses)
         number = self.constants.integer(atom.effector, 1, "an effector's number")
-        return ir.Atom(name, number or 1, atom.span)
+        return ir.Atom(name, number or 1, atom.span, poses=poses)
 
     def _unary(self, formula: f.Unary) -> ir.Formula:
         operand, span = self.formula(formula.operand), formula.span
@@ -90,12 +91,18 @@ class _Reader:
         return ir.Window(lower, upper)
 
 
-def lower_formula(formula: f.Formula, region: Callable[[s.Ident], str], sink: Sink) -> ir.Formula:
+def lower_formula(
+    formula: f.Formula,
+    region: Callable[[s.Ident], str],
+    poses: Callable[[Sequence[f.Pose]], tuple[ir.Pose, ...]],
+    sink: Sink,
+) -> ir.Formula:
     """The formula; whatever is wrong with it is reported.
 
     Args:
         formula: its syntax, whose depth the parser bounds.
         region: gives the name of a region, and reports it where it is none.
+        poses: reads how the frame of an effector is to be turned, and reports what is wrong.
         sink: where errors go.
     """
-    return _Reader(region, sink).formula(formula)
+    return _Reader(region, poses, sink).formula(formula)

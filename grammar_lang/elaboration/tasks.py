@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeVar
@@ -24,6 +24,7 @@ from grammar_lang.elaboration.task_clauses import clause_places, lower_efforts
 from grammar_lang.elaboration.workspaces import check_round
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
+from grammar_lang.syntax import formulas as f
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import ACCELERATION, LENGTH, ONE, TIME, Dimension
 
@@ -181,14 +182,14 @@ class _Reader:
             return None
         region, effector = self.place(item.region), self.effector(item.effector)
         rates = None if item.rates is None else final_rates(item.rates, self.kinds, self.sink)
-        return ir.Reach(region, effector, rates, item.span, self._poses(item))
+        return ir.Reach(region, effector, rates, item.span, self._poses(item.poses))
 
-    def _poses(self, item: t.Reach) -> tuple[ir.Pose, ...]:
-        if not item.poses or self.workspace is None:
+    def _poses(self, poses: Sequence[f.Pose]) -> tuple[ir.Pose, ...]:
+        if not poses or self.workspace is None:
             return ()
         from grammar_lang.elaboration.poses import lower_poses
 
-        return lower_poses(item.poses, self.workspace.dimension, self.sink)
+        return lower_poses(poses, self.workspace.dimension, self.sink)
 
     def avoid(self) -> tuple[ir.Avoid, ...]:
         found = (self._avoid(i) for i in self.task.items if isinstance(i, t.Avoid))
@@ -251,7 +252,7 @@ class _Reader:
                 # Loaded where a task needs it, so that a check starts fast.
                 from grammar_lang.elaboration.formulas import lower_formula
 
-                formula = lower_formula(item.formula, self.spoken_of, self.sink)
+                formula = lower_formula(item.formula, self.spoken_of, self._poses, self.sink)
                 found.append(ir.Satisfy(formula, item.span))
         return tuple(found)
 

@@ -80,6 +80,7 @@ from grammar_lang.ir.family import (
     owners,
 )
 from grammar_lang.ir.formula import (
+    Aligned,
     Always,
     And,
     Atom,
@@ -90,12 +91,13 @@ from grammar_lang.ir.formula import (
     Next,
     Not,
     Or,
+    Oriented,
+    Pose,
     Until,
     Window,
 )
 from grammar_lang.ir.task import (
     REST_RATE,
-    Aligned,
     Avoid,
     AvoidSelf,
     Effort,
@@ -107,10 +109,8 @@ from grammar_lang.ir.task import (
     MapImage,
     ModuleMass,
     ObstacleMap,
-    Oriented,
     Origin,
     Payload,
-    Pose,
     Radii,
     Reach,
     Region,

@@ -1,5 +1,7 @@
 """Formulas of the intermediate representation: linear temporal logic on the finite trace [0, T].
 
+They speak of where effectors are, and of how their frames are turned there.
+
 Times are exact, in seconds.  Windows are closed and relative to the instant where the formula is
 evaluated; whatever of them lies after T is cut off.
 """
@@ -10,13 +12,42 @@ from dataclasses import field
 from fractions import Fraction
 from typing import TypeAlias
 
-from grammar_lang.ir.expressions import NOWHERE
+from grammar_lang.ir.expressions import NOWHERE, Axis, Expr
 from grammar_lang.source import Span, node
 
 
 @node
+class Aligned:
+    """An axis of an effector's frame points along a direction of the world, ``within`` an angle.
+
+    The direction is not zero, the angle closed, in rad and between 0 and a half turn.
+    """
+
+    axis: Axis
+    direction: tuple[Fraction, ...]
+    within: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Oriented:
+    """An effector's frame is turned from the world's by ``turns``, ``within`` an angle.
+
+    Turns are about axes of the frame, one after the other, by closed angles in rad; the angle is
+    that of the rotation between both frames, between 0 and a half turn.
+    """
+
+    turns: tuple[tuple[Axis, Expr], ...]
+    within: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Pose: TypeAlias = Aligned | Oriented
+
+
+@node
 class Atom:
-    """The ``effector``-th effector (from 1, in word order) is in the region.
+    """The ``effector``-th effector (from 1, in word order) is in the region, in all ``poses``.
 
     ``numbered`` says that the number is written; a plain region is the only effector's.
     """
@@ -25,6 +56,7 @@ class Atom:
     effector: int
     span: Span = field(default=NOWHERE, compare=False, repr=False)
     numbered: bool = field(default=True, compare=False, repr=False)
+    poses: tuple[Pose, ...] = ()
 
 
 @node

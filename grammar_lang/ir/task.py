@@ -7,9 +7,9 @@ from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
-from grammar_lang.ir.expressions import NOWHERE, Axis, Expr
+from grammar_lang.ir.expressions import NOWHERE, Expr
 from grammar_lang.ir.family import DofKind
-from grammar_lang.ir.formula import Formula
+from grammar_lang.ir.formula import Formula, Pose
 from grammar_lang.source import Span, node
 
 
@@ -156,35 +156,6 @@ class FinalRates:
     bound: Fraction = REST_RATE
     most: Fraction = REST_RATE
     duration: Fraction = Fraction(0)
-
-
-@node
-class Aligned:
-    """An axis of an effector's frame points along a direction of the world, ``within`` an angle.
-
-    The direction is not zero, the angle closed, in rad and between 0 and a half turn.
-    """
-
-    axis: Axis
-    direction: tuple[Fraction, ...]
-    within: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Oriented:
-    """An effector's frame is turned from the world's by ``turns``, ``within`` an angle.
-
-    Turns are about axes of the frame, one after the other, by closed angles in rad; the angle is
-    that of the rotation between both frames, between 0 and a half turn.
-    """
-
-    turns: tuple[tuple[Axis, Expr], ...]
-    within: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-Pose: TypeAlias = Aligned | Oriented
 
 
 @node
@@ -364,11 +335,6 @@ class Task:
         if self.reach is None:
             raise LookupError(f"task {self.name} has no reach clause")
         return self.reach
-
-    @property
-    def poses(self) -> tuple[Pose, ...]:
-        """All that is said of how effectors' frames are turned."""
-        return () if self.reach is None else self.reach.poses
 
     @property
     def final_rates(self) -> FinalRates | None:

@@ -224,7 +224,7 @@ _FORMULAS: dict[str, Builder] = {
     "eventually": _temporal("eventually"),
     "next_step": _temporal("next"),
     "last": lambda c, span: f.Last(c[0], c[1], span),
-    "atom": lambda c, span: f.Atom(_ident(c[0]), c[1], span),
+    "atom": lambda c, span: f.Atom(_ident(c[0]), c[1], span, tuple(c[2:])),
     "window": lambda c, span: f.Window(c[0], c[1], span),
 }
 

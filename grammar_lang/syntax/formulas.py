@@ -38,11 +38,12 @@ Pose: TypeAlias = Aligned | Oriented
 
 @node
 class Atom:
-    """``R by effector n``."""
+    """``R by effector n``, turned as all ``poses`` say."""
 
     region: Ident
     effector: Expr | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    poses: tuple[Pose, ...] = ()
 
 
 @node

@@ -8,7 +8,6 @@ from itertools import groupby, islice
 
 import numpy as np
 
-from compiler.tasks.formula_parts import Occurrence, atoms, formula_text, occurrences, strengthened
 from compiler.tasks.formula_slots import Clause, TooManySlotsError
 from compiler.tasks.necessary_conditions import (
     NecessaryCondition,
@@ -18,6 +17,7 @@ from compiler.tasks.necessary_conditions import (
 )
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
+from grammar_lang.ir.formula_parts import Occurrence, atoms, formula_text, occurrences, strengthened
 from grammar_lang.source import Span
 from solvers.backends.cadical import SatSolver
 from solvers.verdict import Fails

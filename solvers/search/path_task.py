@@ -17,6 +17,7 @@ from compiler.tasks.word_formula import SampledFormula, every
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import asked_poses
 from solvers.parameters.parameter_search import parameter_space
 from solvers.planner import EffectorPath, Exhausted
 from solvers.search.configuration_search import Configuration
@@ -159,7 +160,7 @@ def nearest_text(
     task = path_problem.task
     if sample > task.steps or found.outcome.robustness >= 0:
         problem = path_problem.problem(found.entries, released=True)
-        lacks = shortfall(problem, found.outcome, posed=bool(task.poses))
+        lacks = shortfall(problem, found.outcome, posed=bool(asked_poses(task)))
         what = f"the motion found {lacks}"
     else:
         what = stuck_text(sample, task)

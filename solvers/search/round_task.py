@@ -67,7 +67,8 @@ def _round_task(task: ir.Task, recorded: int, loop: int, *, stays: bool = False)
     formulas = [clause.formula for clause in task.satisfy]
     if task.reach is not None:
         window = ir.Window(Fraction(0), None)
-        formulas.append(ir.Eventually(ir.Atom(task.reach.region, recorded + 1), window))
+        there = ir.Atom(task.reach.region, recorded + 1, poses=task.reach.poses)
+        formulas.append(ir.Eventually(there, window))
     end, begin = task.steps * task.step, loop * task.step
     asked = tuple(ir.Satisfy(on_one_round(formula, begin, end)) for formula in formulas)
     return RoundTask(replace(task, satisfy=asked, reach=None, repeat=False), loop, stays)

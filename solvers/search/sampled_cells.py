@@ -17,16 +17,17 @@ from numpy.typing import NDArray
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.tasks.formula_parts import atoms
 from compiler.tasks.monitor import AtomKey, Monitored, Piece, key
 from compiler.tasks.specification import PlannedEffector, PlanningProblem
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import atoms
 from solvers.parameters.parameter_search import parameter_space
 from solvers.search.configuration_search import Configuration
 from solvers.trajectory.control_problem import ControlOutcome, Ending, input_margin
 from solvers.trajectory.inverse_kinematics import sampled_box, solve_positions
+from solvers.trajectory.pose_dwells import in_poses
 from solvers.trajectory.task_limits import input_groups, motion_limits, resting_inputs, state_limits
 from solvers.trajectory.trajectory import Trajectory
 
@@ -199,7 +200,7 @@ def standing_configurations(
     for theta in parameter_space(model).samples(STANDING_LOG2, seed):
         points = numeric.points(np.zeros((1, 0)), theta).value[0]
         depths = [_depth(shapes[name], points[point]) for point, name in bound]
-        gap = min([*depths, _worth(shapes, task, points)])
+        gap = min([*depths, _worth(numeric, shapes, task, points)])
         cell = abstraction.locate(points[effector])
         if gap > 0 and cell is not None:
             found.append((gap, cell, theta))
@@ -216,7 +217,9 @@ def _atoms(task: ir.Task) -> tuple[ir.Atom, ...]:
     return atoms(*(clause.formula for clause in task.satisfy))
 
 
-def _worth(shapes: Mapping[str, Polytope], task: ir.Task, points: Array) -> float:
+def _worth(
+    numeric: NumericRobot, shapes: Mapping[str, Polytope], task: ir.Task, points: Array
+) -> float:
     """By how much effectors at rest at some points, shape (n, d), satisfy all formulas, in metres.
 
     Not positive where they do not.
@@ -224,7 +227,9 @@ def _worth(shapes: Mapping[str, Polytope], task: ir.Task, points: Array) -> floa
     end = task.step * task.steps
     trace: dict[AtomKey, list[Piece]] = {}
     for atom in _atoms(task):
-        depth = _depth(shapes[atom.region], points[atom.effector - 1])
+        depth, effector = _depth(shapes[atom.region], points[atom.effector - 1]), atom.effector - 1
+        if not in_poses(numeric, atom.poses, effector, points[None])[0]:
+            depth = -float("inf")
         trace[key(atom)] = [Piece(Fraction(0), end, depth, -depth)]
     formulas = (Monitored(clause.formula, end, task.step) for clause in task.satisfy)
     return min((formula.robustness(trace) or 0.0 for formula in formulas), default=float("inf"))

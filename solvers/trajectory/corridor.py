@@ -322,11 +322,11 @@ class MotionConstraints:
             found += [self._stay(cell, first, last) for cell, first, last in path]
         found += self._within_bounds(with_own=entries is None)
         found += self._ends()
-        found += [
-            Dwell(item.effector, item.first, item.last, self._set(item.region))
-            for item in obligations
-            if item.inside
-        ]
+        for item in obligations:
+            if item.inside:
+                found.append(Dwell(item.effector, item.first, item.last, self._set(item.region)))
+                samples = item.first, item.last
+                found += self._turned(item.poses, item.effector, samples, away=item.away)
         return tuple(found)
 
     def _stay(self, cell: int, first: int, last: int) -> Dwell:
@@ -361,9 +361,20 @@ class MotionConstraints:
             return
         if self.recorded != self.effector:
             yield Dwell(self.recorded, k, k, self._set(reach.region))
-        last, unit = (k + 1 - final_samples(self.task), k), length_unit(self.workspace)
-        for pose in reach.poses:
-            yield from pose_dwells(self.numeric, pose, unit, self.recorded, last)
+        yield from self._turned(reach.poses, self.recorded, (k + 1 - final_samples(self.task), k))
+
+    def _turned(
+        self,
+        poses: Sequence[ir.Pose],
+        effector: int,
+        samples: tuple[int, int],
+        *,
+        away: bool = False,
+    ) -> Iterator[Dwell]:
+        """Between two samples an effector's frame is in some poses, or away from them."""
+        unit = length_unit(self.workspace)
+        for pose in poses:
+            yield from pose_dwells(self.numeric, pose, unit, effector, samples, away=away)
 
     def separations(self, obligations: Sequence[Obligation]) -> tuple[Separation, ...]:
         """What points and bodies stay away from."""

@@ -10,12 +10,14 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.state_and_input import dry_friction
-from compiler.tasks.formula_parts import atoms
 from compiler.tasks.sampled_formula import sampled
 from compiler.tasks.word_formula import holds
 from compiler.time_limits.time_limit import is_late
 from compiler.workspaces.polytope import polytope_of
+from grammar_lang import ir
+from grammar_lang.ir.formula_parts import atoms, formula_text, with_atoms
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
+from solvers.trajectory.pose_dwells import in_poses
 from solvers.trajectory.rubbing_motion import rubbing_motion
 from solvers.trajectory.simulated_motion import SimulatedMotion
 from solvers.trajectory.task_limits import state_limits
@@ -158,7 +160,7 @@ def _within_steps(path_problem: PathProblem, trajectory: Trajectory) -> Array:
 
 
 def seems_to_satisfy(path_problem: PathProblem, seen: SimulatedMotion) -> bool:
-    """Whether the places of the effectors at the instants of a motion satisfy the formulas."""
+    """Whether effectors, as they are at the instants of a motion, satisfy the formulas."""
     formulas = [clause.formula for clause in path_problem.task.satisfy]
     if not formulas:
         return True
@@ -166,13 +168,22 @@ def seems_to_satisfy(path_problem: PathProblem, seen: SimulatedMotion) -> bool:
     with np.errstate(all="ignore"):
         places = numeric.points(seen.states[:, : numeric.n], seen.theta).value
     word: list[dict[int, frozenset[str]]] = [{} for _ in seen.states]
-    named = {(atom.region, atom.effector) for atom in atoms(*formulas)}
-    for effector in sorted({number for _, number in named}):
-        inside: dict[str, Array] = {}
-        for region in sorted(region for region, number in named if number == effector):
-            shape = polytope_of(workspace.region(region).shape, workspace.dimension)
-            inside[region] = np.all(places[:, effector - 1] @ shape.A.T <= shape.b, axis=1)
+    inside: dict[int, dict[str, Array]] = {}
+    for atom in atoms(*formulas):
+        shape = polytope_of(workspace.region(atom.region).shape, workspace.dimension)
+        there = np.all(places[:, atom.effector - 1] @ shape.A.T <= shape.b, axis=1)
+        there &= in_poses(numeric, atom.poses, atom.effector - 1, places)
+        inside.setdefault(atom.effector, {})[_plain(atom).region] = there
+    for effector, regions in inside.items():
         for instant, letter in enumerate(word):
-            letter[effector] = frozenset(name for name, flags in inside.items() if flags[instant])
+            letter[effector] = frozenset(name for name, flags in regions.items() if flags[instant])
     step = task.step / Fraction(seen.fine)
-    return all(holds(sampled(f, step, task.steps * seen.fine), word) for f in formulas)
+    plain = (with_atoms(formula, _plain) for formula in formulas)
+    return all(holds(sampled(f, step, task.steps * seen.fine), word) for f in plain)
+
+
+def _plain(atom: ir.Atom) -> ir.Atom:
+    """An atom without poses; one that had some is of a region of its own, with a name for it."""
+    if not atom.poses:
+        return atom
+    return replace(atom, region=formula_text(replace(atom, numbered=False)), poses=())

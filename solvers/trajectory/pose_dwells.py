@@ -1,40 +1,73 @@
-"""Poses of an effector as dwells of the axes of its frame, for a search.
+"""Poses of an effector in a search: what its axes are asked, and as dwells of these.
 
 An axis e within an angle of a direction t is one with t . e at least its cosine, as both have the
 length one.  A whole frame is within an angle where the sum of three such products is large enough;
-here each of them is asked to be a third of that.
+dwells ask each of them to be a third of that.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import cos, pi, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.tasks.pose_target import FLOATS, pose_target
+from compiler.tasks.pose_target import FLOATS, PoseTarget, pose_target
 from grammar_lang import ir
 from solvers.trajectory.convex_set import ConvexSet
 from solvers.trajectory.position_plan import Dwell
 
 
 def pose_dwells(
-    numeric: NumericRobot, pose: ir.Pose, unit: float, effector: int, samples: tuple[int, int]
+    numeric: NumericRobot,
+    pose: ir.Pose,
+    unit: float,
+    effector: int,
+    samples: tuple[int, int],
+    *,
+    away: bool = False,
 ) -> Iterator[Dwell]:
-    """What keeps an effector (from 0) in a pose, from a first sample to a last one.
+    """What keeps an effector (from 0) in a pose, from a first sample to a last one, or out of it.
 
     Near its bound a row counts angles as lengths, a ``unit`` in metres for a rad, so that margins
     suit it.  The directions themselves are the places that inverse kinematics brings the axes to.
     """
     target = pose_target(pose, numeric.d, FLOATS)
-    level = cos(target.within)
-    if len(target.axes) > 1:
-        level = (1 + 2 * level) / 3
+    level = _least(target) / len(target.axes)
     scale = unit / sin(min(target.within, pi / 2))
-    points = numeric.spanning.axes[effector]
-    for axis, direction in zip(target.axes, target.directions, strict=True):
-        towards = np.array(direction)[None]
-        region = ConvexSet(-scale * towards, np.array([-scale * level]), towards)
-        point = len(numeric.graph.model.effectors) + points[axis]
+    for point, towards in _directed(numeric, target, effector):
+        sign = 1.0 if away else -1.0
+        rows, offsets = sign * scale * towards[None], np.array([sign * scale * level])
+        region = ConvexSet(rows, offsets, -sign * towards[None])
         yield Dwell(point, *samples, region, spreads=np.array([scale]))
+
+
+def in_poses(
+    numeric: NumericRobot, poses: Sequence[ir.Pose], effector: int, points: Array
+) -> NDArray[np.bool_]:
+    """Whether an effector (from 0) is in all poses, for points of the robot (K, m, d): (K,)."""
+    found = np.ones(len(points), dtype=bool)
+    for pose in poses:
+        target = pose_target(pose, numeric.d, FLOATS)
+        directed = _directed(numeric, target, effector)
+        along = sum((points[:, point] @ towards for point, towards in directed), np.zeros(1))
+        found &= along >= _least(target)
+    return found
+
+
+def _directed(
+    numeric: NumericRobot, target: PoseTarget[float], effector: int
+) -> Iterator[tuple[int, Array]]:
+    """The points that stand for the axes of an effector's frame, and what they are turned to."""
+    first, axes = len(numeric.graph.model.effectors), numeric.spanning.axes[effector]
+    for axis, direction in zip(target.axes, target.directions, strict=True):
+        yield first + axes[axis], np.array(direction)
+
+
+def _least(target: PoseTarget[float]) -> float:
+    """What the products t . e of all axes are together, at least."""
+    level = cos(target.within)
+    return level if len(target.axes) == 1 else 1 + 2 * level

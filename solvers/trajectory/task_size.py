@@ -10,9 +10,9 @@ from math import floor, log10
 
 import numpy as np
 
-from compiler.tasks.formula_parts import atoms
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
+from grammar_lang.ir.formula_parts import asked_poses, atoms
 from solvers.trajectory.convex_set import ConvexSet, region_set
 
 LEAST_MARGIN = 2e-4
@@ -42,7 +42,7 @@ def least_margin(workspace: ir.Workspace, task: ir.Task) -> float:
     names |= set() if task.reach is None else {task.reach.region}
     sets = [region_set(workspace.region(name).shape, workspace.dimension) for name in names]
     narrow = [_radius(each) for each in sets]
-    narrow += [unit * to_float(pose.within) for pose in task.poses]
+    narrow += [unit * to_float(pose.within) for pose in asked_poses(task)]
     least = SHARE * min(narrow, default=np.inf)
     several = task.repeat or task.robust is not None
     most = DISTURBED_MARGIN if several else LEAST_MARGIN

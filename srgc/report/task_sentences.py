@@ -8,9 +8,9 @@ from math import degrees
 
 from compiler.descriptions.model_symbols import closed_text
 from compiler.robots.state_and_input import EFFORT_UNITS
-from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
+from grammar_lang.ir.formula_parts import formula_text
 from srgc.render.html_text import many, number, with_unit
 
 RATE_UNITS: dict[ir.DofKind, str] = {"revolute": "rad/s", "prismatic": "m/s"}

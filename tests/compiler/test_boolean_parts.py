@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.formula_parts import atoms, subformulas
-from compiler.tasks.monitor import boolean_parts, boolean_value
+from compiler.tasks.monitor import AtomKey, boolean_parts, boolean_value
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import atoms, subformulas
 from tests.oracles.formula_semantics import Meaning
 from tests.oracles.formulas import formulas
 
@@ -44,12 +44,12 @@ def test_truth_tables(formula: ir.Formula) -> None:
     for a, c in product((True, False), repeat=2):
         signal = [{1: frozenset("A" * a + "C" * c)}]
         expected = Meaning(signal, Fraction(1), Fraction(1)).holds(formula)
-        assert boolean_value(formula, {("A", 1): a, ("C", 1): c}) == expected
+        assert boolean_value(formula, {AtomKey("A", 1): a, AtomKey("C", 1): c}) == expected
 
 
 def test_formulas_in_time_have_no_such_value() -> None:
     with pytest.raises(ValueError, match="several instants"):
-        boolean_value(ir.Next(A), {("A", 1): True})
+        boolean_value(ir.Next(A), {AtomKey("A", 1): True})
 
 
 def test_atoms_are_listed_once_in_order() -> None:

@@ -8,13 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.formula_parts import formula_text
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import formula_text
 from tests.oracles.formulas import SHAPES, formulas, program, spec
 from tests.oracles.some_cases import examples
 
 A, C = ir.Atom("A", 1, numbered=False), ir.Atom("C", 2)
 F = Fraction
+SIXTH, HALF = (ir.Binary("*", ir.Num(part), ir.Pi()) for part in (F(1, 6), F(1, 2)))
+ALIGNED = ir.Aligned("-y", (F(3, 4), F(-1)), SIXTH)
+TURNED = ir.Oriented((("z", HALF), ("-z", SIXTH)), SIXTH)
+POSES: tuple[tuple[ir.Pose, ...], ...] = ((), (ALIGNED,), (ALIGNED, TURNED))
 
 
 def written(formula: ir.Formula) -> bool:
@@ -61,7 +65,7 @@ def read(text: str) -> ir.Formula:
 
 
 @settings(max_examples=examples(30, 60), deadline=None)
-@given(formulas(3, 2, deep=6).filter(written))
+@given(formulas(3, 2, deep=6, poses=POSES).filter(written))
 def test_text_reads_back(formula: ir.Formula) -> None:
     assert flat(read(formula_text(formula))) == flat(formula)
 

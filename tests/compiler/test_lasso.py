@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compiler.tasks.lasso import Lasso
-from compiler.tasks.monitor import Verdicts, monitor
+from compiler.tasks.monitor import AtomKey, Verdicts, monitor
 from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
 from tests.oracles.formulas import windows, without_window
@@ -18,7 +18,7 @@ from tests.oracles.some_cases import examples
 from tests.oracles.time_grid import marks, time_set
 
 F = Fraction
-ATOMS = [("A", 1), ("C", 1)]
+ATOMS = [AtomKey("A", 1), AtomKey("C", 1)]
 SECONDS = 5
 PARTS = 2 * SECONDS
 END = F(SECONDS)
@@ -51,7 +51,7 @@ def endless_formulas() -> st.SearchStrategy[ir.Formula]:
 
 def settled(signals: list[list[bool]]) -> list[dict[int, frozenset[str]]]:
     return [
-        {1: frozenset(name for (name, _), values in zip(ATOMS, signals, strict=True) if values[p])}
+        {1: frozenset(name for (name, *_), values in zip(ATOMS, signals, strict=True) if values[p])}
         for p in range(PARTS)
     ]
 
@@ -166,7 +166,7 @@ def test_known_words(formula: ir.Formula, word: str, loop: int, value: bool) -> 
 def test_there_is_no_last_part() -> None:
     everywhere = Verdicts(TimeSet.all(END), TimeSet.all(END))
     with pytest.raises(ValueError, match="no last part"):
-        monitor(ir.Last(F(1), A), {("A", 1): everywhere}, END, F(1), loop=F(0))
+        monitor(ir.Last(F(1), A), {AtomKey("A", 1): everywhere}, END, F(1), loop=F(0))
     for start, end in ((F(1), F(1)), (F(-1), F(1))):
         with pytest.raises(ValueError, match="takes some time"):
             Lasso(start, end)

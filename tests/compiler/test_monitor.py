@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.monitor import Verdicts, monitor, satisfied
+from compiler.tasks.monitor import AtomKey, Verdicts, monitor, satisfied
 from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
 from tests.oracles.formula_semantics import Meaning
@@ -18,7 +18,7 @@ from tests.oracles.some_cases import examples
 from tests.oracles.time_grid import marks, time_set
 
 F = Fraction
-ATOMS = [("A", 1), ("C", 1), ("A", 2), ("C", 2)]
+ATOMS = [AtomKey("A", 1), AtomKey("C", 1), AtomKey("A", 2), AtomKey("C", 2)]
 SECONDS = 4
 PARTS = 2 * SECONDS + 1
 END = F(SECONDS)
@@ -32,7 +32,7 @@ def settled(signals: list[list[bool]]) -> list[dict[int, frozenset[str]]]:
         {
             effector: frozenset(
                 region
-                for (region, owner), values in zip(ATOMS, signals, strict=True)
+                for (region, owner, _), values in zip(ATOMS, signals, strict=True)
                 if owner == effector and values[part]
             )
             for effector in (1, 2)
@@ -46,7 +46,7 @@ def expected(formula: ir.Formula, signals: list[list[bool]], step: int = 1) -> l
     return [meaning.holds(formula, part) for part in range(PARTS)]
 
 
-def exact(signals: list[list[bool]]) -> dict[tuple[str, int], TimeSet]:
+def exact(signals: list[list[bool]]) -> dict[AtomKey, TimeSet]:
     return {atom: time_set(values) for atom, values in zip(ATOMS, signals, strict=True)}
 
 
@@ -106,7 +106,7 @@ def test_what_is_certain_holds_whatever_the_signals(
         {
             effector: frozenset(
                 name
-                for (region, owner), values in zip(ATOMS, unsure, strict=True)
+                for (region, owner, _), values in zip(ATOMS, unsure, strict=True)
                 for name, is_in in zip((region, region + "?"), values[part], strict=True)
                 if owner == effector and is_in
             )
@@ -127,8 +127,8 @@ def test_what_is_certain_holds_whatever_the_signals(
 def when(formula: ir.Formula, a: list[tuple[str, str]], c: list[tuple[str, str]]) -> TimeSet:
     """On [0, 10] with steps of 0.5 s, A and C in closed intervals."""
     signals = {
-        ("A", 1): TimeSet.closed(F(10), [(F(x), F(y)) for x, y in a]),
-        ("C", 1): TimeSet.closed(F(10), [(F(x), F(y)) for x, y in c]),
+        AtomKey("A", 1): TimeSet.closed(F(10), [(F(x), F(y)) for x, y in a]),
+        AtomKey("C", 1): TimeSet.closed(F(10), [(F(x), F(y)) for x, y in c]),
     }
     return satisfied(formula, signals, F(10), F(1, 2))
 
@@ -196,10 +196,10 @@ def test_known_instants_count_besides_what_follows() -> None:
     """Neither A nor C is certain on [4, 5], but that one of them holds is."""
     either = ir.Or((A, C))
     sure = {
-        ("A", 1): Verdicts(
+        AtomKey("A", 1): Verdicts(
             TimeSet.closed(F(10), [(F(0), F(4))]), TimeSet.closed(F(10), [(F(0), F(5))])
         ),
-        ("C", 1): Verdicts(
+        AtomKey("C", 1): Verdicts(
             TimeSet.closed(F(10), [(F(5), F(10))]), TimeSet.closed(F(10), [(F(4), F(10))])
         ),
     }

@@ -7,8 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from compiler.tasks.formula_parts import attained
-from compiler.tasks.monitor import satisfied
+from compiler.tasks.monitor import AtomKey, satisfied
 from compiler.tasks.specification import (
     missing_effector,
     recorded_effector,
@@ -16,6 +15,7 @@ from compiler.tasks.specification import (
 )
 from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import attained
 from tests.oracles.tasks import avoid, task
 
 F = Fraction
@@ -87,7 +87,7 @@ def test_until_may_be_widened_by_a_closed_right_side() -> None:
         for right in intervals:
             closed = TimeSet.closed(end, [right])
             for one in (TimeSet.closed(end, [left]), TimeSet.closed(end, [left]).complement):
-                signals = {("A", 1): one, ("C", 1): closed}
+                signals = {AtomKey("A", 1): one, AtomKey("C", 1): closed}
                 found = satisfied(until, signals, end, F(1))
                 assert found == satisfied(wide, signals, end, F(1))
 

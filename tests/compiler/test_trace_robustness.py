@@ -12,9 +12,9 @@ from typing import Any
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.formula_parts import operands
-from compiler.tasks.monitor import Monitored, Piece
+from compiler.tasks.monitor import AtomKey, Monitored, Piece
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import operands
 from tests.compiler.test_monitor import by_sign
 from tests.oracles.formula_semantics import Meaning
 from tests.oracles.formulas import formulas
@@ -27,7 +27,7 @@ with warnings.catch_warnings():
 
 F = Fraction
 SECONDS = 4
-KEYS = [("A", 1), ("C", 1)]
+KEYS = [AtomKey("A", 1), AtomKey("C", 1)]
 DEPTHS = [-3, -2, -1, 0, 1, 2, 3]
 TRACES = st.lists(
     st.lists(st.sampled_from(DEPTHS), min_size=SECONDS, max_size=SECONDS), min_size=2, max_size=2
@@ -57,10 +57,10 @@ def certain(formula: ir.Formula, trace: list[list[int]], level: float) -> bool:
     signal = [
         {
             1: frozenset(
-                [name for (name, _), values in zip(KEYS, inside, strict=True) if values[part]]
+                [name for (name, *_), values in zip(KEYS, inside, strict=True) if values[part]]
                 + [
                     f"{n}?"
-                    for (n, _), values in zip(KEYS, outside, strict=True)
+                    for (n, *_), values in zip(KEYS, outside, strict=True)
                     if not values[part]
                 ]
             )

@@ -10,6 +10,7 @@ from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir.constants import to_float
+from grammar_lang.ir.formula_parts import asked_poses
 from grammar_lang.load import load_text
 from tests.oracles.small_specs import TURNER, replaced
 
@@ -63,13 +64,56 @@ def test_poses_of_a_reach() -> None:
         ("reach T oriented rot(z, JO.q) within 1;", "is not a constant"),
         ("reach T aligned w to (0, 1) within 1;", "expected `x`, `y` or `z`"),
         ("reach T at rest aligned x to (0, 1) within 1;", "expected `;` or `for`"),
-        ("reach T aligned x to (0, 1) within 1; repeat;", "no end at which to be in a pose"),
     ],
 )
 def test_poses_that_are_none(clauses: str, said: str) -> None:
     task, diagnostics = read(clauses)
     assert any(said in each.message and each.hint for each in diagnostics), diagnostics
     assert task is None or all(each.span for each in diagnostics)
+
+
+def test_poses_of_atoms() -> None:
+    task, diagnostics = read(
+        "reach T; satisfy eventually (T by effector 1 aligned x to (0, 1) within 5 deg "
+        "oriented rot(z, 1) within 1 and not T);"
+    )
+    assert task is not None, diagnostics
+    formula = task.satisfy[0].formula
+    assert isinstance(formula, ir.Eventually)
+    assert isinstance(formula.operand, ir.And)
+    posed, plain = formula.operand.operands
+    assert isinstance(posed, ir.Atom)
+    assert plain == ir.Not(ir.Atom("T", 1))
+    aligned, turned = posed.poses
+    assert posed == ir.Atom("T", 1, poses=(aligned, turned))
+    assert posed != ir.Atom("T", 1)
+    assert isinstance(aligned, ir.Aligned)
+    assert aligned.direction == (0, 1)
+    assert isinstance(turned, ir.Oriented)
+    assert asked_poses(task) == (aligned, turned)
+
+
+@pytest.mark.parametrize(
+    ("atom", "said"),
+    [
+        ("T aligned z to (0, 1) within 5 deg", "is across the plane"),
+        ("T aligned x to (0, 0) within 5 deg", "a direction is not zero"),
+        ("T oriented move(x, 3 m) within 1", "turned, not moved"),
+        ("T aligned x to (0, 1) within 0", "not between zero and a half turn"),
+        ("T aligned x to (0, 1)", "expected `within`"),
+        ("aligned x to (0, 1) within 1", "expected"),
+    ],
+)
+def test_poses_of_atoms_that_are_none(atom: str, said: str) -> None:
+    task, diagnostics = read(f"reach T; satisfy always not ({atom});")
+    assert any(said in each.message and each.hint for each in diagnostics), diagnostics
+    assert task is None or all(each.span for each in diagnostics)
+
+
+def test_a_motion_without_end_may_come_to_a_pose() -> None:
+    task, diagnostics = read("reach T aligned x to (0, 1) within 1; repeat;")
+    assert task is not None, diagnostics
+    assert len(task.goal.poses) == 1
 
 
 def test_payloads() -> None:

@@ -44,7 +44,7 @@ def model() -> RobotModel:
     elbow = builder.link(builder.joint(WORLD), builder.parameter())
     builder.effector(builder.link(builder.joint(elbow), builder.parameter()))
     builder.effector(elbow)
-    return builder.build()
+    return replace(builder.build(), posed=True)
 
 
 @lru_cache

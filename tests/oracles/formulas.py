@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 from hypothesis import strategies as st
@@ -82,10 +83,12 @@ def without_window(f: st.SearchStrategy[ir.Formula]) -> list[st.SearchStrategy[i
     ]
 
 
-def formulas(seconds: int, effectors: int, *, deep: int) -> st.SearchStrategy[ir.Formula]:
-    """Formulas over A and C with times in whole seconds."""
+def formulas(
+    seconds: int, effectors: int, *, deep: int, poses: Sequence[tuple[ir.Pose, ...]] = ((),)
+) -> st.SearchStrategy[ir.Formula]:
+    """Formulas over A and C, in some poses, with times in whole seconds."""
     atoms: st.SearchStrategy[ir.Formula] = st.builds(
-        ir.Atom, st.sampled_from("AC"), st.integers(1, effectors)
+        ir.Atom, st.sampled_from("AC"), st.integers(1, effectors), poses=st.sampled_from(poses)
     )
 
     def grown(f: st.SearchStrategy[ir.Formula]) -> st.SearchStrategy[ir.Formula]:

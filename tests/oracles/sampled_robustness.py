@@ -12,11 +12,12 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from compiler.arrays import Array
+from compiler.tasks.monitor import AtomKey
 from grammar_lang import ir
 
 
 def robustness(
-    formula: ir.Formula, depths: Mapping[tuple[str, int], Array], rate: Fraction, step: Fraction
+    formula: ir.Formula, depths: Mapping[AtomKey, Array], rate: Fraction, step: Fraction
 ) -> Array:
     """The robustness at every sample.
 
@@ -31,8 +32,8 @@ def robustness(
         return robustness(part, depths, rate, step)
 
     match formula:
-        case ir.Atom(region=region, effector=effector):
-            return depths[region, effector]
+        case ir.Atom(region=region, effector=effector, poses=poses):
+            return depths[AtomKey(region, effector, poses)]
         case ir.Not(operand=part):
             return -of(part)
         case ir.And(operands=parts):

@@ -44,7 +44,7 @@ RATE = FINE / STEP
 NEAR = 5e-3
 """Metres that a tip may travel between two samples."""
 A, C, ELBOW = ir.Atom("A", 1), ir.Atom("C", 1), ir.Atom("A", 2)
-KEYS: tuple[AtomKey, ...] = (("A", 1), ("C", 1), ("A", 2), ("C", 2))
+KEYS: tuple[AtomKey, ...] = (AtomKey("A", 1), AtomKey("C", 1), AtomKey("A", 2), AtomKey("C", 2))
 
 
 def regions(seed: int) -> dict[str, Corners]:
@@ -66,7 +66,7 @@ def proved(seed: int) -> FormulaProof:
 @lru_cache
 def sampled(seed: int) -> dict[AtomKey, np.ndarray]:
     shapes, motion = regions(seed), tips(seed)
-    return {(r, e): depths(shapes[r], motion.points[:, e - 1]) for r, e in KEYS}
+    return {key: depths(shapes[key.region], motion.points[:, key.effector - 1]) for key in KEYS}
 
 
 def verdict(seed: int, formula: ir.Formula) -> FormulaVerdict:
@@ -153,7 +153,7 @@ MUTATED: dict[str, tuple[Callable[[F, F], ir.Formula], int, int]] = {
 def test_windows_that_end_just_before_or_after_a_crossing(seed: int, name: str) -> None:
     """A millisecond decides, and at the computed crossing itself nothing wrong is said."""
     make, which, sign = MUTATED[name]
-    (enter, inwards), (leave, outwards) = crossings(seed, ("A", 1))[:2]
+    (enter, inwards), (leave, outwards) = crossings(seed, AtomKey("A", 1))[:2]
     assert (inwards, outwards) == (1, -1)
     times = [F(int(time * 10**6), 10**6) for time in (enter, leave)]
 
@@ -177,8 +177,8 @@ def test_a_task_as_one_formula_has_the_verdict_of_its_parts() -> None:
                 given = replace(task(avoid(*avoided), reach=target), step=STEP, steps=STEPS)
                 formula = task_formula(given, 2, 0)
                 assert formula is not None
-                reached = sampled(seed)[target, 1][-1]
-                gaps = [-sampled(seed)[name, e].max() for name in avoided for e in (1, 2)]
+                reached = sampled(seed)[AtomKey(target, 1)][-1]
+                gaps = [-sampled(seed)[AtomKey(name, e)].max() for name in avoided for e in (1, 2)]
                 found = verdict(seed, formula)
                 assert agrees(found, min([reached, *gaps]))
                 seen.add(found.status)
@@ -201,8 +201,8 @@ def halves(seed: int, gap: Fraction) -> dict[AtomKey, Corners]:
 
     edge = gap / HALF / 2
     return {
-        ("A", 1): [corner(*c) for c in ((edge, -1), (1, -1), (1, 1), (edge, 1))],
-        ("C", 1): [corner(*c) for c in ((-1, -1), (-edge, -1), (-edge, 1), (-1, 1))],
+        AtomKey("A", 1): [corner(*c) for c in ((edge, -1), (1, -1), (1, 1), (edge, 1))],
+        AtomKey("C", 1): [corner(*c) for c in ((-1, -1), (-edge, -1), (-edge, 1), (-1, 1))],
     }
 
 
@@ -239,5 +239,5 @@ def test_from_one_region_straight_into_another() -> None:
 def sampled_half(seed: int, name: str) -> float:
     """How deep the tip is in a half after 0.9 s."""
     index = int(F(9, 10) * RATE)
-    shape = halves(seed, F(0))[name, 1]
+    shape = halves(seed, F(0))[AtomKey(name, 1)]
     return float(depths(shape, tips(seed).points[index : index + 1, 0])[0])

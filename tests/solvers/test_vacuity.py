@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.formula_parts import occurrences, strengthened
 from compiler.tasks.necessary_conditions import conjuncts, necessary_conditions
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Severity, Sink
+from grammar_lang.ir.formula_parts import occurrences, strengthened
 from solvers.conflicts.vacuity import (
     ConditionConflicts,
     Entailment,
@@ -25,6 +25,8 @@ from tests.oracles.formula_semantics import Meaning, Signal, signals
 from tests.oracles.formulas import KINDS, SHAPES, TWO_ARMS, formulas, program, spec
 from tests.oracles.some_cases import examples
 
+POSED = "aligned x to (0, 1) within 5 deg"
+OTHER = "aligned y to (0, 1) within 5 deg"
 REGIONS = """
 region S box [-0.5, 0] x [-0.5, 0] m;
 region A box [0.5, 1] x [0.5, 1] m; region Inner box [0.6, 0.7] x [0.6, 0.7] m;
@@ -68,6 +70,8 @@ START, AVOID = "start in S;", "avoid C with effector;"
         (f"{START} reach T; satisfy", "eventually (T or B) and not A",
          [START, "reach T;"]),
         (f"{START} {AVOID} satisfy eventually B and", "always not C", [AVOID]),
+        (f"{START} satisfy", f"always not (A {POSED} and B)", []),
+        (f"{START} satisfy", f"always (A {POSED} implies A)", []),
     ],
 )  # fmt: skip
 def test_a_formula_that_asks_for_nothing(clauses: str, formula: str, because: list[str]) -> None:
@@ -106,6 +110,11 @@ def test_a_part_without_influence(clauses: str, truth: str, part: str, because: 
         f"{START} avoid C with body; satisfy always (C implies eventually B);",  # no body
         f"{START} reach T; satisfy last[1 s] T;",
         f"{START} satisfy eventually Inner and eventually A;",  # the first says more
+        f"{START} reach T; satisfy eventually (T {POSED});",
+        f"{START} reach T; satisfy always not (T {POSED});",
+        f"{START} satisfy always (S implies S {POSED});",
+        f"{START} satisfy eventually (A {POSED}) and not A until B;",
+        f"{START} satisfy always (Inner {POSED} implies A {OTHER});",
     ],
 )
 def test_what_has_influence(clauses: str) -> None:
@@ -124,6 +133,13 @@ def test_errors_come_first() -> None:
     text = spec(f"{START} satisfy always not S; satisfy always not Far;", REGIONS)
     sink = Sink()
     formula_diagnostics(program(text), sink)
+    assert [d.code for d in sink.found] == [Code.CONTRADICTORY_TASK]
+
+
+@pytest.mark.parametrize("formula", [f"eventually (Far {POSED})", f"always (A {POSED} and B)"])
+def test_poses_do_not_hide_a_contradiction(formula: str) -> None:
+    sink = Sink()
+    formula_diagnostics(program(spec(f"{START} satisfy {formula};", REGIONS)), sink)
     assert [d.code for d in sink.found] == [Code.CONTRADICTORY_TASK]
 
 

@@ -144,3 +144,86 @@ def test_what_one_joint_cannot_point_at_is_not_found(tmp_path: Path) -> None:
         spec = tmp_path / f"{angle}.srg"
         spec.write_text(text.replace("{}", str(angle)), encoding="utf-8")
         assert quiet("synth", spec, "-o", tmp_path / str(angle), "-q") == due
+
+
+# --- Poses in formulas ----------------------------------------------------------------------------
+
+ON_THE_WAY = "satisfy eventually (M aligned y to (-1, 0) within 12 deg); reach T"
+TOUR = replaced(
+    replaced(SPEC, "  target T", "  region M box [0.2, 0.7] x [0.5, 1.0] m;\n  target T"),
+    "reach T oriented rot(z, 130 deg) within 3 deg",
+    ON_THE_WAY,
+)
+KEPT = replaced(
+    TOUR, ON_THE_WAY, "satisfy always not (T aligned -x to (1, -1) within 60 deg); reach T"
+)
+
+
+def simulated(certificate: dict, fine: int) -> Array:
+    """The states (K, 6) of a motion at so many instants of each step, by the dynamics by hand."""
+    state, found = np.array([float(x) for x in certificate["start"]]), list[Array]()
+    times = np.linspace(0, 0.1, fine + 1)
+
+    def rates(_: float, x: Array, u: Array) -> Array:
+        mass, rest = dynamics(x[:3], x[3:], 0.3)
+        return np.concatenate([x[3:], np.linalg.solve(mass, u - rest)])
+
+    for row in certificate["inputs"]:
+        u = np.array([float(x) for x in row])
+        part = solve_ivp(rates, (0, 0.1), state, args=(u,), t_eval=times, rtol=1e-10, atol=1e-12)
+        state = part.y[:, -1]
+        found += list(part.y.T)
+    return np.array(found)
+
+
+def seen(states: Array) -> tuple[Array, Array]:
+    """Where the tip is, (2, K), and by what angle its frame is turned, in degrees, (K,)."""
+    angles = np.cumsum(states[:, :3], axis=1)
+    tip = np.stack([np.cos(angles) @ LENGTHS, np.sin(angles) @ LENGTHS])
+    return tip, np.degrees(angles[:, 2])
+
+
+def turned_off(angles: Array, due: float) -> Array:
+    return np.asarray(np.abs((angles - due + 180) % 360 - 180))
+
+
+@pytest.mark.slow
+def test_a_hand_that_is_turned_somewhere_on_the_way(tmp_path: Path) -> None:
+    result = synthesised(tmp_path, TOUR)
+    assert verify_directory(result).outcome is Outcome.VALID
+    tip, angles = seen(simulated(result_files.read(result), 400))
+    inside = (tip[0] >= 0.2) & (tip[0] <= 0.7) & (tip[1] >= 0.5) & (tip[1] <= 1.0)
+    # The axis y points along (-1, 0) where the frame is turned by a quarter.
+    least = np.min(turned_off(angles[inside], 90))
+    assert least <= 12
+    # A pose that it misses by little is refuted.
+    new = f"within {least - 0.05:.6f} deg"
+    result_files.alter_spec(result, "within 12 deg", new, sign=True)
+    assert verify_directory(result).outcome is Outcome.REFUTED
+
+
+@pytest.mark.slow
+def test_a_hand_that_is_never_turned_like_that_there(tmp_path: Path) -> None:
+    result = synthesised(tmp_path, KEPT)
+    assert verify_directory(result).outcome is Outcome.VALID
+    tip, angles = seen(simulated(result_files.read(result), 400))
+    inside = (tip[0] >= -0.3) & (tip[0] <= 0.2) & (tip[1] >= 0.6) & (tip[1] <= 0.9)
+    assert inside[-1]
+    # -x points along (1, -1) where x points along (-1, 1).
+    least = np.min(turned_off(angles[inside], 135))
+    assert least >= 60
+    new = f"within {least + 0.05:.6f} deg"
+    result_files.alter_spec(result, "within 60 deg", new, sign=True)
+    assert verify_directory(result).outcome is Outcome.REFUTED
+
+
+@pytest.mark.slow
+def test_a_hand_that_comes_to_a_pose_again_and_again(tmp_path: Path) -> None:
+    text = replaced(SPEC, "within 3 deg;", "within 3 deg; repeat;")
+    text = replaced(text, "control open loop; gravity (0, -1.62) m/s^2; horizon 20", "horizon 40")
+    result = synthesised(tmp_path, text)
+    assert verify_directory(result).outcome is Outcome.VALID
+    result_files.alter_spec(result, "rot(z, 130 deg)", "rot(z, 140 deg)", sign=True)
+    report = verify_directory(result)
+    assert report.outcome is Outcome.REFUTED
+    assert "target T" in str(report.reason)

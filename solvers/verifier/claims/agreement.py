@@ -11,9 +11,9 @@ from typing import Any
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import reconfiguration
 from compiler.robots.robot import RobotModel
-from compiler.tasks.formula_parts import formula_text
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import formula_text
 from solvers.verifier.claims.certificate import (
     Claim,
     FoundClaim,

@@ -23,7 +23,7 @@ ENTERED, CLOSED = "entry into the loop", "return of the loop"
 def reached_some_time(reach: ir.Reach, effector: int) -> ir.Formula:
     """What `reach` asks of a motion without end; the effector's number is from 0."""
     window = ir.Window(Fraction(0), None)
-    return ir.Eventually(ir.Atom(reach.region, effector + 1), window)
+    return ir.Eventually(ir.Atom(reach.region, effector + 1, poses=reach.poses), window)
 
 
 def endless_conditions(

@@ -15,7 +15,6 @@ from itertools import pairwise, product
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball
-from compiler.tasks.formula_parts import atoms, attained
 from compiler.tasks.monitor import (
     AtomKey,
     Monitored,
@@ -29,6 +28,7 @@ from compiler.tasks.monitor import (
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import atoms, attained
 from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.point_map import PointMap, Slice
 from solvers.verifier.proofs.region_distance import UNKNOWN, Gap, RegionDistance
@@ -38,6 +38,7 @@ from solvers.verifier.proofs.tube_checks import (
     REFINEMENT,
     Status,
 )
+from solvers.verifier.proofs.turned import PosedRegion
 
 MOST_SLICES = 4_000
 """Slices that a formula may add; a tip that rests on a boundary would straddle it in all."""
@@ -95,7 +96,7 @@ class FormulaProof:
     """
 
     point_map: PointMap
-    regions: Mapping[AtomKey, RegionDistance]
+    regions: Mapping[AtomKey, RegionDistance | PosedRegion]
     task: ir.Task
     tick: Callable[[], None] = lambda: None
     loop: int | None = None
@@ -121,7 +122,7 @@ class FormulaProof:
         self, formula: ir.Formula, bound: float
     ) -> tuple[float | None, tuple[float, ...]]:
         """The first time and place at which an atom is just as clear as the formula."""
-        effectors = [effector for _, effector in self.regions]
+        effectors = [atom.effector for atom in self.regions]
         for part in self.parts:
             for number in self._numbers(formula):
                 gap = part.gaps[number]
@@ -200,8 +201,8 @@ class FormulaProof:
         self.tick()
         time = self._over(part.segment, part.inputs, (part.first, part.last))
         found = list(cases)
-        for effector in sorted({number for _, number in unsure}):
-            own = [a for a in unsure if a[1] == effector]
+        for effector in sorted({atom.effector for atom in unsure}):
+            own = [a for a in unsure if a.effector == effector]
             box = None if time is None or len(own) < 2 else box_around(time, effector - 1)
             if box is None:
                 continue
@@ -210,7 +211,8 @@ class FormulaProof:
                     [
                         self.regions[a].polytope
                         for a, is_in in zip(own, case, strict=True)
-                        if is_in is side
+                        # What is not in a pose there may be in the region.
+                        if is_in is side and (side or not a.poses)
                     ]
                     for side in (True, False)
                 ]
@@ -273,8 +275,8 @@ class FormulaProof:
         if time is None:
             return _Part(segment, u, first, last, depth, known, finite=False)
         gaps = tuple(
-            region.over(time, effector - 1).at_best(gap)
-            for ((_, effector), region), gap in zip(self.regions.items(), known, strict=True)
+            region.over(time, atom.effector - 1).at_best(gap)
+            for (atom, region), gap in zip(self.regions.items(), known, strict=True)
         )
         return _Part(segment, u, first, last, depth, gaps)
 

@@ -18,10 +18,10 @@ from compiler.expressions.evaluators.balls import (
 )
 from compiler.expressions.tape import tape
 from compiler.robots.state_and_input import dry_friction, robot_inputs, robot_states
-from compiler.tasks.formula_parts import atoms, formula_text
-from compiler.tasks.monitor import key
+from compiler.tasks.monitor import AtomKey, key
 from compiler.tasks.specification import measurement_radii, uncertain_masses
 from grammar_lang import ir
+from grammar_lang.ir.formula_parts import atoms, formula_text
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import InputError, SampledLaw, open_loop, sampled_law
 from solvers.verifier.proofs.defined import Defined
@@ -37,7 +37,7 @@ from solvers.verifier.proofs.instant_conditions import (
 from solvers.verifier.proofs.least_margins import close_margins
 from solvers.verifier.proofs.loop_set import LoopSet, loop_set
 from solvers.verifier.proofs.point_map import PointMap
-from solvers.verifier.proofs.region_distance import region_distance
+from solvers.verifier.proofs.region_distance import RegionDistance, region_distance
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.state_limits import StateLimit, check_limits
 from solvers.verifier.proofs.tube_checks import (
@@ -46,6 +46,7 @@ from solvers.verifier.proofs.tube_checks import (
     Stretch,
     check_segment,
 )
+from solvers.verifier.proofs.turned import PosedRegion, posed_region
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, zonotope
 
@@ -319,10 +320,13 @@ def _formulas(robot: DrivenRobot, tick: Callable[[], None]) -> FormulaProof:
     spoken = [clause.formula for clause in task.satisfy]
     if task.repeat and task.reach is not None:
         spoken.append(reached_some_time(task.reach, robot.motion.effector))
-    regions = {
-        key(atom): region_distance(scene.polytope(scene.workspace.region(atom.region)))
-        for atom in atoms(*spoken)
-    }
+    regions: dict[AtomKey, RegionDistance | PosedRegion] = {}
+    points = len(scene.model.effectors)
+    for atom in atoms(*spoken):
+        region = region_distance(scene.polytope(scene.workspace.region(atom.region)))
+        regions[key(atom)] = region
+        if atom.poses:
+            posed = posed_region(scene.graph, region, atom.poses, atom.effector - 1)
+            regions[key(atom)], points = posed, max(points, posed.points)
     loop = None if robot.loop is None else robot.loop.first
-    effectors = robot.point_map.first(len(scene.model.effectors))
-    return FormulaProof(effectors, regions, task, tick, loop)
+    return FormulaProof(robot.point_map.first(points), regions, task, tick, loop)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from flint import arb
 
+from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.tasks.pose_target import BALLS, PoseTarget, pose_target
+from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.verifier.proofs.point_map import Slice
+from solvers.verifier.proofs.region_distance import Gap, RegionDistance
 from solvers.verifier.proofs.scene import Scene
 from solvers.verifier.proofs.tube_checks import Constraint
 
@@ -71,9 +75,54 @@ def _clamped(cosine: arb) -> arb:
 
 def poses_of(scene: Scene, reach: ir.Reach, effector: int) -> Iterator[Turned]:
     """The conditions on how an effector (from 0) is turned where it reaches."""
-    graph = scene.graph
     for number, pose in enumerate(reach.poses):
-        target = pose_target(pose, graph.model.dimension, BALLS)
-        axes, first = graph.numbering.axes[effector], len(graph.model.effectors)
-        points = tuple(first + axes[axis] for axis in target.axes)
-        yield Turned(pose_name(reach, number), points, effector=effector, target=target)
+        yield _turned(scene.graph, pose, effector, pose_name(reach, number))
+
+
+def _turned(graph: RobotGraph, pose: ir.Pose, effector: int, name: str) -> Turned:
+    target = pose_target(pose, graph.model.dimension, BALLS)
+    axes, first = graph.numbering.axes[effector], len(graph.model.effectors)
+    points = tuple(first + axes[axis] for axis in target.axes)
+    return Turned(name, points, effector=effector, target=target)
+
+
+# --- Poses that formulas ask for together with a region -------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class PosedRegion:
+    """A region in which the frame of an effector is turned in some ways.
+
+    Lengths measure how clearly an effector is in the region, or out of it.  A pose adds no length:
+    where it certainly is another one, the effector is out by any length.
+    """
+
+    region: RegionDistance
+    turned: tuple[Turned, ...]
+
+    @property
+    def polytope(self) -> Polytope:
+        """Where the effector is, if it is in the pose there."""
+        return self.region.polytope
+
+    @property
+    def points(self) -> int:
+        """How many points of the robot have to be known."""
+        return 1 + max(point for pose in self.turned for point in pose.points)
+
+    def over(self, time: Slice, point: int) -> Gap:
+        """The bounds for an effector, one of the points of a slice."""
+        margins = [pose.bound(time)[0] for pose in self.turned]
+        if any(bool(margin < 0) for margin in margins):
+            return Gap(0.0, inf, 0.0, inf)
+        gap = self.region.over(time, point)
+        if all(bool(margin >= 0) for margin in margins):
+            return gap
+        return Gap(0.0, gap.outside, gap.most_inside, inf)
+
+
+def posed_region(
+    graph: RobotGraph, region: RegionDistance, poses: Sequence[ir.Pose], effector: int
+) -> PosedRegion:
+    """A region with poses of an effector, from 0."""
+    return PosedRegion(region, tuple(_turned(graph, pose, effector, "") for pose in poses))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import degrees
 from typing import assert_never
 
 from grammar_lang import ir
+from grammar_lang.ir.constants import to_float
 
 # --- The parts of a formula -----------------------------------------------------------------------
 
@@ -51,6 +53,29 @@ def atoms(*formulas: ir.Formula) -> tuple[ir.Atom, ...]:
         if isinstance(part, ir.Atom)
     }
     return tuple(found)
+
+
+def with_atoms(formula: ir.Formula, of: Callable[[ir.Atom], ir.Formula]) -> ir.Formula:
+    """The formula with others in place of its atoms; its depth is bounded by the parser."""
+    match formula:
+        case ir.Atom():
+            return of(formula)
+        case ir.Not() | ir.Always() | ir.Eventually() | ir.Next() | ir.Last():
+            return replace(formula, operand=with_atoms(formula.operand, of))
+        case ir.And() | ir.Or():
+            return replace(formula, operands=tuple(with_atoms(p, of) for p in formula.operands))
+        case ir.Implies() | ir.Until():
+            left, right = with_atoms(formula.left, of), with_atoms(formula.right, of)
+            return replace(formula, left=left, right=right)
+        case _:
+            assert_never(formula)
+
+
+def asked_poses(task: ir.Task) -> tuple[ir.Pose, ...]:
+    """All that a task says of how effectors' frames are turned."""
+    reached = () if task.reach is None else task.reach.poses
+    spoken = atoms(*(clause.formula for clause in task.satisfy))
+    return (*reached, *(pose for atom in spoken for pose in atom.poses))
 
 
 # --- Occurrences of subformulas, and formulas in which one is replaced by a constant --------------
@@ -180,8 +205,9 @@ def _within(formula: ir.Formula, level: int) -> str:
 def _text(formula: ir.Formula) -> tuple[str, int]:
     """A formula and how tightly its operator binds."""
     match formula:
-        case ir.Atom(region=region, effector=effector, numbered=numbered):
-            return (f"{region} by effector {effector}" if numbered else region), 0
+        case ir.Atom(region=region, effector=effector, numbered=numbered, poses=poses):
+            named = f"{region} by effector {effector}" if numbered else region
+            return " ".join([named, *map(_pose_text, poses)]), 0
         case ir.And(operands=parts):
             return " and ".join(_within(part, _UNTIL) for part in parts), _AND
         case ir.Or(operands=parts):
@@ -193,6 +219,19 @@ def _text(formula: ir.Formula) -> tuple[str, int]:
         case _:
             operator, operand = _prefixed(formula)
             return f"{operator} {_within(operand, _TIGHT)}", _TIGHT
+
+
+def _pose_text(pose: ir.Pose) -> str:
+    within = f"within {_degrees(pose.within)}"
+    if isinstance(pose, ir.Aligned):
+        direction = ", ".join(f"{float(part):.10g}" for part in pose.direction)
+        return f"aligned {pose.axis} to ({direction}) {within}"
+    turns = " * ".join(f"rot({axis}, {_degrees(angle)})" for axis, angle in pose.turns)
+    return f"oriented {turns or 'world'} {within}"
+
+
+def _degrees(angle: ir.Expr) -> str:
+    return f"{degrees(to_float(angle)):.10g} deg"
 
 
 def _prefixed(
