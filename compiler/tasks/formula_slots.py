@@ -184,17 +184,13 @@ class Slots:
 
     def free(self, key: object) -> Node:
         """Something of which nothing is known, the same for the same key."""
-        known = ("free", key)
-        if known not in self._known:
-            some = tuple(self.variable() for _ in range(self.last + 1))
-            every = tuple(
-                self.variable() if self._is_interval(slot) else there
-                for slot, there in enumerate(some)
-            )
-            pairs = zip(every, some, strict=True)
-            self.clauses += [(-throughout, somewhere) for throughout, somewhere in pairs]
-            self._node(known, Row(some, every))
-        return self._known[known]
+        if ("free", key) not in self._known:
+            slots = range(self.last + 1)
+            some = tuple(self.variable() for _ in slots)
+            every = tuple(self.variable() if self._is_interval(k) else some[k] for k in slots)
+            self.clauses += [(-every[k], some[k]) for k in slots if self._is_interval(k)]
+            self._node(("free", key), Row(some, every))
+        return self._known["free", key]
 
     # --- Boolean connectives -------------------------------------------------------------------
 
