@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
@@ -43,22 +44,58 @@ class BodyClearance:
 
         Negative where a demand is broken: by how much, along the best separating direction.
         """
+        return self._least(positions, enough, -np.inf)
+
+    def exceeds(self, positions: Array, margin: float) -> NDArray[np.bool_]:
+        """Whether positions (K, m, d) have a clearance of at least ``margin`` metres, (K,)."""
+        return self._least(positions, margin, margin) >= margin
+
+    def _least(self, positions: Array, enough: float, least: float) -> Array:
+        """The clearance (K,), at most ``enough``; where below ``least``, what is known of it."""
         found = np.full(len(positions), enough)
         for dwell in self.dwells:
             values = positions[:, dwell.point] @ dwell.region.normals.T
             found = np.minimum(found, np.min(dwell.region.offsets - values, axis=1))
-        for hull in self._moving:
-            moving = positions[:, hull.places]
-            apart = hull.box_gaps(moving)
+        for hull, box in zip(self._moving, self._boxes(positions), strict=True):
+            apart = hull.box_gaps(*box)
             for index in np.flatnonzero(np.any(apart < found[:, None], axis=0)).tolist():
                 check_time()
                 separation, obstacle = hull.separations[index], hull.obstacles[index]
-                near = np.flatnonzero(apart[:, index] < found)
-                near = near[_facet_gap(moving[near], separation) < found[near]]
+                near = np.flatnonzero((apart[:, index] < found) & (found >= least))
+                moving = positions[near][:, hull.places]
+                closer = _facet_gap(moving, separation) < found[near]
+                near, moving = near[closer], moving[closer]
                 if len(near):
-                    normal, support = separating_planes(moving[near], obstacle)
-                    nearest = np.min(np.einsum("kd,kwd->kw", normal, moving[near]), axis=1)
+                    normal, support = separating_planes(moving, obstacle)
+                    nearest = np.min(np.einsum("kd,kwd->kw", normal, moving), axis=1)
                     found[near] = np.minimum(found[near], nearest - support - separation.distance)
+        return found
+
+    @cached_property
+    def _alike(self) -> tuple[tuple[list[int], NDArray[np.int64]], ...]:
+        """What moves by its number of points: numbers, and the points (n, w) of each."""
+        found = dict[int, list[int]]()
+        for number, hull in enumerate(self._moving):
+            found.setdefault(len(hull.points), []).append(number)
+        return tuple(
+            (numbers, np.array([self._moving[number].points for number in numbers]))
+            for numbers in found.values()
+        )
+
+    def _boxes(self, positions: Array) -> list[tuple[Array, Array]]:
+        """The lower and upper corners (K, d) of the boxes about all that moves.
+
+        Point by point over all hulls of so many points: that is a few operations on long arrays.
+        """
+        found: list[tuple[Array, Array]] = [(positions[:, 0], positions[:, 0])] * len(self._moving)
+        for numbers, points in self._alike:
+            least, most = positions[:, points[:, 0]], positions[:, points[:, 0]]
+            for column in points.T[1:]:
+                further = positions[:, column]
+                np.minimum(least, further, out=least)
+                np.maximum(most, further, out=most)
+            for place, number in enumerate(numbers):
+                found[number] = least[:, place], most[:, place]
         return found
 
 
@@ -88,12 +125,11 @@ class MovingHull:
         distances = np.array([separation.distance for separation in self.separations])
         return np.array([box[0] for box in boxes]), np.array([box[1] for box in boxes]), distances
 
-    def box_gaps(self, moving: Array) -> Array:
-        """Lower bounds (K, O) of the gaps to moving points (K, w, d), by the boxes about both."""
+    def box_gaps(self, least: Array, most: Array) -> Array:
+        """Lower bounds (K, O) of the gaps to what is in boxes with these corners, (K, d) each."""
         lower, upper, distances = self._boxes
-        least, most = moving.min(axis=1), moving.max(axis=1)
-        found = np.full((len(moving), len(lower)), -np.inf)
-        for axis in range(moving.shape[2]):
+        found = np.full((len(least), len(lower)), -np.inf)
+        for axis in range(least.shape[1]):
             np.maximum(found, lower[:, axis] - most[:, axis, None], out=found)
             np.maximum(found, least[:, axis, None] - upper[:, axis], out=found)
         return found - distances

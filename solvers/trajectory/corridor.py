@@ -228,7 +228,7 @@ class Corridor:
 
     def clear(self, q: Array) -> Flags:
         """Whether the body is clear in poses (K, n)."""
-        return self.clearance.of(self.positions(q), self.margin) >= self.margin
+        return self.clearance.exceeds(self.positions(q), self.margin)
 
     def beyond(self, positions: Array) -> Array:
         """By how much the point leaves each cell, metres, negative inside, shape (K, cells)."""
@@ -249,7 +249,7 @@ class Corridor:
         others = (numbers < first[:, None]) | (numbers > last[:, None])
         astray = np.where(others, np.inf, self.beyond(positions)).min(axis=1)
         near: Flags = astray <= STRAY * self.extent
-        near &= self.clearance.of(positions, self.margin) >= self.margin
+        near[near] = self.clearance.exceeds(positions[near], self.margin)
         return near
 
     def passable(self, starts: Array, ends: Array, first: Layers, last: Layers) -> Flags:
