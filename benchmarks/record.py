@@ -91,6 +91,11 @@ BENCHMARKS = {
         "Proofs about arms in space, in balls of doubles in machine code and in Arb's balls alone.",
         "benchmarks/proofs.py",
     ),
+    "apart": Benchmark(
+        "Robots that keep out of themselves",
+        "Synthesis and verification of three arms in space, with the clause and without it.",
+        "benchmarks/apart.py",
+    ),
     "disturbed": Benchmark(
         "Disturbed motions",
         "Motions with feedback in MuJoCo, under disturbances at random and at corners, against the "

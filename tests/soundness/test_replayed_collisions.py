@@ -169,9 +169,11 @@ def least_gaps(
     return least
 
 
-def found_motion(spec: Path, folder: Path, horizon: float) -> tuple[mujoco.MjModel, np.ndarray]:
+def found_motion(
+    spec: Path, folder: Path, horizon: float, *options: str
+) -> tuple[mujoco.MjModel, np.ndarray]:
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        assert run(["synth", str(spec), "-o", str(folder), "-q"]) == 0
+        assert run(["synth", str(spec), "-o", str(folder), "-q", *options]) == 0
         assert verify_directory(folder).outcome is Outcome.VALID
         model, motion = replayed(folder, horizon)
     assert len(motion) == INSTANTS + 1
@@ -212,3 +214,42 @@ def test_a_ur5_keeps_out_of_itself(tmp_path: Path) -> None:
     least = least_gaps(coal, model, motion, lambda a, b: b - a > 1)
     assert least["self"] > 0.002 - 1e-4
     assert least["mujoco"] > 0.002 - 1e-4
+
+
+@pytest.mark.slow
+def test_an_arm_of_modules_keeps_out_of_itself_and_of_a_desk(tmp_path: Path) -> None:
+    coal = pytest.importorskip("coal")
+    spec = ARMS / "timor_desk.srg"
+    model, motion = found_motion(spec, tmp_path / "out", 20 * 0.1, "--task", "Careful")
+    boxes = [((160, 80, 5), (0, 0, 40)), ((30, 20, 4), (48, 16, 44.5))]
+    boxes += [((10, 10, 40), (75 * x, 35 * y, 20)) for x in (-1, 1) for y in (-1, 1)]
+    fixed = [
+        (coal.Box(*(np.array(size) / 100)), placed(coal, np.eye(3), np.array(centre) / 100))
+        for size, centre in boxes
+    ]
+    least = least_gaps(coal, model, motion, lambda a, b: b - a > 1, fixed)
+    assert least["self"] > 0.002 - 1e-4
+    assert least["mujoco"] > 0.002 - 1e-4
+    assert least["obstacles"] > -1e-4
+
+
+@pytest.mark.slow
+def test_an_arm_of_six_joints_points_down_where_it_starts_and_ends(tmp_path: Path) -> None:
+    coal = pytest.importorskip("coal")
+    spec = ARMS / "timor_pointing.srg"
+    model, motion = found_motion(spec, tmp_path / "out", 20 * 0.1)
+    least = least_gaps(coal, model, motion, lambda a, b: b - a > 1)
+    assert least["self"] > 0.002 - 1e-4
+    assert least["mujoco"] > 0.002 - 1e-4
+    data = mujoco.MjData(model)
+    assert model.nsite == 1
+    for q, most, low, high in (
+        (motion[0], 20, (0.5, 0.15, 0.466), (0.6, 0.25, 0.54)),
+        (motion[-1], 5, (-0.6, 0.15, 0.426), (-0.5, 0.25, 0.5)),
+    ):
+        data.qpos = q
+        mujoco.mj_forward(model, data)
+        down = -data.site_xmat[0].reshape(3, 3)[2, 2]
+        assert np.degrees(np.arccos(min(1.0, down))) <= most + 0.1
+        assert np.all(data.site_xpos[0] >= np.array(low) - 1e-3)
+        assert np.all(data.site_xpos[0] <= np.array(high) + 1e-3)
