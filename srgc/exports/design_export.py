@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import glob
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import count
 from pathlib import Path
 
 from srgc.exports.controller_files import CONTROLLER_FILES, C, controller_files
 from srgc.exports.exported_motion import ExportedMotion, exported_motion
 from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
+from srgc.exports.hull_files import UNSAID as NO_MESHES
+from srgc.exports.hull_files import hull_files
 from srgc.exports.joint_file import SUFFIX, UNSAID, joints_json
 from srgc.exports.mjcf import mjcf_text
 from srgc.exports.motion_formats import (
@@ -103,8 +107,8 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
             found[FILE_NAMES[name]] = _robot_text(design, ROBOTS[name]).encode()
         except UsageFault as fault:
             notes.append(f"no {FILE_NAMES[name]}: {fault}")
-    if FILE_NAMES["urdf"] in found and (joints := _robot_text(design, joints_json)):
-        found[JOINTS] = joints.encode()
+    if FILE_NAMES["urdf"] in found:
+        found |= _urdf_files(design, Path(FILE_NAMES["urdf"]).stem)
     try:
         found |= _replayed(design, motion)
     except UsageFault as fault:
@@ -178,7 +182,7 @@ def written_export(
         folder: one that ``synth`` has written, with the verdict found.
         form: one of the ``FORMS`` or ``FOLDERS``.
         output: the file to write, or for ``FOLDERS`` the folder, which is made; None: nothing is
-            written. Beside ``arm.urdf`` there may be ``arm.joints.json``.
+            written. Beside ``arm.urdf`` there may be ``arm.joints.json`` and ``arm.hull_1.stl``.
         efforts: whether a ROS 2 message has efforts.
 
     Raises:
@@ -191,19 +195,57 @@ def written_export(
     if output is None:
         design = found_design(folder)
         content = export_bytes(design, form, efforts=efforts)
-        unsaid = (UNSAID,) if form == "urdf" and _robot_text(design, joints_json) else ()
+        unsaid = _left_to_files(design) if form == "urdf" else ()
         return WrittenExport((), content, (*remarks(design), *unsaid))
-    paths = (output, output.parent / f"{output.stem}{SUFFIX}") if form == "urdf" else (output,)
-    files = [folder_output(folder, path) for path in paths]
+    first = folder_output(folder, output)
     design = found_design(folder)
-    contents = [export_bytes(design, form, efforts=efforts)]
-    if form == "urdf" and (joints := _robot_text(design, joints_json)):
-        contents.append(joints.encode())
-    for file, content in zip(files, contents, strict=False):
+    if form != "urdf":
+        first.write(export_bytes(design, form, efforts=efforts))
+        return WrittenExport((output,), None, remarks(design))
+    robot, *beside = _urdf_files(design, output.stem).items()
+    paths = [output.parent / name for name, _ in beside]
+    others = [folder_output(folder, path) for path in paths]
+    for file, (_, content) in zip((first, *others), (robot, *beside), strict=True):
         file.write(content)
-    left = [path for path in paths[len(contents) :] if path.exists()]
-    notes = (*remarks(design), *map(_of_an_earlier_export, left))
-    return WrittenExport(paths[: len(contents)], None, notes)
+    notes = (*remarks(design), *_earlier(output.parent, output.stem, {*paths}))
+    return WrittenExport((output, *paths), None, notes)
+
+
+def _urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
+    """A URDF, the first, and what stands beside it, by names that begin with ``stem``.
+
+    Raises:
+        UsageFault: the robot cannot be exported.
+    """
+    hulls: dict[tuple[float, ...], bytes] = {}
+
+    def text(robot: ExportedRobot) -> str:
+        hulls.update(hull_files(robot))
+        return urdf_text(robot, dict(zip(hulls, _hull_names(stem), strict=False)))
+
+    found = {f"{stem}.urdf": _robot_text(design, text).encode()}
+    if joints := _robot_text(design, joints_json):
+        found[f"{stem}{SUFFIX}"] = joints.encode()
+    return found | dict(zip(_hull_names(stem), hulls.values(), strict=False))
+
+
+def _hull_names(stem: str) -> Iterator[str]:
+    return (f"{stem}.hull_{number}.stl" for number in count(1))
+
+
+def _left_to_files(design: FoundDesign) -> tuple[str, ...]:
+    """What a URDF without files beside it does not say of a robot."""
+    robot = exported_robot(design)
+    joints = (UNSAID,) if joints_json(robot) else ()
+    return (*joints, NO_MESHES) if hull_files(robot) else joints
+
+
+def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str]:
+    """Notes on what stands beside a URDF and belongs to another one."""
+    hulls = sorted(folder.glob(f"{glob.escape(stem)}.hull_*.stl"))
+    for path in (folder / f"{stem}{SUFFIX}", *hulls):
+        if path not in written and path.exists():
+            yield _of_an_earlier_export(path)
 
 
 def _of_an_earlier_export(path: Path) -> str:
@@ -220,10 +262,13 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UsageFault(f"{output}: {error.strerror}") from None
+    files |= {name: folder_output(folder, output / name) for name in made.files.keys() - files}
     for name, content in made.files.items():
         files[name].write(content)
     # Gains or single precision of another design, say, would be taken for this one's.
     other = sorted({*FOLDER_FILES[form]} - made.files.keys())
     left = [name for name in other if (output / name).exists()]
-    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left))
+    paths = {output / name for name in (*made.files, *other)}
+    hulls = _earlier(output, Path(FILE_NAMES["urdf"]).stem, paths) if form == "all" else ()
+    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left), *hulls)
     return WrittenExport(tuple(output / name for name in sorted(made.files)), None, notes)

@@ -6,6 +6,7 @@ from the link that carries it, so that the sum is that of the robot.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 
 from compiler.expressions.evaluators.balls import ball, column, working_precision
@@ -22,19 +23,22 @@ UNLIMITED = 1e9
 """URDF demands numbers where a robot has no limit (SI)."""
 
 
-def urdf_text(robot: ExportedRobot) -> str:
-    """The robot as URDF.
+def urdf_text(robot: ExportedRobot, meshes: Mapping[tuple[float, ...], str] | None = None) -> str:
+    """The robot as URDF; ``meshes`` are the files of hulls, by their corners, beside it.
+
+    In place of another hull it has a box about it.
 
     Raises:
         ValueError: a link has an inertia that no body has.
     """
     with working_precision(PRECISION):
-        return _Writer(robot).document()
+        return _Writer(robot, {} if meshes is None else meshes).document()
 
 
 class _Writer:
-    def __init__(self, robot: ExportedRobot) -> None:
+    def __init__(self, robot: ExportedRobot, meshes: Mapping[tuple[float, ...], str]) -> None:
         self.robot = robot
+        self.meshes = meshes
         self.xml = XmlLines()
         self.tools = robot.tree.tools()
 
@@ -95,7 +99,8 @@ class _Writer:
         self.xml.element("origin", xyz=doubles(pose.origin), rpy=pose.roll_pitch_yaw())
 
     def geometry(self, tag: str, geometry: Geometry) -> None:
-        if geometry.kind == "hull":
+        mesh = self.meshes.get(geometry.size) if geometry.kind == "hull" else None
+        if geometry.kind == "hull" and mesh is None:
             self.xml.comment("a box about a hull, for which URDF needs a file of its own")
             geometry = _box_about(geometry)
         self.xml.open(tag)
@@ -107,8 +112,10 @@ class _Writer:
                 self.xml.element("cylinder", radius=radius, length=length)
             case "sphere":
                 self.xml.element("sphere", radius=geometry.size[0])
-            case "box" | "hull":
+            case "box":
                 self.xml.element("box", size=geometry.size)
+            case "hull":
+                self.xml.element("mesh", filename=mesh or "")
         self.xml.close()
         self.xml.close()
 

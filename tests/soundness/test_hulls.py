@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import srgc
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles import result_files
@@ -120,6 +121,76 @@ def test_the_export_has_the_corners(folder: Path) -> None:
     turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
     expected = {tuple(np.round(corner, 5)) for corner in CORNERS @ turn.T}
     assert {tuple(np.round(vertex[:2], 5)) for vertex in turned.astype(float)} == expected
+
+
+def triangles(file: Path) -> tuple[np.ndarray, np.ndarray]:
+    """The normals (n, 3) and the corners (n, 3, 3) of a binary STL."""
+    data = file.read_bytes()
+    count = int.from_bytes(data[80:84], "little")
+    assert len(data) == 84 + 50 * count
+    rows = [np.frombuffer(data, "<f4", 12, 84 + 50 * i).reshape(4, 3) for i in range(count)]
+    found = np.array(rows, float)
+    return found[:, 0], found[:, 1:]
+
+
+def test_a_urdf_has_the_hull_beside_it(folder: Path, tmp_path: Path) -> None:
+    exported = tmp_path / "arm.urdf"
+    (tmp_path / "arm.hull_2.stl").write_bytes(b"of another robot")
+    status, said = quiet("export", folder, "--to", "urdf", "-o", exported)
+    assert status == 0
+    assert said == f"{exported}\n{tmp_path / 'arm.hull_1.stl'}\n"
+    normals, corners = triangles(tmp_path / "arm.hull_1.stl")
+    flat = {tuple(np.round(corner[:2], 6)) for corner in corners.reshape(-1, 3)}
+    assert flat == {tuple(corner) for corner in CORNERS}
+    # Closed and seen from outside: the sum of signed tetrahedra is the volume, 250 x 40 x 10 mm^3.
+    one, two, three = corners[:, 0], corners[:, 1], corners[:, 2]
+    across = np.cross(two - one, three - one)
+    assert np.sum(one * np.cross(two, three)) / 6 == pytest.approx(0.25 * 0.04 * 0.01, rel=1e-5)
+    assert np.allclose(across / np.linalg.norm(across, axis=1, keepdims=True), normals, atol=1e-5)
+    # MuJoCo reads the URDF with what stands beside it.
+    model = mujoco.MjModel.from_xml_path(str(exported))
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.7
+    mujoco.mj_forward(model, data)
+    geom = next(g for g in range(model.ngeom) if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_MESH)
+    turned = model.mesh_vert @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+    turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+    expected = {tuple(np.round(corner, 5)) for corner in CORNERS @ turn.T}
+    assert {tuple(np.round(vertex[:2], 5)) for vertex in turned.astype(float)} == expected
+
+
+def test_a_printed_urdf_has_a_box_about_the_hull(folder: Path) -> None:
+    text = srgc.export(folder, "urdf")
+    assert text.count('<box size="0.25 0.06 0.01"/>') == 2  # for the eye, and for collisions
+    assert "<mesh" not in text
+
+
+def test_hulls_of_an_earlier_export_are_named(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old = tmp_path / "all" / "robot.hull_2.stl"
+    assert run(["export", str(folder), "--to", "all", "-o", str(old.parent)]) == 0
+    assert old.with_name("robot.hull_1.stl").exists()
+    old.write_bytes(b"")
+    capsys.readouterr()
+    assert run(["export", str(folder), "--to", "all", "-o", str(old.parent)]) == 0
+    assert f"{old} is of an earlier export" in capsys.readouterr().err
+    assert run(["export", str(folder), "--to", "urdf", "-o", str(old.parent / "robot.urdf")]) == 0
+    assert f"{old} is of an earlier export" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_pinocchio_finds_the_hull(folder: Path, tmp_path: Path) -> None:
+    pinocchio = pytest.importorskip("pinocchio")
+    exported = tmp_path / "arm.urdf"
+    assert quiet("export", folder, "--to", "urdf", "-o", exported)[0] == 0
+    model = pinocchio.buildModelFromUrdf(str(exported))
+    kind = pinocchio.GeometryType.COLLISION
+    place = [str(tmp_path)]
+    found = pinocchio.buildGeomFromUrdf(model, str(exported), kind, package_dirs=place)
+    (shape,) = found.geometryObjects
+    flat = {tuple(np.round(point[:2], 6)) for point in shape.geometry.vertices()}
+    assert flat == {tuple(corner) for corner in CORNERS}
 
 
 @pytest.mark.parametrize("write", [binary_stl, text_stl])
