@@ -31,14 +31,9 @@ from compiler.unreachability.box_tree import (
     enclosures,
     parameter_sides,
 )
+from compiler.unreachability.enclosed_points import EnclosedPoints, PointTapes
 from compiler.unreachability.motion_conditions import GivenPose, MotionConditions, Passage, PointIn
-from compiler.unreachability.violations import (
-    EnclosedPoints,
-    PointTapes,
-    Violation,
-    at_any_instant,
-    elsewhere,
-)
+from compiler.unreachability.violations import Violation, at_any_instant, elsewhere
 from grammar_lang import ir
 
 NEAR = Fraction(1, 10**9)

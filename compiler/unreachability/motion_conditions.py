@@ -2,16 +2,18 @@
 
 Points are numbered as in ``RobotGraph.points``: the effectors, then both ends of all that has a
 length and the middle of all else that collides.  They lie in what they are of.  Each demand is
-necessary for a motion that does the task: margins, radii and sizes, rates, time and self-collision
-are left out.
+necessary for a motion that does the task: margins, radii and sizes, rates and time are left out,
+but for what bodies of the robot have to keep from each other.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TypeAlias
 
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices, pose_questions
+from compiler.expressions.scalars import Constant
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, RodBody, Shape
 from compiler.tasks.necessary import task_avoidance
@@ -29,6 +31,18 @@ class Obstacle:
     rows: Rows
     points: tuple[int, ...]
     segments: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two bodies that have to be ``apart`` by some metres, those of known radii included.
+
+    ``points`` are the differences of their ends, of which each has some: the ``counts``.
+    """
+
+    points: tuple[int, ...]
+    counts: tuple[int, int]
+    apart: Fraction
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +82,7 @@ class MotionConditions:
 
     ``bounded`` points keep within ``bounds`` at every instant, and out of ``obstacles``.  Of every
     question of ``passages`` one of its choices has to be done; a question without choices cannot
-    be.
+    be.  ``pairs`` of bodies keep apart at every instant.
     """
 
     model: RobotModel
@@ -76,6 +90,7 @@ class MotionConditions:
     bounded: tuple[int, ...]
     obstacles: tuple[Obstacle, ...]
     passages: tuple[tuple[Passage, ...], ...]
+    pairs: tuple[Pair, ...] = ()
 
 
 def motion_conditions(
@@ -90,6 +105,7 @@ def motion_conditions(
         (*effectors, *spanning) if task.bounds_body else effectors,
         _obstacles(workspace, task, len(effectors), hulls),
         tuple(_passages(model, task, question) for question in pose_questions(workspace, task)),
+        _pairs(model, task, hulls),
     )
 
 
@@ -105,6 +121,35 @@ def body_points(model: RobotModel) -> tuple[tuple[int, ...], ...]:
         found.append(tuple(range(start, start + count)))
         start += count
     return tuple(found)
+
+
+def _pairs(
+    model: RobotModel, task: ir.Task, hulls: tuple[tuple[int, ...], ...]
+) -> tuple[Pair, ...]:
+    """The pairs of bodies that must not touch; those with a hull of more corners are left out.
+
+    Their differences are behind the points of all bodies, as in ``RobotGraph.points``.
+    """
+    if task.avoid_self is None:
+        return ()
+    found, start = list[Pair](), len(model.effectors) + sum(map(len, hulls))
+    for one, two in model.apart:
+        counts = len(hulls[one]), len(hulls[two])
+        points = tuple(range(start, start + counts[0] * counts[1]))
+        start += len(points)
+        if max(counts) <= 2:
+            radii = sum((_radius(model, body) for body in (one, two)), Fraction(0))
+            found.append(Pair(points, counts, task.avoid_self.margin + radii))
+    return tuple(found)
+
+
+def _radius(model: RobotModel, body: int) -> Fraction:
+    """The radius of a rod, a capsule or a sphere that is a known number; else zero."""
+    each = model.colliders[body]
+    if not isinstance(each, RodBody | Shape) or each.radius is None:
+        return Fraction(0)
+    scalar = model.scalars[each.radius]
+    return scalar.value if isinstance(scalar, Constant) else Fraction(0)
 
 
 def _obstacles(

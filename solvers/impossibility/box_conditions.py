@@ -7,26 +7,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TypeAlias
 
-import casadi as ca
 import numpy as np
 
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.expressions.evaluators.balls import closed_ball, constant_ball
-from compiler.expressions.evaluators.intervals import (
-    TURN,
-    BatchedIntervalEvaluator,
-    IntervalBatch,
-    common,
-    product,
-)
-from compiler.expressions.tape import Tape, tape
+from compiler.expressions.evaluators.balls import closed_ball
+from compiler.expressions.evaluators.intervals import TURN, IntervalBatch
+from compiler.expressions.evaluators.intervals import product as times
 from compiler.time_limits.time_limit import check_time
-from compiler.unreachability.motion_conditions import GivenPose, MotionConditions, Obstacle, Passage
-from compiler.unreachability.violations import FRACTIONS
+from compiler.unreachability.motion_conditions import (
+    GivenPose,
+    MotionConditions,
+    Obstacle,
+    Pair,
+    Passage,
+)
+from compiler.unreachability.touching import FRACTIONS, nearest_shares, spanned
 from grammar_lang import ir
+from solvers.impossibility.box_points import BoxPoints, Placed, ends
 from solvers.impossibility.coordinate_cover import Flags, Numbers
 
 CLEAR = 1e-9
@@ -104,7 +105,7 @@ class _Avoided:
         offsets, slack = (
             each.reshape(shape[2:]) for each in (self.regions.offsets, self.regions.slack)
         )
-        low, high = (end.reshape(shape) for end in _ends(found))
+        low, high = (end.reshape(shape) for end in ends(found))
         below = high - offsets
         deep: Flags = below[:, self.single] < -slack
         inside = np.any(np.all(deep, axis=3), axis=(1, 2))
@@ -128,6 +129,55 @@ def _crossed(first: Array, last: Array, slack: Array) -> Flags:
     return np.asarray(((1 - fraction) * first + fraction * last < -slack).all(axis=-1))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Apart:
+    """Bodies of the robot that keep from each other, with the places of their differences here."""
+
+    pair: Pair
+    points: Numbers
+
+    def judged(self, placed: Placed) -> tuple[Flags, Flags]:
+        """Which boxes violate this all over, and which nowhere, (K,) each."""
+        dimension = placed.centre.shape[2]
+        along = placed.along(np.eye(dimension), self.points)
+        away = placed.along(_directions(dimension), self.points)
+        least = float(self.pair.apart)
+        apart = np.asarray((away.low.min(axis=1) > least + CLEAR).any(axis=1))
+        near = self._near(along, least) if least else np.zeros(len(apart), dtype=bool)
+        if dimension == 2 and self.pair.counts == (2, 2):
+            near |= _around_zero(along)
+        return near, apart
+
+    def _near(self, along: IntervalBatch, least: float) -> Flags:
+        """Where one place of all differences is near zero, chosen as the verifier chooses it."""
+        shares = nearest_shares(*spanned((along.low + along.high) / 2, self.pair.counts))
+        first, second = (np.round(shares * FRACTIONS) / FRACTIONS).T
+        ones = (1 - first, first) if self.pair.counts[0] == 2 else (np.ones(len(first)),)
+        twos = (1 - second, second) if self.pair.counts[1] == 2 else (np.ones(len(first)),)
+        weights = np.stack([one * two for one in ones for two in twos], axis=1)[:, :, None]
+        low, high = (np.sum(weights * end, axis=1) for end in ends(along))
+        farthest = np.linalg.norm(np.maximum(-low, high), axis=1)
+        return np.asarray(farthest < least - CLEAR * max(1.0, least))
+
+
+def _directions(dimension: int) -> Array:
+    """The directions (r, d) in which bodies are looked at for being apart: unit vectors."""
+    found = np.array([each for each in product((-1, 0, 1), repeat=dimension) if any(each)], float)
+    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+
+def _around_zero(along: IntervalBatch) -> Flags:
+    """Where zero is strictly inside the parallelogram of the differences, (K,)."""
+    way = [0, 2, 3, 1]
+    (x, y), (u, v) = (
+        [IntervalBatch(along.low[:, order, axis], along.high[:, order, axis]) for axis in (0, 1)]
+        for order in (way, [*way[1:], way[0]])
+    )
+    one, two = times(x, v), times(y, u)
+    low, high = one.low - two.high, one.high - two.low
+    return np.asarray((low > CLEAR).all(axis=1) | (high < -CLEAR).all(axis=1))
+
+
 class BoxConditions:
     """The demands on a robot, for the passages of one question.
 
@@ -148,7 +198,11 @@ class BoxConditions:
         self._points = BoxPoints(graph, used)
         self._passages = passages
         self._bounds = _region(demands.bounds, [place[point] for point in demands.bounded])
-        self._obstacles = _avoided([o for o in demands.obstacles if _has_interior(o)], place)
+        obstacles = _avoided([o for o in demands.obstacles if _has_interior(o)], place)
+        self._always: list[_Avoided | _Apart] = [
+            *obstacles,
+            *(_Apart(each, _numbers([place[i] for i in each.points])) for each in demands.pairs),
+        ]
         self._goals = [_region(p.goal.rows, [place[p.goal.point]]) for p in passages]
         self._starts = [
             _given(p.start, circles) if isinstance(p.start, GivenPose)
@@ -199,8 +253,8 @@ class BoxConditions:
         limit, slack = self._bounds.offsets, self._bounds.slack
         violated = (found.low > limit + slack).any(axis=(1, 2))
         free = (found.high <= limit).all(axis=(1, 2))
-        for obstacle in self._obstacles:
-            inside, apart = obstacle.judged(placed)
+        for each in self._always:
+            inside, apart = each.judged(placed)
             violated |= inside
             free &= apart
         return np.asarray(violated), np.asarray(free)
@@ -212,6 +266,8 @@ def _used(demands: MotionConditions, passages: Sequence[Passage]) -> list[int]:
     for obstacle in demands.obstacles:
         used.update(obstacle.points)
         used.update(point for segment in obstacle.segments for point in segment)
+    for pair in demands.pairs:
+        used.update(pair.points)
     for passage in passages:
         used.add(passage.goal.point)
         if not isinstance(passage.start, GivenPose):
@@ -267,118 +323,3 @@ def _given(start: GivenPose, circles: Flags) -> Array:
     """The coordinates of a pose; those on a circle within a half turn."""
     values = np.array([float(closed_ball(value).mid()) for value in start.values])
     return np.where(circles, values - TURN * np.round(values / TURN), values)
-
-
-# --------------------------------------------------------------------------------------------------
-# Where the points of a robot are for all coordinates and parameters of a box, for many boxes.
-#
-# Two enclosures are intersected: the natural one, and the centred form f(c) + f'(box) (box - c),
-# which is the better one for small boxes.
-#
-# Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapter 6.
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Placed:
-    """m points in d dimensions for K boxes of v variables.
-
-    ``value`` is the natural enclosure (K, m, d), ``centre`` the points of the boxes' middles
-    (K, m, d); ``slopes`` (K, m, d, v) enclose the derivatives, ``radii`` are (K, v).
-    """
-
-    value: IntervalBatch
-    centre: Array
-    slopes: IntervalBatch
-    radii: Array
-
-    def along(self, normals: Array, points: Numbers) -> IntervalBatch:
-        """The products of some points with r normals (r, d), shape (K, len(points), r)."""
-        natural = _combined(IntervalBatch(*(end[:, points] for end in _ends(self.value))), normals)
-        turned = (np.moveaxis(end[:, points], 2, 3) for end in _ends(self.slopes))
-        slopes = _combined(IntervalBatch(*turned), normals)
-        radius = np.einsum("kmvr,kv->kmr", slopes.magnitude, self.radii)
-        middle = self.centre[:, points] @ normals.T
-        return common(natural, IntervalBatch(middle - radius, middle + radius))
-
-    @property
-    def effects(self) -> Array:
-        """How far each variable moves the points at most, in metres, shape (K, v)."""
-        moved = self.slopes.magnitude.max(axis=2) * self.radii[:, None, :]
-        return np.asarray(np.nan_to_num(moved, nan=np.inf).max(axis=1, initial=0.0))
-
-
-class BoxPoints:
-    """Some points of a robot, numbered as in ``RobotGraph.points``, read over boxes of (q, theta).
-
-    Raises:
-        ValueError: the rules or their derivatives have no exact value.
-    """
-
-    def __init__(self, graph: RobotGraph, points: Sequence[int]) -> None:
-        self.d = graph.model.dimension
-        n, p = len(graph.model.dofs), len(graph.model.parameters)
-        q, theta, k = (ca.SX.sym(name, size) for name, size in
-                       (("q", n), ("theta", p), ("k", len(graph.constants))))  # fmt: skip
-        everything = ca.densify(graph.points(q, theta, k))
-        entries = [point * self.d + axis for point in points for axis in range(self.d)]
-        value = everything[entries] if entries else ca.SX(0, 1)
-        self.variables = n + p
-        self.count = len(points)
-        self._constants = [_constant(float(constant_ball(c).mid())) for c in graph.constants]
-        slopes = ca.densify(ca.jacobian(value, ca.vertcat(q, theta)))
-        inputs = [q, theta, k]
-        self._value = tape(ca.Function("value", inputs, [ca.cse(value)]))
-        # Row by row: all derivatives of one entry together.
-        both = ca.vertcat(value, ca.vec(slopes.T))
-        self._both = tape(ca.Function("both", inputs, [ca.cse(both)]))
-
-    def over(self, low: Array, high: Array) -> Placed:
-        """The points for boxes from ``low`` to ``high`` (K, n + p)."""
-        middle = (low + high) / 2
-        size = self.count * self.d
-        centre = self._run(self._value, middle, middle)
-        both = self._run(self._both, low, high)
-        count, shape = len(low), (self.count, self.d)
-        return Placed(
-            IntervalBatch(*(end[:, :size].reshape(count, *shape) for end in _ends(both))),
-            ((centre.low + centre.high) / 2).reshape(count, *shape),
-            IntervalBatch(
-                *(end[:, size:].reshape(count, *shape, self.variables) for end in _ends(both))
-            ),
-            (high - low) / 2,
-        )
-
-    def _run(self, program: Tape, low: Array, high: Array) -> IntervalBatch:
-        inputs = [IntervalBatch(low[:, i], high[:, i]) for i in range(self.variables)]
-        found = program.evaluate([*inputs, *self._constants], BatchedIntervalEvaluator())
-        result = np.empty((2, len(low), program.outputs))
-        for i, batch in enumerate(found):
-            result[0, :, i] = batch.low
-            result[1, :, i] = batch.high
-        return IntervalBatch(result[0], result[1])
-
-
-def _combined(values: IntervalBatch, normals: Array) -> IntervalBatch:
-    """Interval products of the last axis (d) with normals (r, d)."""
-    total: IntervalBatch | None = None
-    for axis in range(normals.shape[1]):
-        weights = normals[:, axis]
-        term = product(
-            IntervalBatch(*(end[..., axis, None] for end in _ends(values))),
-            IntervalBatch(weights, weights),
-        )
-        total = (
-            term if total is None else IntervalBatch(total.low + term.low, total.high + term.high)
-        )
-    if total is None:
-        raise ValueError("there are no dimensions")
-    return total
-
-
-def _ends(batch: IntervalBatch) -> tuple[Array, Array]:
-    return batch.low, batch.high
-
-
-def _constant(value: float) -> IntervalBatch:
-    exact = np.asarray(value)
-    return IntervalBatch(exact, exact)

@@ -8,8 +8,8 @@ import pytest
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.unreachability.box_tree import Part, coordinate_sides, enclosures, parameter_sides
+from compiler.unreachability.enclosed_points import PointTapes, ball_row
 from compiler.unreachability.motion_conditions import body_points
-from compiler.unreachability.violations import PointTapes, ball_row
 from tests.oracles import random_robots
 from tests.oracles.arms import ArmBuilder, frames_of, scalar_values
 from tests.oracles.planes import row

@@ -12,6 +12,10 @@ import numpy as np
 import pytest
 
 from compiler.arrays import Array
+from compiler.robots.normal_form import family_of
+from compiler.words.structures import structures
+from grammar_lang.load import load_text
+from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.command_line import quiet
@@ -51,7 +55,7 @@ BEYOND = "[0.15, 0.25] x [-0.25, -0.15]"
 """Behind the foot: the last tube has to pass through it."""
 ABOVE = "[0.1, 0.4] x [0.118, 0.120]"
 """The tip comes to 118 mm at least, the tube's surface to 108 mm, and to 110 mm at best."""
-FOUND, UNKNOWN = 0, 4
+FOUND, IMPOSSIBLE = 0, 3
 
 
 def synthesised(scratch: Path, target: str, clause: str) -> tuple[int, Path]:
@@ -98,9 +102,22 @@ def test_a_margin_that_the_tip_can_keep(tmp_path: Path) -> None:
     assert told.margin >= 0.95 * least
 
 
-@pytest.mark.slow
 def test_a_margin_that_lacks_a_millimetre(tmp_path: Path) -> None:
-    assert synthesised(tmp_path, ABOVE, "avoid self with body, margin 111 mm;")[0] == UNKNOWN
+    """No pose keeps it: that is proved, and is no proof for a millimetre less than there is."""
+    status, folder = synthesised(tmp_path, ABOVE, "avoid self with body, margin 111 mm;")
+    assert status == IMPOSSIBLE
+    assert verify_directory(folder).outcome is Outcome.VALID
+    (proof,) = folder.glob("proofs/*.boxes")
+    for margin, due in ((112, True), (109, False)):
+        text = SPEC.replace("TARGET", ABOVE)
+        clause = f"avoid self with body, margin {margin} mm;"
+        program = load_text(text.replace("CLAUSE", clause), "fold.srg").program
+        assert program is not None
+        task = program.tasks["Fold"]
+        family = family_of(program, task)
+        (derivation,) = structures(family.language, 6)
+        asked = family.robot(derivation), program.workspaces[task.workspace], task
+        assert (why_not(proof.read_text(encoding="utf-8"), *asked) is None) is due
 
 
 @pytest.mark.slow
@@ -113,6 +130,7 @@ def test_through_itself(tmp_path: Path) -> None:
     report = verify_directory(folder)
     assert report.outcome is Outcome.REFUTED
     assert "clearance of body 1" in str(report.reason)
-    assert synthesised(tmp_path, BEYOND, "avoid self with body;")[0] == UNKNOWN
+    assert synthesised(tmp_path, BEYOND, "avoid self with body;")[0] == IMPOSSIBLE
+    assert verify_directory(folder).outcome is Outcome.VALID
     allowed = "avoid self with body, except Foot Tube;"
     assert synthesised(tmp_path, BEYOND, allowed)[0] == FOUND
