@@ -52,6 +52,10 @@ class PoseTarget(Generic[Number]):
         """The cosine of the angle between, from the sum of the products t . e."""
         return along if len(self.axes) == 1 else (along - 1) / 2
 
+    def along(self, cosine: Number) -> Number:
+        """The sum of the products t . e, from the cosine of the angle between."""
+        return cosine if len(self.axes) == 1 else 1 + 2 * cosine
+
 
 def pose_target(pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]) -> PoseTarget[Number]:
     """What a pose asks for, in the plane (2) or in space (3)."""

@@ -150,7 +150,8 @@ class Cover:
         """The boxes, among some, that are not shown to keep a point out of a region."""
         found = among.copy()
         numbers = np.flatnonzero(among)
-        for number in self._violated([int(i) for i in numbers], elsewhere(place)):
+        violations = elsewhere(place, self.poses.tapes.axes)
+        for number in self._violated([int(i) for i in numbers], violations):
             found[number] = False
         return found
 

@@ -59,8 +59,10 @@ class PointTapes:
         q, theta, constants = ca.SX.sym("q", n), ca.SX.sym("theta", p), SymbolicEvaluator()
         at = kinematics(model, q, theta, constants, own_coordinates(model))
         points = robot_points(at)
-        # The differences of bodies that have to stay apart are among the last ones.
-        last = points.others if model.apart else ca.SX(0, 1)
+        # Differences of bodies that have to stay apart, and axes of effectors, are behind bodies.
+        last = points.others if model.apart or model.posed else ca.SX(0, 1)
+        first = len(model.effectors)
+        self.axes = tuple(tuple(first + i for i in axes) for axes in points.numbering.axes)
         value = ca.densify(ca.vertcat(points.effectors, points.bodies, last))
         inputs = [q, theta, constants.vector()]
         self._numeric = ca.Function("points", inputs, [ca.cse(value)])

@@ -47,10 +47,11 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class PointIn:
-    """Poses that have a point in a closed region."""
+    """Poses that have a point in a closed region; an effector may have to be turned there."""
 
     point: int
     rows: Rows
+    poses: tuple[ir.Pose, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,10 +188,10 @@ def _passages(model: RobotModel, task: ir.Task, question: PoseQuestion) -> tuple
             start = GivenPose(given_start(model, task.start).values)
         else:
             start = PointIn(starting, question.start or ())
-        goal = PointIn(reaching, question.target)
-        ends = task.reach is not None and not task.repeat
-        arrives = ends and question.goal == "the target"
-        found.append(Passage(start, goal, starting, reaching, arrives))
+        reached = task.reach is not None and question.goal == "the target"
+        poses = task.reach.poses if task.reach is not None and reached else ()
+        goal = PointIn(reaching, question.target, poses)
+        found.append(Passage(start, goal, starting, reaching, reached and not task.repeat))
     return tuple(found)
 
 

@@ -15,6 +15,7 @@ from flint import arb
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball
+from compiler.tasks.pose_target import BALLS, pose_target
 from compiler.unreachability.enclosed_points import BallRow, EnclosedPoints, ball_row
 from compiler.unreachability.motion_conditions import MotionConditions, PointIn
 from compiler.unreachability.touching import FRACTIONS, Touching
@@ -47,6 +48,29 @@ class Outside:
     def certain(self, points: EnclosedPoints) -> bool:
         """Whether it is at every pose."""
         return points.beyond(self.point, self.row)
+
+
+@dataclass(frozen=True, slots=True)
+class Astray:
+    """The axes of a frame, directions as points, are turned away from others: by more than allowed.
+
+    Their products with the ``directions``, normals of half-spaces, add up to less than ``least``.
+    """
+
+    points: tuple[int, ...]
+    directions: tuple[BallRow, ...]
+    least: arb
+
+    def depth(self, places: Array) -> Array:
+        """By how much less they are, (K,), for samples (K, m, d)."""
+        pairs = zip(self.points, self.directions, strict=True)
+        within = [-_within(places[:, point], row) for point, row in pairs]
+        return np.asarray(_float(self.least) - np.sum(within, axis=0))
+
+    def certain(self, points: EnclosedPoints) -> bool:
+        """Whether they are at every pose of a box."""
+        pairs = zip(self.points, self.directions, strict=True)
+        return bool(sum((points.highest(*pair) for pair in pairs), arb(0)) < self.least)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +172,16 @@ def _facing(rows: Sequence[ir.HalfSpace]) -> tuple[BallRow, ...]:
     return tuple(ball_row(row) for row in proper)
 
 
-def elsewhere(place: PointIn) -> list[Outside]:
-    """What must not be so where a point has to be in a region."""
-    return [Outside(place.point, ball_row(row)) for row in place.rows]
+def elsewhere(place: PointIn, axes: Sequence[Sequence[int]]) -> list[Violation]:
+    """What must not be so where a point has to be in a region.
+
+    ``axes`` are the numbers of those of each effector, as directions.
+    """
+    found: list[Violation] = [Outside(place.point, ball_row(row)) for row in place.rows]
+    for pose in place.poses:
+        own = axes[place.point]
+        target = pose_target(pose, len(own), BALLS)
+        rows = tuple(BallRow(direction, arb(0)) for direction in target.directions)
+        least = target.along(target.within.cos())
+        found.append(Astray(tuple(own[axis] for axis in target.axes), rows, least))
+    return found

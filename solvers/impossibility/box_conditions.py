@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import cos
 from typing import TypeAlias
 
 import numpy as np
@@ -17,6 +18,7 @@ from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import closed_ball
 from compiler.expressions.evaluators.intervals import TURN, IntervalBatch
 from compiler.expressions.evaluators.intervals import product as times
+from compiler.tasks.pose_target import FLOATS, pose_target
 from compiler.time_limits.time_limit import check_time
 from compiler.unreachability.motion_conditions import (
     GivenPose,
@@ -24,6 +26,7 @@ from compiler.unreachability.motion_conditions import (
     Obstacle,
     Pair,
     Passage,
+    PointIn,
 )
 from compiler.unreachability.touching import FRACTIONS, nearest_shares, spanned
 from grammar_lang import ir
@@ -130,6 +133,20 @@ def _crossed(first: Array, last: Array, slack: Array) -> Flags:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Turned:
+    """Axes, by their places, whose products with ``directions`` (a, d) add up to ``least``."""
+
+    directions: Array
+    points: Numbers
+    least: float
+
+    def away(self, placed: Placed) -> Flags:
+        """Which boxes are turned away all over, (K,)."""
+        high = placed.along(self.directions, self.points).high
+        return np.asarray(np.trace(high, axis1=1, axis2=2) < self.least - CLEAR)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Apart:
     """Bodies of the robot that keep from each other, with the places of their differences here."""
 
@@ -193,7 +210,7 @@ class BoxConditions:
         circles: Flags,
     ) -> None:
         self.n, self.p = len(graph.model.dofs), len(graph.model.parameters)
-        used = _used(demands, passages)
+        used = _used(demands, passages, graph)
         place = {point: i for i, point in enumerate(used)}
         self._points = BoxPoints(graph, used)
         self._passages = passages
@@ -204,6 +221,7 @@ class BoxConditions:
             *(_Apart(each, _numbers([place[i] for i in each.points])) for each in demands.pairs),
         ]
         self._goals = [_region(p.goal.rows, [place[p.goal.point]]) for p in passages]
+        self._turned = [_turned(p.goal, graph, place) for p in passages]
         self._starts = [
             _given(p.start, circles) if isinstance(p.start, GivenPose)
             else _region(p.start.rows, [place[p.start.point]])
@@ -239,6 +257,8 @@ class BoxConditions:
         goal = np.zeros_like(start)
         for i, (begin, end) in enumerate(zip(self._starts, self._goals, strict=True)):
             goal[:, i] = ~end.outside(placed)
+            for pose in self._turned[i]:
+                goal[:, i] &= ~pose.away(placed)
             if isinstance(begin, _Region):
                 start[:, i] = ~begin.outside(placed)
             else:
@@ -260,7 +280,7 @@ class BoxConditions:
         return np.asarray(violated), np.asarray(free)
 
 
-def _used(demands: MotionConditions, passages: Sequence[Passage]) -> list[int]:
+def _used(demands: MotionConditions, passages: Sequence[Passage], graph: RobotGraph) -> list[int]:
     """The points that a demand is about."""
     used = set(demands.bounded)
     for obstacle in demands.obstacles:
@@ -270,9 +290,28 @@ def _used(demands: MotionConditions, passages: Sequence[Passage]) -> list[int]:
         used.update(pair.points)
     for passage in passages:
         used.add(passage.goal.point)
+        if passage.goal.poses:
+            used.update(_axes(graph, passage.goal.point))
         if not isinstance(passage.start, GivenPose):
             used.add(passage.start.point)
     return sorted(used)
+
+
+def _axes(graph: RobotGraph, effector: int) -> list[int]:
+    """The numbers of the axes of its frame, directions among the points."""
+    first = len(graph.model.effectors)
+    return [first + axis for axis in graph.numbering.axes[effector]]
+
+
+def _turned(goal: PointIn, graph: RobotGraph, place: Mapping[int, int]) -> list[_Turned]:
+    """How an effector is turned where it has to be."""
+    found = []
+    for pose in goal.poses:
+        target = pose_target(pose, graph.model.dimension, FLOATS)
+        axes = _axes(graph, goal.point)
+        points = _numbers([place[axes[axis]] for axis in target.axes])
+        found.append(_Turned(np.array(target.directions), points, target.along(cos(target.within))))
+    return found
 
 
 def _region(rows: Sequence[ir.HalfSpace], points: Sequence[int]) -> _Region:

@@ -120,7 +120,7 @@ class Search:
         self._parameters = parameter_sides(demands.model)
 
     def straight(self, start: Array | None, target: Array, theta: Array) -> bool:
-        """Whether poses on the straight line between two are clear, at parameters (p,).
+        """Whether poses on the straight line to a goal are clear, at parameters (p,).
 
         The poses are coordinates (n,) in rad or m; ``start`` None is the start that the task gives.
         """
@@ -129,7 +129,8 @@ class Search:
             return False
         poses = start + np.linspace(0.0, 1.0, STRAIGHT)[:, None] * (target - start)
         at = np.concatenate([poses, np.broadcast_to(theta, (STRAIGHT, len(theta)))], axis=1)
-        return bool(self._demands.judged(at, at).open.all())
+        judged = self._demands.judged(at, at)
+        return bool(judged.open.all() and judged.goal[-1].any())
 
     def start_excluded(self) -> bool:
         """Whether the given start is out of a range, or breaks a demand for all parameters."""

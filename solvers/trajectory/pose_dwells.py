@@ -36,7 +36,7 @@ def pose_dwells(
     suit it.  The directions themselves are the places that inverse kinematics brings the axes to.
     """
     target = pose_target(pose, numeric.d, FLOATS)
-    level = _least(target) / len(target.axes)
+    level = target.along(cos(target.within)) / len(target.axes)
     scale = unit / sin(min(target.within, pi / 2))
     for point, towards in _directed(numeric, target, effector):
         sign = 1.0 if away else -1.0
@@ -54,7 +54,7 @@ def in_poses(
         target = pose_target(pose, numeric.d, FLOATS)
         directed = _directed(numeric, target, effector)
         along = sum((points[:, point] @ towards for point, towards in directed), np.zeros(1))
-        found &= along >= _least(target)
+        found &= along >= target.along(cos(target.within))
     return found
 
 
@@ -65,9 +65,3 @@ def _directed(
     first, axes = len(numeric.graph.model.effectors), numeric.spanning.axes[effector]
     for axis, direction in zip(target.axes, target.directions, strict=True):
         yield first + axes[axis], np.array(direction)
-
-
-def _least(target: PoseTarget[float]) -> float:
-    """What the products t . e of all axes are together, at least."""
-    level = cos(target.within)
-    return level if len(target.axes) == 1 else 1 + 2 * level
