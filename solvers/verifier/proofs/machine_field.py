@@ -66,11 +66,16 @@ class MachineField:
         known = self._program(program, 0)
         return known.evaluate(self._inputs([[x] for x in moving], u, 1), smooth=True).balls()
 
-    def series_of(self, program: Tape, q: Sequence[Coefficients], length: int) -> list[list[arb]]:
-        """The coefficients of the outputs of a program of (q, theta, k), a row for each."""
+    def series_of(
+        self, program: Tape, q: Sequence[Coefficients], length: int, first: int = 0
+    ) -> list[list[arb]]:
+        """The coefficients of the outputs of a program of (q, theta, k), a row for each.
+
+        There are ``length`` of them, of which those before the ``first`` are left out.
+        """
         found = self._program(program, self.dofs).evaluate(self._inputs(q, [], length))
-        flat = found.balls()
-        return [flat[i : i + length] for i in range(0, len(flat), length)]
+        flat, kept = found.at(slice(None), slice(first, None)).balls(), length - first
+        return [flat[i : i + kept] for i in range(0, len(flat), kept)]
 
     def _program(self, program: Tape, moving: int) -> MachineProgram:
         if id(program) not in self._programs:

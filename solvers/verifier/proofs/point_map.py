@@ -21,7 +21,6 @@ from solvers.verifier.proofs.enclosure import TubeSegment
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
 
-_Series: TypeAlias = "arb_series | list[arb]"
 Terms: TypeAlias = tuple[tuple[int, arb], ...]
 """Points, by number, with weights."""
 
@@ -109,9 +108,9 @@ class PointMap:
             return None
         if not all(item.is_finite() for item in (*state, *pull)):
             return None
-        wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3)
+        wide = self._series([[state[i], state[n + i], pull[i] / 2] for i in range(n)], 3, 2)
         near = self._series([[centre[i], centre[n + i]] for i in range(n)], 2)
-        flat = [(near[i][0], near[i][1], wide[i][2]) for i in range(len(near))]
+        flat = [(value, rate, bend) for (value, rate), (bend,) in zip(near, wide, strict=True)]
         points = tuple(tuple(flat[i : i + d]) for i in range(0, len(flat), d))
         return Slice(segment.start + middle, half, points)
 
@@ -153,12 +152,14 @@ class PointMap:
         parts = tuple(arb_mat(moved[i : i + d]) for i in range(0, height, d))
         return replace(over, path=path, columns=parts)
 
-    def _series(self, q: list[list[arb]], length: int) -> Sequence[_Series]:
+    def _series(self, q: list[list[arb]], length: int, first: int = 0) -> list[list[arb]]:
+        """The coefficients of all coordinates of points, ``length`` less the ``first`` ones."""
         if self.field.machine is not None:
-            return self.field.machine.series_of(self.tape, q, length)
+            return self.field.machine.series_of(self.tape, q, length, first)
         ctx.cap = length
         tail = [arb_series([item]) for item in self.field.tail]
-        return self.tape.evaluate([*(arb_series(item) for item in q), *tail], SERIES)
+        found = self.tape.evaluate([*(arb_series(item) for item in q), *tail], SERIES)
+        return [[series[i] for i in range(first, length)] for series in found]
 
 
 def _product(normal: Sequence[arb], place: Sequence[arb]) -> arb:
