@@ -150,6 +150,7 @@ def end() -> None:
             last = os.dup(2)
             _silence(2)  # a thread that redraws would write below the last line
             os.write(last, f"{clear}{interrupted_text()}\n".encode(errors="backslashreplace"))
+    _let_processes_start()
     _release_semaphores()
     for child in _children(os.getpid()):
         with suppress(OSError):
@@ -160,6 +161,16 @@ def end() -> None:
 def _silence(descriptor: int) -> None:
     """What is written there from now on goes nowhere."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+
+
+def _let_processes_start() -> None:
+    """Processes that are being started have what they read first, and no others are started.
+
+    One whose parent ends before would say so in a traceback.
+    """
+    pool = sys.modules.get("solvers.execution.process_pool")
+    if pool is not None:
+        pool.STARTING.acquire(timeout=PATIENCE)
 
 
 def _release_semaphores() -> None:

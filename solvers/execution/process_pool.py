@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
-from threading import Thread
+from threading import Lock, Thread
 from types import ModuleType
 from typing import Generic
 
@@ -23,6 +23,8 @@ from solvers.execution.workers import Begun, Job, Result, received, sent
 
 PATIENCE = 1.0
 """Seconds of jobs done in this process before others are started: a short run needs none."""
+STARTING = Lock()
+"""Held while processes are started, and by what ends this one."""
 
 
 class ProcessPool:
@@ -166,7 +168,8 @@ def _as_workers_start() -> Iterator[None]:
     blocked = _blocked({signal.SIGINT})
     sys.modules["__main__"] = ModuleType("__main__")
     try:
-        yield
+        with STARTING:
+            yield
     finally:
         sys.modules["__main__"] = program
         for name, value in before.items():

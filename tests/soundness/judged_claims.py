@@ -59,10 +59,17 @@ class Original:
     cells: Mapping[str, Sequence[str]]
 
 
-def judged(claim: Mapping[str, Any], text: str, original: Original, family: Family) -> Judgement:
+def judged(
+    claim: Mapping[str, Any],
+    text: str,
+    original: Original,
+    family: Family,
+    samples: int = SAMPLES,
+) -> Judgement:
     """Judge a claim of a found robot against the text of the spec that it comes with."""
     try:
-        least, what = min(_slacks(claim, text, original, family), default=(1.0, "nothing"))
+        slacks = _slacks(claim, text, original, family, samples)
+        least, what = min(slacks, default=(1.0, "nothing"))
     except FalseClaim as error:
         return Judgement(Truth.FALSE, str(error))
     except Unclear as error:
@@ -75,7 +82,7 @@ def judged(claim: Mapping[str, Any], text: str, original: Original, family: Fami
 
 
 def _slacks(
-    claim: Mapping[str, Any], text: str, original: Original, family: Family
+    claim: Mapping[str, Any], text: str, original: Original, family: Family, samples: int
 ) -> list[tuple[float, str]]:
     _well_formed(claim, original.certificate)
     try:
@@ -96,7 +103,7 @@ def _slacks(
     effector = _effector(claim, made, figures)
     rows = [np.array([float(u) for u in row]) for row in inputs]
     try:
-        fine = max(8, SAMPLES // figures.steps)
+        fine = max(8, samples // figures.steps)
         motion = sampled_motion(arm, start, rows, float(figures.dt), fine)
     except Diverges:
         raise FalseClaim("the motion leaves all bounds") from None

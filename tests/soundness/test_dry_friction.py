@@ -164,7 +164,7 @@ def test_nothing_is_added_at_rest() -> None:
     x = np.zeros((3, 4))
     x[:, 2], x[1, 3] = [0.9 * AT_REST, -0.9 * AT_REST, 0.0], 0.5
     planned = Trajectory(x, np.zeros((2, 2)), np.array([1.2, 0.7]))
-    assert friction_inputs(numeric, planned)[:, 0] == pytest.approx(0.0, abs=1e-15)
+    assert friction_inputs(numeric, planned)[:, 0] == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -58,7 +58,9 @@ def test_the_oracle_holds_what_was_found_for_true(made, tmp_path, name):
 def test_the_oracle_holds_every_result_for_true(made, tmp_path, name):
     trials = Trials(name, made(name) / "out", tmp_path)
     claim, text = trials.original.certificate, trials.original.text
-    assert judged(claim, text, trials.original, trials.family).truth is Truth.TRUE
+    # Closely: a design may pass by a corner at a fraction of a millimetre.
+    found = judged(claim, text, trials.original, trials.family, 20_000)
+    assert found.truth is Truth.TRUE, found.why
 
 
 @pytest.mark.slow

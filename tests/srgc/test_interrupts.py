@@ -125,6 +125,24 @@ def test_fifty_random_moments(made, tmp_path):
     resumed_alike(made, tmp_path)
 
 
+def test_processes_that_are_started_are_waited_for(tmp_path):
+    """Or they would say in a traceback that they have no parent."""
+    program = (
+        "import time\n"
+        "from solvers.execution.process_pool import STARTING\n"
+        "from srgc.interruption import watch\n"
+        "watch()\n"
+        "with STARTING:\n"
+        "    print('ready', flush=True)\n"
+        "    time.sleep(0.5)\n"
+        "    open('written', 'w').close()\n"
+        "time.sleep(60)\n"
+    )
+    status, _, said = interrupted(started([], tmp_path, program), 0)
+    assert (status, said) == (130, [b"interrupted"])
+    assert (tmp_path / "written").exists()
+
+
 def test_a_child_is_ended_with_its_parent(tmp_path):
     """z3 is stood in for by a child that would go on for a minute."""
     program = (

@@ -13,6 +13,10 @@ smooth system that their friction is what the law says:
   it is positive at the start, and where it vanishes it grows;
 - **sticking**: :math:`v_j = 0` at the start, the joint is rigid (``sticking_field.py``), the
   effort that this takes is at most :math:`c_j`, and M with its row and column is regular, too;
+- **leaving** rest with sign s: it breaks away at some instant, and :math:`s v_j \ge 0` from the
+  start.  At rest friction holds what pushes it, the effort :math:`p_j`, or is :math:`-s c_j` where
+  that is more; where :math:`s p_j \ge c_j - \delta_j > -c_j` it is
+  :math:`f_j \in -s\,[c_j - \delta_j, c_j]`, a disturbance, and the rate does not change its sign;
 - **either**: any :math:`|f_j| \le c_j`, a disturbance, as long as it takes to pass through rest, or
   to come to rest.
 
@@ -50,9 +54,23 @@ from solvers.verifier.proofs.sticking_field import StickingFields
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
 
-Mode: TypeAlias = Literal[1, -1, "sticking", "either"]
+
+@dataclass(frozen=True, slots=True)
+class Leaving:
+    """A joint goes from rest with a sign, its friction at most ``spare`` less than when it slides.
+
+    In N m or N.
+    """
+
+    sign: Literal[1, -1]
+    spare: arb
+
+
+Mode: TypeAlias = Literal[1, -1, "sticking", "either"] | Leaving
 Modes: TypeAlias = Mapping[int, Mode]
 """What each joint with friction does, by its number: it slides with a sign, for instance."""
+Signs: TypeAlias = Mapping[int, Literal[1, -1]]
+"""Joints whose rates are not of the other sign, by what they did before."""
 
 SLICES = 16
 """Parts of a segment in which it is looked at what joints do."""
@@ -61,6 +79,10 @@ SHORTEST = Fraction(1, 2**30)
 """In steps: no shorter segment is tried."""
 FARTHER = 8
 """Where it is not known which way joints go, as many times their rate is given time to change."""
+LET_GO = Fraction(1, 2**12)
+"""In steps: how closely it is found out when a joint breaks away."""
+GENEROUS = 2
+"""What friction may lack is taken so many times larger than it is at first."""
 MOST_WIDE = 2
 """Joints whose rate is less than so many radii of it are as near to rest as can be told."""
 ANYTHING = arb(0, arb("inf"))
@@ -70,10 +92,24 @@ SPARE = 1.25
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
-    """Up to which part of a segment its modes hold, and which ``joint`` breaks them there."""
+    """Up to which part of a segment its modes hold, and which ``joint`` breaks them there.
+
+    What it may do ``instead`` follows from what pushes it, where that is known.
+    """
 
     until: Fraction
     joint: int | None = None
+    instead: Mode | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """A segment, its length in steps, all that drives the robot in it, and signs of rates."""
+
+    length: Fraction
+    passage: Passage
+    drive: Drive
+    signs: Signs
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,14 +130,14 @@ class RubbingRobot:
         """The field of the robot whose joints all move."""
         return self.fields.whole
 
-    def next(self, states: Zonotope, rest: Fraction) -> tuple[Fraction, Passage, Drive] | None:
-        """A segment of at most ``rest`` steps, and all that drives the robot in it."""
+    def next(self, states: Zonotope, rest: Fraction, signs: Signs) -> Moved | None:
+        """A segment of at most ``rest`` steps; ``signs`` are those of the segment before."""
         if not self.field.friction:
             found = longest_passage(
                 self.field, states, self.drive, self.dt, rest, self.accuracy, self.control
             )
-            return None if found is None else (*found, self.drive)
-        modes, most, limit = self._modes(states), rest, rest
+            return None if found is None else Moved(*found, self.drive, {})
+        modes, most, limit = self._modes(states, signs), rest, rest
         if "either" in modes.values():
             most = min(rest, self._through_rest(states, modes))
         for _ in range(MOST_TRIALS):
@@ -113,24 +149,44 @@ class RubbingRobot:
             if found is None:
                 return None
             length, passage = found
-            outcome = self._checked(states, passage, modes)
+            outcome = self._checked(states, passage, modes, signs)
             if outcome.joint is None:
                 stopped, wanted = self._stopped(states, passage, modes)
                 if wanted > length and length == most < limit:
                     most = min(limit, wanted)
                     continue
                 end = _at_rest(passage.end, held | stopped, field)
-                return length, replace(passage, end=end), drive
+                left = {j: mode.sign for j, mode in modes.items() if isinstance(mode, Leaving)}
+                return Moved(length, replace(passage, end=end), drive, left)
+            before = modes[outcome.joint]
             if outcome.until:
                 most = limit = length * outcome.until
-            elif length > SHORTEST and not self._near_rest(states, outcome.joint, modes):
+            elif length > self._shortest(before) and not self._near_rest(
+                states, outcome.joint, modes
+            ):
                 most = limit = length / SLICES
             else:
-                modes, limit = {**modes, outcome.joint: "either"}, rest
-                most = min(rest, self._through_rest(states, modes))
+                modes, limit = {**modes, outcome.joint: self._freed(before, outcome)}, rest
+                most = rest
+                if "either" in modes.values():
+                    most = min(rest, self._through_rest(states, modes))
         return None
 
-    def _modes(self, states: Zonotope) -> Modes:
+    def _shortest(self, mode: Mode) -> Fraction:
+        """How short segments become before a joint is taken to do something else, in steps."""
+        return LET_GO if mode == "sticking" or isinstance(mode, Leaving) else SHORTEST
+
+    def _freed(self, mode: Mode, outcome: _Outcome) -> Mode:
+        """What a joint that may do something else is taken to do instead."""
+        if outcome.instead is None or isinstance(outcome.instead, int):
+            return "either"
+        if isinstance(mode, Leaving) and isinstance(outcome.instead, Leaving):
+            if outcome.instead.sign != mode.sign:
+                return "either"
+            return Leaving(mode.sign, outcome.instead.spare.max(GENEROUS * mode.spare))
+        return outcome.instead
+
+    def _modes(self, states: Zonotope, signs: Signs) -> Modes:
         """What joints seem to do next: those at rest stick as long as others do not break them."""
         hull, n = states.hull(), self.field.dofs
         modes = dict[int, Mode]()
@@ -141,6 +197,17 @@ class RubbingRobot:
             )
         while (loose := self._loosest(hull, modes)) is not None:
             modes[loose[0]] = loose[1]
+        for joint, size in self.field.friction:
+            if modes[joint] == "either" and joint in signs:
+                push = self._push_at_rest(hull, modes, joint)
+                mode = _let_go(push, size)
+                # One that comes to rest again is better not known to have a sign.
+                if mode == signs[joint] or (
+                    isinstance(mode, Leaving)
+                    and mode.sign == signs[joint]
+                    and bool((mode.sign * push).mid() > size.mid())
+                ):
+                    modes[joint] = mode
         return modes
 
     def _loosest(self, state: Sequence[arb], modes: Modes) -> tuple[int, Mode] | None:
@@ -153,8 +220,7 @@ class RubbingRobot:
         if not loose:
             return None
         joint, size = max(loose, key=lambda item: float(abs(pushes[item[0]]) / item[1]))
-        push = pushes[joint]
-        return joint, 1 if push > size else -1 if push < -size else "either"
+        return joint, _let_go(pushes[joint], size)
 
     def _pushes(self, state: Sequence[arb], modes: Modes) -> list[arb]:
         """What pushes each joint that sticks, (n,), and friction holds: b - M a in its row.
@@ -184,15 +250,20 @@ class RubbingRobot:
         stated, unknown = list(self.drive.stated), list(self.drive.disturbance)
         for joint, size in self.field.friction:
             mode = modes[joint]
+            if isinstance(mode, Leaving):
+                stated.append(-mode.sign * (size - mode.spare / 2))
+                unknown.append((mode.spare / 2).upper())
+                continue
             stated.append(-size * mode if mode in (1, -1) else arb(0))
             unknown.append(size.upper() if mode == "either" else arb(0))
         return Drive(stated, unknown)
 
-    def _checked(self, states: Zonotope, passage: Passage, modes: Modes) -> _Outcome:
+    def _checked(self, states: Zonotope, passage: Passage, modes: Modes, signs: Signs) -> _Outcome:
         """Whether joints do throughout a segment what they were taken to do."""
         n, start = self.field.dofs, states.hull()
         for joint, mode in modes.items():
-            if mode in (1, -1) and not start[n + joint] * mode >= 0:
+            sign = _sign(mode)
+            if sign and signs.get(joint) != sign and not start[n + joint] * sign >= 0:
                 return _Outcome(Fraction(0), joint)
         for number in range(SLICES):
             ends = (passage.path.length * arb(k) / SLICES for k in (number, number + 1))
@@ -203,23 +274,37 @@ class RubbingRobot:
                 state[n + joint] = arb(0)
             broken = self._broken(state, modes)
             if broken is not None:
-                return _Outcome(Fraction(number, SLICES), broken)
+                return _Outcome(Fraction(number, SLICES), *broken)
         return _Outcome(Fraction(1))
 
-    def _broken(self, state: Sequence[arb], modes: Modes) -> int | None:
-        """A joint that may do something else somewhere in a box of states."""
+    def _broken(self, state: Sequence[arb], modes: Modes) -> tuple[int, Mode | None] | None:
+        """A joint that may do something else somewhere in a box of states, and what that is."""
         loose = self._loosest(state, modes)
         if loose is not None:
-            return loose[0]
-        n = self.field.dofs
+            return loose
+        n, sizes = self.field.dofs, dict(self.field.friction)
         for joint, mode in modes.items():
-            if mode in (1, -1) and not state[n + joint] * mode >= 0:
+            sign = _sign(mode)
+            if not sign or state[n + joint] * sign > 0:
+                continue
+            if isinstance(mode, Leaving):
+                push = self._push_at_rest(state, modes, joint)
+                least = (sizes[joint] - mode.spare).max(-sizes[joint])
+                if not (sign * push > least and sign * push > -sizes[joint]):
+                    return joint, _let_go(push, sizes[joint])
+            elif not state[n + joint] * sign >= 0:
                 still = list(state)
                 still[n + joint] = arb(0)
                 pull = self._pull(still, modes)
-                if not pull[joint] * mode > 0:
-                    return joint
+                if not pull[joint] * sign > 0:
+                    return joint, None
         return None
+
+    def _push_at_rest(self, state: Sequence[arb], modes: Modes, joint: int) -> arb:
+        """What pushes a joint where it is at rest and stays there."""
+        still = list(state)
+        still[self.field.dofs + joint] = arb(0)
+        return self._pushes(still, {**modes, joint: "sticking"})[joint]
 
     def _near_rest(self, states: Zonotope, joint: int, modes: Modes) -> bool:
         """Whether it cannot be told from a smaller part of a segment what a joint does."""
@@ -317,6 +402,24 @@ class RubbingRobot:
                 return frozenset(unknown), (heaviest * fast / least).upper()
             unknown = kept
         return frozenset(), None
+
+
+def _sign(mode: Mode) -> Literal[1, -1] | None:
+    """The sign that a rate has, or none."""
+    if isinstance(mode, Leaving):
+        return mode.sign
+    return mode if isinstance(mode, int) else None
+
+
+def _let_go(push: arb, size: arb) -> Mode:
+    """What a joint at rest does that friction may not hold; ``size`` is the most it can."""
+    if push > size:
+        return 1
+    if push < -size:
+        return -1
+    sign: Literal[1, -1] = 1 if push.mid() > 0 else -1
+    spare = GENEROUS * (size - sign * push).upper()
+    return Leaving(sign, spare) if bool(spare < 2 * size) else "either"
 
 
 def _held(modes: Modes) -> frozenset[int]:

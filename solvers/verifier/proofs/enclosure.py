@@ -25,7 +25,7 @@ from flint import arb
 from compiler.expressions.evaluators.balls import SIGNS, ball
 from solvers.verifier.proofs.a_priori import Drive
 from solvers.verifier.proofs.control_law import HoldingLaw, InputError
-from solvers.verifier.proofs.dry_friction import RubbingRobot
+from solvers.verifier.proofs.dry_friction import RubbingRobot, Signs
 from solvers.verifier.proofs.linearisation import Coefficients
 from solvers.verifier.proofs.moved_set import Spread, pulled
 from solvers.verifier.proofs.passage import Accuracy, Passage
@@ -136,6 +136,7 @@ def tube(
     control = StepControl(float(dt))
     control.learn_degree(states.radii, [arb(0)] * field.size, accuracy.order)
     start, fields = dt * numbers.start, StickingFields(field)
+    signs: Signs = {}
     for number in numbers:
         u = inputs[number]
         if law is None:
@@ -150,12 +151,12 @@ def tube(
         robot = RubbingRobot(fields, drive, dt, accuracy, control)
         parts = 0
         while first < last:
-            found, parts = robot.next(states, last - first), parts + 1
+            found, parts = robot.next(states, last - first, signs), parts + 1
             if found is None or (field.friction and parts > MOST_RUBBING):
                 raise EnclosureFailure(float(start.mid()))
-            length, passage, drive = found
-            seconds = dt * ball(length)
-            ends = first, first + length
+            passage, drive, signs = found.passage, found.drive, found.signs
+            seconds = dt * ball(found.length)
+            ends = first, first + found.length
             yield TubeSegment(
                 start, seconds, ends, _states(passage), tuple(passage.end.hull()),
                 tuple(drive.all), tuple(commanded), passage.end, passage.moved.spread,

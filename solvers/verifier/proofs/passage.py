@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from math import inf
 
 from flint import arb, arb_poly
 
@@ -88,10 +89,15 @@ def longest_passage(
     for rough in (False, True):
         try:
             wanted = INFLATION * float(rest) * control.dt / control.caution
-            trial = _trial(field, states, drive, accuracy, wanted, control, rough=rough)
-            return (
-                None if trial is None else _longest(field, states, drive, dt, rest, trial, control)
-            )
+            # An order that seems to be enough for so little time may not be.
+            for seconds in (wanted, inf):
+                trial = _trial(field, states, drive, accuracy, seconds, control, rough=rough)
+                if trial is None:
+                    return None
+                found = _longest(field, states, drive, dt, rest, trial, control)
+                if found is not None:
+                    return found
+            return None
         except UncertainSignError:
             continue
     return None
