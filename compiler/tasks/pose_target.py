@@ -61,9 +61,12 @@ def pose_target(pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]) -> P
     """What a pose asks for, in the plane (2) or in space (3)."""
     within = numbers.closed(pose.within)
     if isinstance(pose, ir.Aligned):
-        size = numbers.root(numbers.rational(sum((a * a for a in pose.direction), Fraction(0))))
+        # Of any length, whose square may be no double.
+        largest = max(map(abs, pose.direction))
+        direction = [a / largest for a in pose.direction]
+        size = numbers.root(numbers.rational(sum((a * a for a in direction), Fraction(0))))
         sign = -1 if pose.axis.startswith("-") else 1
-        along = tuple(numbers.rational(sign * a) / size for a in pose.direction)
+        along = tuple(numbers.rational(sign * a) / size for a in direction)
         return PoseTarget(("xyz".index(pose.axis[-1]),), (along,), within)
     columns = _columns(pose.turns, numbers)
     axes = (0,) if dimension == 2 else (0, 1, 2)

@@ -55,7 +55,8 @@ class _Reader:
         )
         if direction is not None and not any(direction):
             message = "a direction is not zero"
-            hint = "write the direction that the axis is to point along, as `(0, 0, -1)`"
+            down = "(0, -1)" if self.dimension == 2 else "(0, 0, -1)"
+            hint = f"write the direction that the axis is to point along, as `{down}`"
             self.sink.error(Code.BAD_VALUE, message, pose.span, hint)
             return None
         if within is None or direction is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -72,3 +72,12 @@ def test_in_the_plane_one_axis_says_all() -> None:
     assert found.axes == (0,)
     angle = np.radians(35)
     assert found.directions[0] == pytest.approx((np.cos(angle), np.sin(angle)))
+
+
+@pytest.mark.parametrize("size", [Fraction(10) ** 200, Fraction(1, 10**200)])
+@pytest.mark.parametrize("numbers", [FLOATS, BALLS])
+def test_a_direction_of_any_length(numbers: Any, size: Fraction) -> None:
+    pose = ir.Aligned("x", (3 * size, -4 * size), ir.Num(Fraction(1, 10)))
+    ((x, y),) = pose_target(pose, 2, numbers).directions
+    assert float(x) == pytest.approx(0.6, rel=1e-15)
+    assert float(y) == pytest.approx(-0.8, rel=1e-15)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -31,14 +32,16 @@ from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet
 from solvers.verifier.verification import Outcome, claimed_robot, verify_directory
-from tests.oracles import result_files
+from tests.oracles import geared_arm, result_files
 from tests.oracles.command_line import quiet, synthesised
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import WORLD, Builder, rod_chain
 from tests.oracles.rod_pair import rod_pair
 from tests.oracles.rubbing_chain import RubbingChain
+from tests.oracles.small_specs import replaced
 
 F = Fraction
+ROOT = Path(__file__).parents[2]
 ACCURACY = Accuracy(12, 96, 1e-12)
 
 
@@ -233,13 +236,34 @@ def test_the_same_inputs_do_not_do_with_other_friction(folder: Path, size: str) 
     assert worst.status is Status.FAILS
 
 
-@pytest.mark.slow
-def test_all_disturbed_motions_against_dry_friction(tmp_path: Path) -> None:
-    asked = (
-        "reach T at rest; control feedback; robust start 0.2 deg, 0.2 deg/s; "
-        f"robust effort 0.2 % of bound; {TASK}"
+def disturbed_flywheel() -> str:
+    """It turns by a quarter, and is slow at the end."""
+    text = replaced(
+        geared_arm.FLYWHEEL,
+        "target T box [-0.3, 0.3] x [-0.3, 0.3] m",
+        "target T box [-0.1, 0.1] x [0.2, 0.3] m",
     )
-    folder = synthesised(tmp_path, rod_pair(JOINTS, asked))
+    asked = (
+        "reach T rates <= 0.05 rad/s; control feedback; robust start 0.2 deg, 0.2 deg/s; "
+        "robust effort 0.2 % of bound; horizon 16 steps of 0.125 s;"
+    )
+    return replaced(text, "reach T; horizon 10 steps of 0.125 s;", asked)
+
+
+def disturbed_arm() -> str:
+    """The arm of two rods of ``specs``, with dry friction on its joints."""
+    text = (ROOT / "specs" / "robust_arm.srg").read_text(encoding="utf-8")
+    drive = "deg; drive q: coulomb 0.3 N*m; }"
+    text = replaced(text, "revolute z in [-160, 160] deg; }", f"revolute z in [-160, 160] {drive}")
+    return replaced(text, "effort <= 10 N*m;", "effort <= 10 N*m; control feedback;")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", [disturbed_flywheel, disturbed_arm])
+def test_all_disturbed_motions_against_dry_friction(
+    tmp_path: Path, text: Callable[[], str]
+) -> None:
+    folder = synthesised(tmp_path, text())
     assert verify_directory(folder).outcome is Outcome.VALID
 
 

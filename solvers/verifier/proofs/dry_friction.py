@@ -38,39 +38,30 @@ inclusion: Filippov, *Differential equations with discontinuous righthand sides*
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Literal, TypeAlias
 
 from flint import arb, arb_mat
 
 from compiler.expressions.evaluators.balls import SIGNS, absolute, column, identity
 from solvers.verifier.proofs.a_priori import Drive
+from solvers.verifier.proofs.friction_modes import (
+    Leaving,
+    Mode,
+    Modes,
+    Signs,
+    freed,
+    let_go,
+    sign_of,
+    sticking,
+)
 from solvers.verifier.proofs.linearisation import InertiaMatrix
 from solvers.verifier.proofs.passage import Accuracy, Passage, longest_passage
 from solvers.verifier.proofs.step_control import StepControl
 from solvers.verifier.proofs.sticking_field import StickingFields
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
-
-
-@dataclass(frozen=True, slots=True)
-class Leaving:
-    """A joint goes from rest with a sign, its friction at most ``spare`` less than when it slides.
-
-    In N m or N.
-    """
-
-    sign: Literal[1, -1]
-    spare: arb
-
-
-Mode: TypeAlias = Literal[1, -1, "sticking", "either"] | Leaving
-Modes: TypeAlias = Mapping[int, Mode]
-"""What each joint with friction does, by its number: it slides with a sign, for instance."""
-Signs: TypeAlias = Mapping[int, Literal[1, -1]]
-"""Joints whose rates are not of the other sign, by what they did before."""
 
 SLICES = 16
 """Parts of a segment in which it is looked at what joints do."""
@@ -81,8 +72,6 @@ FARTHER = 8
 """Where it is not known which way joints go, as many times their rate is given time to change."""
 LET_GO = Fraction(1, 2**12)
 """In steps: how closely it is found out when a joint breaks away."""
-GENEROUS = 2
-"""What friction may lack is taken so many times larger than it is at first."""
 MOST_WIDE = 2
 """Joints whose rate is less than so many radii of it are as near to rest as can be told."""
 ANYTHING = arb(0, arb("inf"))
@@ -141,7 +130,7 @@ class RubbingRobot:
         if "either" in modes.values():
             most = min(rest, self._through_rest(states, modes))
         for _ in range(MOST_TRIALS):
-            drive, held = self._driven(modes), _held(modes)
+            drive, held = self._driven(modes), sticking(modes)
             field = self.fields.of(held)
             found = longest_passage(
                 field, states, drive, self.dt, most, self.accuracy, self.control
@@ -166,7 +155,7 @@ class RubbingRobot:
             ):
                 most = limit = length / SLICES
             else:
-                modes, limit = {**modes, outcome.joint: self._freed(before, outcome)}, rest
+                modes, limit = {**modes, outcome.joint: freed(before, outcome.instead)}, rest
                 most = rest
                 if "either" in modes.values():
                     most = min(rest, self._through_rest(states, modes))
@@ -175,16 +164,6 @@ class RubbingRobot:
     def _shortest(self, mode: Mode) -> Fraction:
         """How short segments become before a joint is taken to do something else, in steps."""
         return LET_GO if mode == "sticking" or isinstance(mode, Leaving) else SHORTEST
-
-    def _freed(self, mode: Mode, outcome: _Outcome) -> Mode:
-        """What a joint that may do something else is taken to do instead."""
-        if outcome.instead is None or isinstance(outcome.instead, int):
-            return "either"
-        if isinstance(mode, Leaving) and isinstance(outcome.instead, Leaving):
-            if outcome.instead.sign != mode.sign:
-                return "either"
-            return Leaving(mode.sign, outcome.instead.spare.max(GENEROUS * mode.spare))
-        return outcome.instead
 
     def _modes(self, states: Zonotope, signs: Signs) -> Modes:
         """What joints seem to do next: those at rest stick as long as others do not break them."""
@@ -200,7 +179,7 @@ class RubbingRobot:
         for joint, size in self.field.friction:
             if modes[joint] == "either" and joint in signs:
                 push = self._push_at_rest(hull, modes, joint)
-                mode = _let_go(push, size)
+                mode = let_go(push, size)
                 # One that comes to rest again is better not known to have a sign.
                 if mode == signs[joint] or (
                     isinstance(mode, Leaving)
@@ -220,14 +199,14 @@ class RubbingRobot:
         if not loose:
             return None
         joint, size = max(loose, key=lambda item: float(abs(pushes[item[0]]) / item[1]))
-        return joint, _let_go(pushes[joint], size)
+        return joint, let_go(pushes[joint], size)
 
     def _pushes(self, state: Sequence[arb], modes: Modes) -> list[arb]:
         """What pushes each joint that sticks, (n,), and friction holds: b - M a in its row.
 
         Anything where M may be singular, though what is left of it without these joints is not.
         """
-        held, n = _held(modes), self.field.dofs
+        held, n = sticking(modes), self.field.dofs
         pull = self._pull(state, modes)
         moving = [arb(0) if i in held else pull[i] for i in range(n)]
         mass, forces = self.field.balance_at(state, self._driven(modes).all)
@@ -240,7 +219,7 @@ class RubbingRobot:
     def _pull(self, state: Sequence[arb], modes: Modes) -> list[arb]:
         """The accelerations (n,) of all states of a box; anything where M may be singular."""
         try:
-            field = self.fields.of(_held(modes))
+            field = self.fields.of(sticking(modes))
             return field.acceleration(state, self._driven(modes).all)
         except ZeroDivisionError:
             return [ANYTHING] * self.field.dofs
@@ -262,7 +241,7 @@ class RubbingRobot:
         """Whether joints do throughout a segment what they were taken to do."""
         n, start = self.field.dofs, states.hull()
         for joint, mode in modes.items():
-            sign = _sign(mode)
+            sign = sign_of(mode)
             if sign and signs.get(joint) != sign and not start[n + joint] * sign >= 0:
                 return _Outcome(Fraction(0), joint)
         for number in range(SLICES):
@@ -270,7 +249,7 @@ class RubbingRobot:
             time = next(ends).union(next(ends))
             pairs = zip(passage.path.at(time), passage.moved.radii, strict=True)
             state = [x + SIGNS * r for x, r in pairs]
-            for joint in _held(modes):
+            for joint in sticking(modes):
                 state[n + joint] = arb(0)
             broken = self._broken(state, modes)
             if broken is not None:
@@ -284,14 +263,14 @@ class RubbingRobot:
             return loose
         n, sizes = self.field.dofs, dict(self.field.friction)
         for joint, mode in modes.items():
-            sign = _sign(mode)
+            sign = sign_of(mode)
             if not sign or state[n + joint] * sign > 0:
                 continue
             if isinstance(mode, Leaving):
                 push = self._push_at_rest(state, modes, joint)
                 least = (sizes[joint] - mode.spare).max(-sizes[joint])
                 if not (sign * push > least and sign * push > -sizes[joint]):
-                    return joint, _let_go(push, sizes[joint])
+                    return joint, let_go(push, sizes[joint])
             elif not state[n + joint] * sign >= 0:
                 still = list(state)
                 still[n + joint] = arb(0)
@@ -351,7 +330,7 @@ class RubbingRobot:
         path = passage.path
         over = path.at(arb(0).union(path.length))
         box = [x + SIGNS * r for x, r in zip(over, passage.moved.radii, strict=True)]
-        for joint in _held(modes):
+        for joint in sticking(modes):
             box[self.field.dofs + joint] = arb(0)
         try:
             stopping, time = self._time_to_rest(box, states.hull(), modes)
@@ -375,12 +354,12 @@ class RubbingRobot:
         """
         n, sizes = self.field.dofs, dict(self.field.friction)
         unknown = [joint for joint, mode in modes.items() if mode == "either"]
-        mass, _ = self.fields.of(_held(modes)).balance_at(box, self._driven(modes).all)
+        mass, _ = self.fields.of(sticking(modes)).balance_at(box, self._driven(modes).all)
         solver = InertiaMatrix(mass)
         while unknown:
             # What else pushes them: without their own friction, with all of that of the others.
             drive = self._driven({**modes, **dict.fromkeys(unknown, "sticking")})
-            _, forces = self.fields.of(_held(modes)).balance_at(box, drive.all)
+            _, forces = self.fields.of(sticking(modes)).balance_at(box, drive.all)
             pull = solver.solve(column(forces))
             columns = solver.solve(arb_mat([[arb(int(i == j)) for j in unknown] for i in range(n)]))
             mobility = arb_mat([[columns[i, j] for j in range(len(unknown))] for i in unknown])
@@ -402,28 +381,6 @@ class RubbingRobot:
                 return frozenset(unknown), (heaviest * fast / least).upper()
             unknown = kept
         return frozenset(), None
-
-
-def _sign(mode: Mode) -> Literal[1, -1] | None:
-    """The sign that a rate has, or none."""
-    if isinstance(mode, Leaving):
-        return mode.sign
-    return mode if isinstance(mode, int) else None
-
-
-def _let_go(push: arb, size: arb) -> Mode:
-    """What a joint at rest does that friction may not hold; ``size`` is the most it can."""
-    if push > size:
-        return 1
-    if push < -size:
-        return -1
-    sign: Literal[1, -1] = 1 if push.mid() > 0 else -1
-    spare = GENEROUS * (size - sign * push).upper()
-    return Leaving(sign, spare) if bool(spare < 2 * size) else "either"
-
-
-def _held(modes: Modes) -> frozenset[int]:
-    return frozenset(joint for joint, mode in modes.items() if mode == "sticking")
 
 
 def _at_rest(states: Zonotope, joints: frozenset[int], field: VectorField) -> Zonotope:

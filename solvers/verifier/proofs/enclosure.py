@@ -25,7 +25,8 @@ from flint import arb
 from compiler.expressions.evaluators.balls import SIGNS, ball
 from solvers.verifier.proofs.a_priori import Drive
 from solvers.verifier.proofs.control_law import HoldingLaw, InputError
-from solvers.verifier.proofs.dry_friction import RubbingRobot, Signs
+from solvers.verifier.proofs.dry_friction import RubbingRobot
+from solvers.verifier.proofs.friction_modes import Signs
 from solvers.verifier.proofs.linearisation import Coefficients
 from solvers.verifier.proofs.moved_set import Spread, pulled
 from solvers.verifier.proofs.passage import Accuracy, Passage
