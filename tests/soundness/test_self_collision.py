@@ -134,3 +134,11 @@ def test_through_itself(tmp_path: Path) -> None:
     assert verify_directory(folder).outcome is Outcome.VALID
     allowed = "avoid self with body, except Foot Tube;"
     assert synthesised(tmp_path, BEYOND, allowed)[0] == FOUND
+
+
+def test_bodies_have_the_names_that_check_gives_them(tmp_path: Path) -> None:
+    """Of a production with several modules each body is its own module's."""
+    status, folder = synthesised(tmp_path, ABOVE, "avoid self with body, margin 95 mm;")
+    assert status == FOUND
+    (told,) = [c.name for c in verify_directory(folder).conditions if "to body" in c.name]
+    assert told == "clearance of body 1 (Foot at symbol 0) to body 3 (Tube at symbol 4)"

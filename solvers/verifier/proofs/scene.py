@@ -157,7 +157,13 @@ def _scene(
 def _named(
     model: RobotModel, symbols: Sequence[int | None], word: Sequence[str]
 ) -> tuple[str, ...]:
+    """With the module that each belongs to; where several say what it is, the first of these."""
+    owners = model.collider_owners or (None,) * len(symbols)
+    known = [
+        symbol if owner is None else owner.symbol
+        for symbol, owner in zip(symbols, owners, strict=True)
+    ]
     return tuple(
         name + ("" if symbol is None else f" ({word[symbol]} at symbol {symbol})")
-        for name, symbol in zip(model.collider_names, symbols, strict=True)
+        for name, symbol in zip(model.collider_names, known, strict=True)
     )
