@@ -393,8 +393,6 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "connective": [
             include("gap"),
             (_word("and", "or", "until", "implies"), Operator.Word, ("#pop", "formula")),
-            (_word("by"), Keyword),
-            (_word("effector"), Keyword, "operand"),
-            default("#pop"),
+            include("placement"),
         ],
     }

@@ -257,12 +257,12 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
         raise UsageFault(f"--to {form} writes several files; name a folder with -o")
     files = {name: folder_output(folder, output / name) for name in FOLDER_FILES[form]}
     made = export_folder(folder, form)
+    files |= {name: folder_output(folder, output / name) for name in made.files.keys() - files}
     if any(files[name].name is None for name in made.files):
         try:
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UsageFault(f"{output}: {error.strerror}") from None
-    files |= {name: folder_output(folder, output / name) for name in made.files.keys() - files}
     for name, content in made.files.items():
         files[name].write(content)
     # Gains or single precision of another design, say, would be taken for this one's.

@@ -86,7 +86,7 @@ def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
     bound = isinstance(task.start, ir.StartIn) and task.start.effector is None
     who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
     if task.repeat:
-        return f"At some time {who} is in `{reach.region}`"
+        return f"At some time {who} is in `{reach.region}`{_turned(reach)}"
     found = f"At {end} s ({steps}) {who} is in `{reach.region}`{_turned(reach)}"
     rates = reach.rates
     if rates is None:

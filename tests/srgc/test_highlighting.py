@@ -116,6 +116,9 @@ task Turn {
     implies eventually[0 s, 5 s] m by effector 2 and last[2 s] s or next R;
   satisfy (R) and (S) until (T) or (U) implies a until b and c or d by effector 1 until
     e by effector 1 or f by effector 1 and (g) implies h by effector 1 implies i;
+  satisfy aligned aligned -x to (0, 1) within 5 deg and to by effector 1 aligned y to (1,
+    0) within (1 + 1) deg oriented rot(-z, 2 deg) * world within 1 or not (within oriented world
+    within 2 deg until next always to aligned z to (0, 0, 1) within 1 implies oriented);
   robust start 1 mm 0.1 deg, (1 + 1) m; robust effort 0.5 %;
   robust measure 0.1 deg, 2 mm/s; robust effort (1 + 1) % /* */ of bound; robust mass 3 %;
   robust mass 3 % of of; robust mass (1 + 1) % of Tube;

@@ -37,7 +37,7 @@ KINK_LENGTH = Fraction(1, 64)
 ROUGH_ORDER = 2
 INFLATION = 1.25
 """A path is made for so much more time than it is needed for."""
-UNKNOWN = float("inf")
+UNKNOWN = inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ def longest_passage(
         try:
             wanted = INFLATION * float(rest) * control.dt / control.caution
             # An order that seems to be enough for so little time may not be.
-            for seconds in (wanted, inf):
+            for seconds in (wanted,) if rough else (wanted, inf):
                 trial = _trial(field, states, drive, accuracy, seconds, control, rough=rough)
                 if trial is None:
                     return None

@@ -48,6 +48,8 @@ def words(text: str, folder: Path) -> str:
         (TURNER, "  reach T;", "  reach T;\n  control feedback;",
          "The inputs follow what is measured"),
         (TURNER, "  reach T;", "  reach T;\n  repeat;", "At some time the same effector is in `T`"),
+        (TURNER, "  reach T;", "  reach T aligned x to (0, 1) within 5 deg;\n  repeat;",
+         "is in `T`, the axis x of its frame along (0, 1) within 5°"),
         (TURNER, "  reach T;", "  reach T;\n  repeat;", "for ever: the horizon of 2 s is a"),
     ],
 )  # fmt: skip
