@@ -295,6 +295,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (_word("bounds"), Keyword, "subject"),
             (_word("effort"), Keyword, ("norm", "bound")),
             (_word("horizon"), Keyword, ("steps", "operand")),
+            (_word("carry"), Keyword, ("placement", "carried", "operand")),
             (_word("slack", "gravity", "payload"), Keyword, ("placement", "operand")),
             (_word("modules"), Keyword, "bound"),
             (_word("from"), Keyword, ("word", "reference")),
@@ -303,6 +304,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (_word("control", "repeat"), Keyword, "control"),
             include("stray"),
         ],
+        "carried": [include("gap"), (_word("from", "to"), Keyword, "reference"), default("#pop")],
         "start": [
             include("gap"),
             (_word("in"), Keyword, ("#pop", "placement", "reference")),

@@ -23,16 +23,18 @@ def task_diagnostics(program: ir.Program, sink: Sink) -> None:
     several: dict[str, bool | None] = {}
     for task in program.tasks.values():
         plain = list(_plain_atoms(task))
-        carried = [payload for payload in task.payloads if payload.effector is None]
+        loads: list[ir.Payload | ir.Carry] = [*task.payloads, *task.carries]
+        carried = [each for each in loads if each.effector is None]
         if (plain or carried) and task.grammar not in several:
             several[task.grammar] = several_effectors(program, program.grammars[task.grammar])
         if several.get(task.grammar):
-            for payload in carried:
+            for each in carried:
+                place = "mass" if isinstance(each, ir.Payload) else "regions"
                 sink.error(
                     Code.BAD_VALUE,
                     f"which effector carries it? a robot of `{task.grammar}` may have several",
-                    payload.span,
-                    "write `by effector 1` behind the mass",
+                    each.span,
+                    f"write `by effector 1` behind the {place}",
                 )
             for atom in plain:
                 sink.error(

@@ -70,11 +70,13 @@ class NumericRobot(NumericPoints):
     @cached_property
     def _mass_matrix(self) -> BatchedFunction:
         """M column by column, so that a row of results is one column of it."""
-        p, k = self.graph.mass_matrix.size1_in(1), self.graph.mass_matrix.size1_in(2)
-        q, shared = ca.SX.sym("q", self.n), ca.SX.sym("shared", p + k)
-        mass = self.graph.mass_matrix(q, *ca.vertsplit(shared, [0, p, p + k]))
+        function = self.graph.loaded_mass_matrix
+        q, u = ca.SX.sym("q", self.n), ca.SX.sym("u", self.m)
+        p, k = function.size1_in(2), function.size1_in(3)
+        shared = ca.SX.sym("shared", p + k)
+        mass = function(q, u, *ca.vertsplit(shared, [0, p, p + k]))
         square = ca.reshape(ca.densify(mass), self.n, self.n)
-        return BatchedFunction.of(ca.Function("mass", [q, shared], [ca.cse(square)]))
+        return BatchedFunction.of(ca.Function("mass", [q, u, shared], [ca.cse(square)]))
 
     def acceleration(self, x: Array, u: Array, theta: Array) -> tuple[Array, Array]:
         """The derivative of rates and own states (K, n + r), and its Jacobian in (x, u, theta).
@@ -115,29 +117,36 @@ class NumericRobot(NumericPoints):
         states = self._rollouts[key](x, np.concatenate([u.T, columns]))
         return np.concatenate([x[None, :], np.asarray(states.full()).T])
 
-    def mass_matrix(self, q: Array, theta: Array) -> Array:
-        """M at K samples, (K, n, n), in kg m^2 (kg for prismatic rows); q (K, n), theta (p,)."""
-        return self._mass_matrix((q,), np.concatenate([theta, self.constants]))
+    def mass_matrix(self, q: Array, theta: Array, u: Array | None = None) -> Array:
+        """M at K samples, (K, n, n), in kg m^2 (kg for prismatic rows); q (K, n), theta (p,).
 
-    def slowed(self, groups: Groups, x: Array, accelerations: Array, theta: Array) -> Array:
+        What is taken up and put down is there as inputs (K, m) say, without them it is not.
+        """
+        inputs = np.zeros((len(q), self.m)) if u is None else u
+        return self._mass_matrix((q, inputs), np.concatenate([theta, self.constants]))
+
+    def slowed(
+        self, groups: Groups, x: Array, accelerations: Array, u: Array, theta: Array
+    ) -> Array:
         """The accelerations that the bodies of each group take, M^-1 (M_i a + c_i + g_i).
 
-        Shape (K, n, groups), for states (K, N), accelerations (K, n) and parameters theta (p,).
+        Shape (K, n, groups), for states (K, N), accelerations (K, n), inputs (K, m) and parameters
+        theta (p,).
         """
         if groups not in self._burdens:
             self._burdens[groups] = BatchedFunction.of(_efforts(self.graph, groups))
-        columns = x[:, : self.n], x[:, self.n :], accelerations
+        columns = x[:, : self.n], x[:, self.n :], accelerations, u
         asked = self._burdens[groups](columns, np.concatenate([theta, self.constants]))
-        return np.asarray(np.linalg.solve(self.mass_matrix(x[:, : self.n], theta), asked))
+        return np.asarray(np.linalg.solve(self.mass_matrix(x[:, : self.n], theta, u), asked))
 
 
 def _efforts(graph: RobotGraph, groups: Groups) -> ca.Function:
     """What bodies ask of the joints, with theta and k in one column."""
     function = graph.efforts_of(groups)
     sizes = [function.size1_in(i) for i in range(function.n_in())]
-    q, w, a, shared = (ca.SX.sym("i", size) for size in (*sizes[:3], sum(sizes[3:])))
-    value = function(q, w, a, *ca.vertsplit(shared, [0, sizes[3], sum(sizes[3:])]))
-    return ca.Function("efforts", [q, w, a, shared], [ca.densify(value)])
+    *own, shared = (ca.SX.sym("i", size) for size in (*sizes[:4], sum(sizes[4:])))
+    value = function(*own, *ca.vertsplit(shared, [0, sizes[4], sum(sizes[4:])]))
+    return ca.Function("efforts", [*own, shared], [ca.densify(value)])
 
 
 def _rollout(system: ControlledSystem, substeps: int, steps: int) -> ca.Function:

@@ -28,6 +28,7 @@ from compiler.dynamics.rigid_bodies import Motion, drive, mass_matrix
 from compiler.dynamics.robot_points import MADE
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant
+from compiler.robots.payloads import loads_of
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
 
@@ -38,8 +39,8 @@ class ControlledSystem:
 
     - ``forces(q, w, u, theta, k)``: M, shape (n, n), and F, shape (n + r,);
     - ``differential(q, w, a, u, theta, k)``: dR in (q, w, u, theta) at fixed accelerations a,
-      shape (n + r, 2n + r + m + p);
-    - ``inertial(q, v, a, theta, k)``: M a + c + g, shape (n,).
+      shape (n + r, 2n + r + m + p); zero in loads, which are given and not steered;
+    - ``inertial(q, v, a, theta, k)``: M a + c + g, shape (n,), without loads.
 
     ``coordinates``, ``states``, ``inputs`` and ``parameters`` are n, r, m and p.
     """
@@ -71,7 +72,8 @@ def controlled_system(graph: RobotGraph) -> ControlledSystem:
         for name, size in (("q", n), ("w", n + r), ("a", n), ("u", m), ("theta", p))
     )
     v, constants = w[:n], SymbolicEvaluator()
-    at = kinematics(model, q, theta, constants, coordinates)
+    loads = len(loads_of(model))
+    at = kinematics(model, q, theta, constants, coordinates, u[m - loads :])
     own, rates, accelerations = (own_motion(coordinates, each) for each in (q, v, a))
     efforts = inverse_dynamics(model, at, (own, rates, accelerations), graph.gravity, constants)
     inertial = generalised_forces(coordinates, efforts)
@@ -84,7 +86,12 @@ def controlled_system(graph: RobotGraph) -> ControlledSystem:
     check_time(MADE)
     forces = ca.densify(ca.substitute(residual, a, ca.SX.zeros(n)))
     check_time(MADE)
-    differential = ca.cse([ca.jacobian(residual, ca.vertcat(q, w, u, theta))])
+    slopes = ca.jacobian(residual, ca.vertcat(q, w, u, theta))
+    if loads:
+        steered = n + n + r + m - loads
+        slopes = ca.horzcat(slopes[:, :steered], ca.SX(n + r, loads), slopes[:, steered + loads :])
+        inertial = ca.substitute(inertial, u[m - loads :], ca.SX.zeros(loads))
+    differential = ca.cse([slopes])
     check_time(MADE)
     both = ca.cse([mass, forces])
     check_time(MADE)

@@ -34,6 +34,7 @@ from compiler.dynamics.rigid_bodies import (
 from compiler.dynamics.robot_points import MADE, Numbering, RobotPoints, robot_points
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant, PiConstant
+from compiler.robots.payloads import loads_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
@@ -54,13 +55,14 @@ class _Expressions:
     theta: ca.SX
     k: ca.SX
     half: ca.SX
+    points: RobotPoints
     mass: ca.SX
     regular_mass: ca.SX
     gravitational: ca.SX
     forces: ca.SX
     derivatives: ca.SX
-    points: RobotPoints
     conditions: ca.SX
+    loads: ca.SX
 
 
 @dataclass(frozen=True)
@@ -73,9 +75,10 @@ class RobotGraph:
     the joints' own inputs always.  With n degrees of freedom, r own states, m inputs, e effectors,
     b body points and d the dimension of the workspace:
 
-    - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows);
-    - ``centrifugal(q, v, theta, k)``: c, shape (n,), N m (N);
-    - ``gravitational(q, theta, k)``: g, shape (n,); ``bias(q, v, theta, k)``: c + g;
+    - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows), without what is
+      taken up and put down; ``loaded_mass_matrix(q, u, theta, k)``: M;
+    - ``centrifugal(q, v, theta, k)``: c, shape (n,), N m (N), without that, too;
+    - ``gravitational(q, theta, k)``: g, shape (n,); ``bias(q, v, theta, k)``: c + g; likewise;
     - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,); floats have a
       cheaper way (``controlled_system.py``);
     - ``balance(q, w, u, theta, k)``: M column by column (n * n,), then tau - c - g (n,), then the
@@ -110,10 +113,9 @@ class RobotGraph:
         """
         p = self.parts
         held, added = (ca.SX.sym(name, p.u.numel()) for name in ("held", "added"))
-        forces, derivatives, conditions = ca.substitute(
-            [p.forces, p.derivatives, p.conditions], [p.u], [held + added]
-        )
-        parts = replace(p, u=added, forces=forces, derivatives=derivatives, conditions=conditions)
+        read = [p.mass, p.regular_mass, p.gravitational, p.forces, p.derivatives, p.conditions]
+        found = ca.substitute([*read, p.loads], [p.u], [held + added])
+        parts = _Expressions(p.q, p.w, added, p.theta, p.k, p.half, p.points, *found)
         return replace(self, parts=_with_still(parts, held))
 
     def weighed(self, groups: Sequence[Sequence[int]]) -> RobotGraph:
@@ -142,14 +144,14 @@ class RobotGraph:
     def efforts_of(self, groups: Sequence[Sequence[int]]) -> ca.Function:
         """What the bodies of each group ask of the joints: M a + c + g, a column per group.
 
-        Its inputs are ``q``, ``w``, the accelerations a (n,), ``theta`` and ``k``.
+        Its inputs are ``q``, ``w``, the accelerations a (n,), ``u``, ``theta`` and ``k``.
         """
         q, v, a = self.parts.q, self._rates, ca.SX.sym("a", len(self.model.dofs))
         columns = []
         for group in groups:
             mass, _, pull = self._of_bodies(group)
             columns.append(mass @ a + centrifugal_forces(mass, q, v, self.parts.half) + pull)
-        return self._function("efforts", [q, self.parts.w, a], ca.horzcat(*columns))
+        return self._function("efforts", [q, self.parts.w, a, self.parts.u], ca.horzcat(*columns))
 
     def _of_bodies(
         self, bodies: Sequence[int], *, rotors: bool = False
@@ -162,7 +164,7 @@ class RobotGraph:
         if plain and len(bodies) == len(self.model.bodies):
             return p.mass, p.regular_mass, p.gravitational
         constants = SymbolicEvaluator()
-        at = kinematics(self.model, p.q, p.theta, constants, self.coordinates)
+        at = kinematics(self.model, p.q, p.theta, constants, self.coordinates, p.loads)
         dofs = self.model.dofs if rotors else (replace(d, inertia=None) for d in self.model.dofs)
         kept = tuple(self.model.bodies[i] for i in bodies)
         model = replace(self.model, bodies=kept, dofs=tuple(dofs))
@@ -196,23 +198,34 @@ class RobotGraph:
 
     @cached_property
     def mass_matrix(self) -> ca.Function:
+        """M without loads."""
+        return self._function("mass_matrix", [self.parts.q], self._unloaded(self.parts.mass))
+
+    @cached_property
+    def loaded_mass_matrix(self) -> ca.Function:
         """M."""
-        return self._function("mass_matrix", [self.parts.q], self.parts.mass)
+        return self._function("mass_matrix", [self.parts.q, self.parts.u], self.parts.mass)
+
+    def _unloaded(self, expression: ca.SX) -> ca.SX:
+        loads, none = self.parts.loads, ca.SX.zeros(self.parts.loads.shape)
+        return ca.substitute(expression, loads, none) if loads.numel() else expression
 
     @cached_property
     def centrifugal(self) -> ca.Function:
         """Centrifugal and Coriolis forces c."""
-        return self._function("centrifugal", [self.parts.q, self._rates], self._centrifugal)
+        forces = self._unloaded(self._centrifugal)
+        return self._function("centrifugal", [self.parts.q, self._rates], forces)
 
     @cached_property
     def gravitational(self) -> ca.Function:
         """Gravitational forces g."""
-        return self._function("gravitational", [self.parts.q], self.parts.gravitational)
+        pull = self._unloaded(self.parts.gravitational)
+        return self._function("gravitational", [self.parts.q], pull)
 
     @cached_property
     def bias(self) -> ca.Function:
         """The sum of c and g."""
-        both = self._centrifugal + self.parts.gravitational
+        both = self._unloaded(self._centrifugal + self.parts.gravitational)
         return self._function("bias", [self.parts.q, self._rates], both)
 
     @cached_property
@@ -346,7 +359,8 @@ def robot_graph(
     # All constants are met here, so that every function has the same inputs k.
     constants = SymbolicEvaluator()
     half = constants.constant(Fraction(1, 2))
-    body = kinematics(model, q, theta, constants, coordinates)
+    loads = u[m - len(loads_of(model)) :]
+    body = kinematics(model, q, theta, constants, coordinates, loads)
     check_time(MADE)
     mass = mass_matrix(model, body, q, constants, coordinates)
     check_time(MADE)
@@ -355,21 +369,11 @@ def robot_graph(
     driven = drive(model, Motion(*own, w[n:], u, theta), constants)
     regular = _unfolded(mass, constants)
     points = robot_points(body)
+    forces = generalised_forces(coordinates, driven.forces)
     parts = _Expressions(
-        q,
-        w,
-        u,
-        theta,
-        constants.vector(),
-        half,
-        mass,
-        regular,
-        pull,
-        generalised_forces(coordinates, driven.forces),
-        driven.derivatives,
-        points,
-        constants.conditions.vector(),
-    )
+        q, w, u, theta, constants.vector(), half, points, mass, regular, pull, forces,
+        driven.derivatives, constants.conditions.vector(), loads,
+    )  # fmt: skip
     divisors = len(constants.conditions.divisors)
     symbols = tuple(constants.symbols)
     return RobotGraph(model, gravity, coordinates, symbols, divisors, parts)

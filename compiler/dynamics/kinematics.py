@@ -164,13 +164,24 @@ def rotation(axis: int, angle: ca.SX) -> ca.SX:
 
 @dataclass(frozen=True, slots=True)
 class Kinematics:
-    """Positions, orientations and joint axes of all frames as expressions in (q, theta)."""
+    """Positions, orientations and joint axes of all frames as expressions in (q, theta).
+
+    ``loads`` (c, 1) are the inputs that say of what is taken up and put down whether it is there,
+    1 or 0; with no entries none of it is.
+    """
 
     model: RobotModel
     scalars: list[ca.SX]
     origins: list[ca.SX]
     orientations: list[Orientation]
     motion: _FrameMotion
+    loads: ca.SX
+
+    def mass(self, body: PointBody) -> ca.SX:
+        """The mass of a point mass as far as it is there."""
+        if body.load is None:
+            return self.scalars[body.mass]
+        return self.scalars[body.mass] * self.loads[body.load] if self.loads.numel() else ca.SX(0)
 
     def axis(self, frame: int, axis: int) -> ca.SX:
         """The direction of a local axis in the world, shape (3,)."""
@@ -264,10 +275,12 @@ def kinematics(
     parameters: ca.SX,
     constants: SymbolicEvaluator,
     measured: Coordinates,
+    loads: ca.SX | None = None,
 ) -> Kinematics:
     """Forward kinematics, one pass over the frames in topological order.
 
-    ``coordinates`` are y with q = D y, as ``measured`` says.
+    ``coordinates`` are y with q = D y, as ``measured`` says.  ``loads`` (c, 1) say of what is taken
+    up and put down whether it is there; without them it is not.
     """
     scalars = evaluate_scalars(model.scalars, constants, ca.vertsplit(parameters))
     motion = _FrameMotion(model, scalars, coordinates, constants, measured)
@@ -277,4 +290,5 @@ def kinematics(
         origin, orientation = motion.behind(node.step, *before)
         origins.append(origin)
         orientations.append(orientation)
-    return Kinematics(model, scalars, origins, orientations, motion)
+    there = ca.SX(0, 1) if loads is None else loads
+    return Kinematics(model, scalars, origins, orientations, motion, there)

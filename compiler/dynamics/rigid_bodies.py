@@ -58,8 +58,8 @@ def inertia_of(
             com = at.origins[frame] + direction * (extent * half)
             about = mass * extent**2 * twelfth
             return mass, com, about * (ca.SX.eye(3) - direction @ direction.T)
-        case PointBody(frame, mass_scalar):
-            return at.scalars[mass_scalar], at.origins[frame], ca.SX.zeros(3, 3)
+        case PointBody(frame):
+            return at.mass(body), at.origins[frame], ca.SX.zeros(3, 3)
         case SolidBody(frame, mass_scalar, com_local, inertia):
             local = inertia_tensor([at.scalars[i] for i in inertia])
             turn = at.orientations[frame].matrix()
@@ -291,6 +291,8 @@ def drive(model: RobotModel, motion: Motion, constants: SymbolicEvaluator) -> Dr
     efforts: dict[int, ca.SX] = {}
     declared: dict[tuple[int, str], ca.SX] = {}
     for place, entry in enumerate(robot_inputs(model)):
+        if entry.is_load:
+            continue
         if entry.dof is None:
             declared[entry.symbol, entry.name] = motion.inputs[place]
         else:

@@ -93,8 +93,8 @@ def spatial_inertia(body: Body, at: Kinematics, constants: SymbolicEvaluator) ->
             return SpatialInertia(
                 mass, mass * extent * half * along, mass * extent**2 * third * across
             )
-        case PointBody(_, mass_scalar):
-            return SpatialInertia(at.scalars[mass_scalar], ca.SX(3, 1), ca.SX(3, 3))
+        case PointBody():
+            return SpatialInertia(at.mass(body), ca.SX(3, 1), ca.SX(3, 3))
         case SolidBody(_, mass_scalar, com, inertia):
             mass = at.scalars[mass_scalar]
             centre = ca.vertcat(*(constants.unfolded(at.scalars[i]) for i in com))

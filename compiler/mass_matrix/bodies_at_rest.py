@@ -108,8 +108,8 @@ def _of_body(
             mass = literal(density) * literal(length)
             rows = ca.vertcat(rates(at.origins[frame]), rates(at.axis(frame, axis)))
             return [Velocities(number, rows, (mass,))], [mass]
-        case PointBody(frame, scalar):
-            mass = at.scalars[scalar]
+        case PointBody(frame):
+            mass = at.mass(body)
             return [Velocities(number, rates(at.origins[frame]), (mass,))], [mass]
         case SolidBody(frame, scalar, com, inertia):
             mass = at.scalars[scalar]

@@ -17,6 +17,7 @@ from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_ball
 from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, column, nearest, unit
 from compiler.rigid_links.link_shape import Geometry, body_shape, shape_geometry
 from compiler.rigid_links.mass_moments import MassMoments, body_moments, none
+from compiler.robots.payloads import loads_of
 from compiler.robots.robot import WORLD, Joint, Offset, RobotDof, RobotModel, Shape, Turn
 from grammar_lang import ir
 
@@ -110,7 +111,8 @@ def rigid_tree(
 ) -> RigidTree:
     """The tree of a robot whose parameters have these values (SI).
 
-    Masses and moments of inertia of each body are times its factor, default 1.
+    Masses and moments of inertia of each body are times its factor: 1, and 0 of what is taken up
+    and put down, where none are given.
 
     Raises:
         RigidTreeError: a degree of freedom moves several frames or none, or a length or angle has
@@ -124,7 +126,9 @@ def rigid_tree(
         moments = [none() for _ in range(len(joints) + 1)]
         looks: list[list[Geometry]] = [[] for _ in moments]
         collisions: list[list[Geometry]] = [[] for _ in moments]
-        weights = [arb(factor) for factor in factors] or [arb(1)] * len(model.bodies)
+        loads = loads_of(model)
+        weights = [arb(factor) for factor in factors]
+        weights = weights or [arb(0 if i in loads else 1) for i in range(len(model.bodies))]
         for number, (body, weight) in enumerate(zip(model.bodies, weights, strict=True)):
             frame = frames[body.frame]
             moments[frame.link] += body_moments(body, scalars, frame.pose).times(weight)

@@ -336,7 +336,7 @@ class RobotFamily:
     """A grammar of a program whose derivations are robots in the plane (2) or in space (3).
 
     ``itself`` says which of their bodies have to stay apart, ``posed`` whether it matters how the
-    frames of their effectors are turned, ``payloads`` what they carry.
+    frames of their effectors are turned, ``payloads`` and ``carries`` what these carry.
     """
 
     program: ir.Program
@@ -345,6 +345,7 @@ class RobotFamily:
     itself: ir.AvoidSelf | None = None
     posed: bool = False
     payloads: tuple[ir.Payload, ...] = ()
+    carries: tuple[ir.Carry, ...] = ()
 
     @cached_property
     def language(self) -> Language:
@@ -369,7 +370,7 @@ class RobotFamily:
         semantics = self.grammar.semantics or {}
         order = self.evaluation_order
         found = evaluate(derivation, self.program.modules, semantics, self.dimension, order)
-        return with_payloads(replace(found, posed=self.posed), self.payloads)
+        return with_payloads(replace(found, posed=self.posed), self.payloads, self.carries)
 
     def robot(self, derivation: Derivation) -> RobotModel:
         """The normalised robot of a derivation; errors as of ``built``."""
@@ -384,10 +385,6 @@ def family_of(program: ir.Program, task: ir.Task) -> RobotFamily:
     workspace = program.workspaces[task.workspace]
     grammar = program.grammars[task.grammar]
     return RobotFamily(
-        program,
-        grammar,
-        workspace.dimension,
-        task.avoid_self,
-        bool(asked_poses(task)),
-        task.payloads,
-    )
+        program, grammar, workspace.dimension, task.avoid_self, bool(asked_poses(task)),
+        task.payloads, task.carries,
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""A robot with the payloads of a task: point masses at its effectors."""
+"""A robot with the loads of a task: point masses at its effectors, always or at times."""
 
 from __future__ import annotations
 
@@ -11,20 +11,24 @@ from compiler.robots.robot import PointBody, RobotModel
 from grammar_lang import ir
 
 
-def with_payloads(model: RobotModel, payloads: Sequence[ir.Payload]) -> RobotModel:
-    """The robot with its payloads, which collide with nothing.
+def with_payloads(
+    model: RobotModel, payloads: Sequence[ir.Payload], carries: Sequence[ir.Carry] = ()
+) -> RobotModel:
+    """The robot with what it carries, which collides with nothing.
 
     Raises:
-        SemanticsError: it lacks the effector of a payload, or has several where none is named.
+        SemanticsError: it lacks an effector that carries, or has several where none is named.
     """
-    if not payloads:
+    if not payloads and not carries:
         return model
     scalars = ScalarTable()
     for node in model.scalars:
         scalars.add(node)
+    carried: list[tuple[ir.Payload | ir.Carry, int | None]] = [(each, None) for each in payloads]
+    carried += [(each, load) for load, each in enumerate(carries)]
     bodies = tuple(
-        PointBody(model.effectors[_effector(model, payload)], scalars.add(Constant(payload.mass)))
-        for payload in payloads
+        PointBody(model.effectors[_effector(model, each)], scalars.add(Constant(each.mass)), load)
+        for each, load in carried
     )
     first = len(model.bodies)
     numbers = tuple(range(first, first + len(bodies)))
@@ -38,11 +42,20 @@ def with_payloads(model: RobotModel, payloads: Sequence[ir.Payload]) -> RobotMod
     )
 
 
-def _effector(model: RobotModel, payload: ir.Payload) -> int:
-    """The effector that carries a payload, from 0."""
-    number, count = payload.effector or 1, len(model.effectors)
+def _effector(model: RobotModel, carried: ir.Payload | ir.Carry) -> int:
+    """The effector that carries something, from 0."""
+    number, count = carried.effector or 1, len(model.effectors)
     if number > count:
         raise SemanticsError(f"there is no effector {number} to carry the payload")
-    if payload.effector is None and count > 1:
+    if carried.effector is None and count > 1:
         raise SemanticsError("it is not said which effector carries the payload")
     return number - 1
+
+
+def loads_of(model: RobotModel) -> tuple[int, ...]:
+    """The bodies that are taken up and put down, by the number of their load."""
+    return tuple(
+        number
+        for number, body in enumerate(model.bodies)
+        if isinstance(body, PointBody) and body.load is not None
+    )

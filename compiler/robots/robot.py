@@ -222,10 +222,11 @@ class RodBody:
 
 @dataclass(frozen=True, slots=True)
 class PointBody:
-    """A point mass."""
+    """A point mass; with a ``load`` it is there at times: an input of the robot, by number."""
 
     frame: int
     mass: int
+    load: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,7 +300,7 @@ def amounts_of(body: Body) -> tuple[int, ...]:
     match body:
         case RodBody(_, _, _, length, density, radius):
             return (length, density) if radius is None else (length, density, radius)
-        case PointBody(_, mass):
+        case PointBody(_, mass, _):
             return (mass,)
         case SolidBody(_, mass, _, inertia):
             return (mass, *inertia[:3])

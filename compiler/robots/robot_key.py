@@ -167,8 +167,8 @@ def _body_text(body: Body, texts: list[str]) -> str:
         case RodBody(frame, axis, sign, length, density, radius):
             thickness = "-" if radius is None else texts[radius]
             return f"rod {frame} {axis} {sign} {texts[length]} {texts[density]} {thickness}"
-        case PointBody(frame, mass):
-            return f"point {frame} {texts[mass]}"
+        case PointBody(frame, mass, load):
+            return f"point {frame} {texts[mass]}" + ("" if load is None else f" load {load}")
         case SolidBody(frame, mass, com, inertia):
             items = [texts[i] for i in (*com, *inertia)]
             return f"solid {frame} {texts[mass]} {items}"

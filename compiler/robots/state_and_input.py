@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from compiler.expressions.exact_numbers import rational_bounds
+from compiler.robots.payloads import loads_of
 from compiler.robots.robot import OwnDynamics, RobotModel
 from grammar_lang import ir
 
@@ -29,7 +30,8 @@ class RobotInput:
     """An input of the module at word index ``symbol``.
 
     A free input (``u`` of the language) drives the degree of freedom ``dof`` and is bounded by the
-    task (``domain`` None); a declared one has its own bounds.
+    task (``domain`` None); a declared one has its own bounds.  A load is of no module: 1 where its
+    effector carries it, else 0.
     """
 
     symbol: int
@@ -38,6 +40,11 @@ class RobotInput:
     unit: str
     dof: int | None
     domain: ir.Interval | None
+
+    @property
+    def is_load(self) -> bool:
+        """Whether it says that something is carried."""
+        return self.dof is None and self.module is None
 
 
 def robot_states(model: RobotModel) -> tuple[RobotState, ...]:
@@ -50,7 +57,7 @@ def robot_states(model: RobotModel) -> tuple[RobotState, ...]:
 
 
 def robot_inputs(model: RobotModel) -> tuple[RobotInput, ...]:
-    """The entries of u in the order of the word, of one module free inputs first.
+    """The entries of u in the order of the word, of one module free inputs first; then the loads.
 
     A degree of freedom has a free input unless its module's own dynamics do without.
     """
@@ -66,7 +73,12 @@ def robot_inputs(model: RobotModel) -> tuple[RobotInput, ...]:
             declared = RobotInput(own.symbol, own.module, item.name, item.unit, None, item.domain)
             found.append((own.symbol, 1, declared))
     found.sort(key=lambda entry: entry[:2])
-    return tuple(item for _, _, item in found)
+    inputs = [item for _, _, item in found]
+    for number in loads_of(model):
+        effector = model.effectors.index(model.bodies[number].frame) + 1
+        name = "load" if len(model.effectors) == 1 else f"load {effector}"
+        inputs.append(RobotInput(-1, None, name, "1", None, None))
+    return tuple(inputs)
 
 
 def _without_free_input(own: OwnDynamics) -> set[int]:

@@ -90,9 +90,9 @@ def permanently_avoided(formula: ir.Formula, horizon: Fraction | None) -> Places
 
 
 def task_visits(task: ir.Task) -> tuple[Place, ...]:
-    """The places that the ``satisfy`` of a task together make necessary, sorted."""
+    """The places that the formulas and loads of a task together make necessary, sorted."""
     total = task.steps * task.step
-    found = (necessary_visits(clause.formula, total, task.step) for clause in task.satisfy)
+    found = (necessary_visits(clause.formula, total, task.step) for clause in task.demanded)
     return tuple(sorted(_union(found)))
 
 

@@ -91,7 +91,7 @@ def _grid(task: ir.Task) -> _Grid | None:
     """
     if task.repeat:
         step = common_step(list(_named_times(task)) or [task.step])
-        ahead = max((_look_ahead(each.formula, task.step) for each in task.satisfy), default=step)
+        ahead = max((_look_ahead(each.formula, task.step) for each in task.demanded), default=step)
         count = int(ahead / step) + 1
     else:
         total = task.steps * task.step
@@ -102,7 +102,7 @@ def _grid(task: ir.Task) -> _Grid | None:
 
 def _named_times(task: ir.Task) -> Iterator[Fraction]:
     """The times after which formulas look."""
-    for clause in task.satisfy:
+    for clause in task.demanded:
         for node in subformulas(clause.formula):
             match node:
                 case ir.Always(window=window) | ir.Eventually(window=window):
@@ -155,7 +155,7 @@ def _mentioned(task: ir.Task, *, avoided: bool) -> frozenset[str]:
     """The regions of the demands, or those of all but ``avoid``."""
     names = {
         node.region
-        for clause in task.satisfy
+        for clause in task.demanded
         for node in subformulas(clause.formula)
         if isinstance(node, ir.Atom)
     }
@@ -270,6 +270,10 @@ class _Writer:
             for part in conjuncts(clause.formula):
                 literal = slots.row(self.node(part)).some[0]
                 self.demand([literal], part.span, "this formula holds", number)
+        for carry in self.task.carries:
+            literal = slots.row(self.node(carry.visits)).some[0]
+            text = f"the load comes from `{carry.source}` to `{carry.target}`"
+            self.demand([literal], carry.span, text)
         if isinstance(start, ir.StartIn) and ends.start is not None:
             literal = slots.row(self.atom(start.region, ends.start)).some[0]
             self.demand([literal], start.span, f"the effector starts in `{start.region}`")
@@ -295,7 +299,7 @@ def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditi
     these.
     """
     grid = _grid(task)
-    parts = (node for clause in task.satisfy for node in subformulas(clause.formula))
+    parts = (node for clause in task.demanded for node in subformulas(clause.formula))
     if grid is None or (task.repeat and any(isinstance(node, ir.Last) for node in parts)):
         return None
     ends = _ends(program, task)
@@ -313,7 +317,7 @@ def _demands(
 ) -> NecessaryConditions | None:
     effectors = {
         node.effector
-        for clause in task.satisfy
+        for clause in task.demanded
         for node in subformulas(clause.formula)
         if isinstance(node, ir.Atom)
     }

@@ -9,6 +9,7 @@ from typing import assert_never
 
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import input_bounds, robot_inputs
+from compiler.tasks.carrying import carried_on_samples
 from compiler.tasks.sampled_formula import (
     Literal,
     SampledFormula,
@@ -16,6 +17,7 @@ from compiler.tasks.sampled_formula import (
     nodes,
     sampled,
 )
+from compiler.tasks.word_formula import every
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from grammar_lang.ir import StartAt, StartIn, Task
@@ -37,7 +39,7 @@ def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | N
         effectors: how many effectors the robot has.
         recorded: the effector that starts and reaches, from 0.
     """
-    parts = [clause.formula for clause in task.satisfy]
+    parts = [clause.formula for clause in task.demanded]
     if task.reach is not None:
         if task.repeat:
             there = ir.Atom(task.reach.region, recorded + 1, poses=task.reach.poses)
@@ -88,7 +90,7 @@ def missing_effector(task: ir.Task, effectors: int) -> int | None:
 
     Such a robot is no candidate, whatever is asked of the effector.
     """
-    named = [atom.effector for atom in atoms(*(clause.formula for clause in task.satisfy))]
+    named = [atom.effector for atom in atoms(*(clause.formula for clause in task.demanded))]
     if task.reach is not None and task.reach.effector is not None:
         named.append(task.reach.effector)
     if isinstance(task.start, ir.StartIn) and task.start.effector is not None:
@@ -172,12 +174,14 @@ def planning_problem(
             an effector that is not named, nor starts in a region, may start anywhere.
     """
     clauses = path_formulas(task, effector)
-    formula = sampled(_conjunction(clauses), task.step, task.steps) if clauses else None
+    asked = [sampled(_conjunction(clauses), task.step, task.steps)] if clauses else []
+    asked += carried_on_samples(task)
+    formula = every(asked) if asked else None
     known = {} if start_cells is None else start_cells
     planned = {effector} | (set() if formula is None else _named(formula))
     forbidden = abstraction.within(_avoided(task))
     end = None if task.reach is None else abstraction.within([task.reach.region])
-    timed = any(map(is_timed, clauses))
+    timed = any(map(is_timed, clauses)) or _meeting(abstraction, task)
     several = timed or len(planned) > 1
     return PlanningProblem(
         abstraction.neighbours,
@@ -212,6 +216,12 @@ def _start(abstraction: Abstraction, task: Task, recorded: int, number: int) -> 
             return tuple(range(len(abstraction.cells)))
         case _:
             assert_never(task.start)
+
+
+def _meeting(abstraction: Abstraction, task: Task) -> bool:
+    """Whether a load may be put down in the cell in which it is taken up."""
+    pairs = ((abstraction.within([c.source]), abstraction.within([c.target])) for c in task.carries)
+    return any(set(source) & set(target) for source, target in pairs)
 
 
 def _avoided(task: Task) -> list[str]:
@@ -256,7 +266,7 @@ class UncertainMass:
 
 
 def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, ...]:
-    """The constants by which masses may be off: of all bodies, per occurrence, and per payload.
+    """The constants by which masses may be off: of all bodies, per occurrence, and per load.
 
     Raises:
         ValueError: the task asks whose the bodies are, and the model does not say it of all.
@@ -278,15 +288,19 @@ def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, .
     return tuple(found)
 
 
-def input_errors(task: ir.Task, model: RobotModel) -> tuple[Fraction, tuple[Fraction, ...]]:
+def input_errors(
+    task: ir.Task, model: RobotModel
+) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
     """How far inputs may be from what is commanded: the part of themselves, and what comes on top.
 
-    The second entry has one value per input (m,), in its unit: a part of its bound.
+    Both have one value per input (m,), the second, a part of its bound, in its unit.  Loads are
+    there, or not.
     """
-    robust = task.robust or ir.Robust()
-    most = [Fraction(0)] * len(robot_inputs(model))
+    robust, inputs = task.robust or ir.Robust(), robot_inputs(model)
+    parts = tuple(Fraction(0) if item.is_load else robust.effort for item in inputs)
+    most = [Fraction(0)] * len(inputs)
     for bound in input_bounds(model, task):
         size = max(abs(bound.lower), abs(bound.upper))
         for place in bound.inputs:
             most[place] = max(most[place], robust.effort_of_bound * size)
-    return robust.effort, tuple(most)
+    return parts, tuple(most)

@@ -18,6 +18,7 @@ class Literal:
     """The effector (from 1) is in a cell inside the region, or in one that is not.
 
     No cell tells how its frame is turned: in all ``poses`` there, or in none, ``away`` from them.
+    A ``transfer`` is the number of a load and whether it is taken up there, or put down.
     """
 
     region: str
@@ -25,6 +26,7 @@ class Literal:
     positive: bool
     poses: tuple[ir.Pose, ...] = ()
     away: bool = False
+    transfer: tuple[int, bool] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,7 +294,8 @@ NecessaryCondition: TypeAlias = tuple[SampledFormula, int]
 class Obligation:
     """An effector (from 0) is inside a region, or not, from sample ``first`` to ``last``.
 
-    Inside its frame is in all ``poses``, or in none, ``away`` from them.
+    Inside its frame is in all ``poses``, or in none, ``away`` from them.  A ``transfer`` of a load
+    is that of the literal.
     """
 
     region: str
@@ -302,6 +305,7 @@ class Obligation:
     last: int
     poses: tuple[ir.Pose, ...] = ()
     away: bool = False
+    transfer: tuple[int, bool] | None = None
 
 
 def obligations(formula: SampledFormula, word: Word) -> tuple[Obligation, ...] | None:
@@ -321,7 +325,14 @@ def obligations(formula: SampledFormula, word: Word) -> tuple[Obligation, ...] |
                 demanded.setdefault(id(part), set()).add(at)
     return tuple(
         Obligation(
-            kind.region, kind.effector - 1, kind.positive, first, last, kind.poses, kind.away
+            kind.region,
+            kind.effector - 1,
+            kind.positive,
+            first,
+            last,
+            kind.poses,
+            kind.away,
+            kind.transfer,
         )
         for kind in sorted(kept, key=lambda kind: (kind.region, kind.effector, kind.positive))
         for first, last in _runs(sorted(kept[kind]))

@@ -83,7 +83,8 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
         ValueError: the rules of the robot have no exact value.
     """
     graph = energy_graph(model, task.gravity)
-    known = graph.damping is not None and not unbounded_kinds(model, task)
+    # Of robots that take loads up and put them down no energy is known.
+    known = graph.damping is not None and not unbounded_kinds(model, task) and not task.carries
     return DriveReach(
         model,
         workspace,
@@ -154,7 +155,7 @@ def _region(
         given = reader.read([closed_ball(value) + near for value in passage.start.values])
     slow = task.final_rates if passage.arrives else None
     lossless = all(item.low.is_zero() and item.high.is_zero() for item in damping)
-    backwards = lossless and not dry_friction(model)
+    backwards = lossless and not dry_friction(model) and not task.carries
     limits = Limits(
         ball(task.steps * task.step),
         _first_rate(task),

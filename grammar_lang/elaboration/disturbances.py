@@ -120,9 +120,9 @@ def _check_control(items: tuple[t.TaskItem, ...], measured: Span | None, sink: S
 
 def _check_payload(items: tuple[t.TaskItem, ...], robust: Span | None, sink: Sink) -> None:
     """Report errors of a payload where there is none."""
-    if robust is not None and not any(isinstance(item, t.Payload) for item in items):
-        hint = "add `payload m;` with its mass, or remove `robust payload`"
-        sink.error(Code.MISSING_CLAUSE, "the task has no `payload`", robust, hint)
+    if robust is not None and not any(isinstance(item, t.Payload | t.Carry) for item in items):
+        hint = "add `payload m;` or `carry m from A to B;`, or remove `robust payload`"
+        sink.error(Code.MISSING_CLAUSE, "the task has no `payload`, nor `carry`", robust, hint)
 
 
 def _module_mass(

@@ -1,8 +1,8 @@
-"""The clauses of a task about inputs, payloads, and an existing robot."""
+"""The clauses of a task about inputs, and about an existing robot."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from grammar_lang import ir
@@ -17,7 +17,7 @@ from grammar_lang.names.declarations import Entity, Occurrences, report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
-from grammar_lang.units import FORCE, MASS, ONE, TORQUE, Dimension
+from grammar_lang.units import FORCE, ONE, TORQUE, Dimension
 
 
 def clause_places(task: t.Task) -> dict[str, Span]:
@@ -31,37 +31,6 @@ def clause_places(task: t.Task) -> dict[str, Span]:
         t.Repeat: "repeat",
     }
     return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
-
-
-# --- ``payload m``: point masses at effectors -----------------------------------------------------
-
-
-def lower_payloads(
-    items: Sequence[t.Payload], reaching: int | None, sink: Sink
-) -> tuple[ir.Payload, ...]:
-    """What effectors carry, without what is reported.
-
-    Args:
-        items: the clauses.
-        reaching: the effector, from 1, that the task's ``reach`` names, which carries unless
-            another one is named.
-        sink: where errors go.
-    """
-    reader, found = Constants(sink), dict[int | None, ir.Payload]()
-    for item in items:
-        number, mass = reaching, reader.rational(item.mass, MASS)
-        if item.effector is not None:
-            number = reader.integer(item.effector, 1, "an effector's number")
-        if mass is not None and mass <= 0:
-            message = "the payload is not positive"
-            sink.error(Code.BAD_VALUE, message, item.mass.span, "write more than zero")
-        elif number in found:
-            notes = [(found[number].span, "first here")]
-            message = "a second `payload` at this effector"
-            sink.error(Code.REPEATED_CLAUSE, message, item.span, "add the masses up", notes)
-        elif mass is not None:
-            found[number] = ir.Payload(mass, number, item.span)
-    return tuple(found.values())
 
 
 # --- ``effort <= v``: bounds on the free inputs, one for each kind of degree of freedom -----------

@@ -266,13 +266,14 @@ class _Reader:
 
         return lower_origin(item, self.around.modules, self.around.names, self.sink)
 
-    def payloads(self, reach: ir.Reach | None) -> tuple[ir.Payload, ...]:
-        items = [item for item in self.task.items if isinstance(item, t.Payload)]
-        if not items:
-            return ()
-        from grammar_lang.elaboration.task_clauses import lower_payloads
+    def loads(self, reach: ir.Reach | None) -> tuple[tuple[ir.Payload, ...], tuple[ir.Carry, ...]]:
+        if not any(isinstance(item, t.Payload | t.Carry) for item in self.task.items):
+            return (), ()
+        from grammar_lang.elaboration.loads import lower_carries, lower_payloads
 
-        return lower_payloads(items, None if reach is None else reach.effector, self.sink)
+        reaching = None if reach is None else reach.effector
+        payloads = lower_payloads(self.task, reaching, self.sink)
+        return payloads, lower_carries(self.task, reaching, self.place, self.kinds, self.sink)
 
     def robust(self) -> ir.Robust | None:
         if not any(isinstance(i, t.RobustRadii | t.RobustPercent) for i in self.task.items):
@@ -365,7 +366,7 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
     check_duration(task, reach, steps * step, sink)
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None
-    origin, robust = reader.origin(), reader.robust()
+    origin, robust, (payloads, carries) = reader.origin(), reader.robust(), reader.loads(reach)
     control, repeat = reader.one(t.Control, "control", None), reader.one(t.Repeat, "repeat", None)
     check_endless(task, repeat, sink)
     if robot is None or place is None or start is None or not (reach or satisfy):
@@ -392,5 +393,6 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         control=None if control is None else control.loop,
         repeat=repeat is not None,
         clauses=clause_places(task),
-        payloads=reader.payloads(reach),
+        payloads=payloads,
+        carries=carries,
     )

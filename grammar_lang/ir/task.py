@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 
 from grammar_lang.ir.expressions import NOWHERE, Expr
 from grammar_lang.ir.family import DofKind
-from grammar_lang.ir.formula import Formula, Pose
+from grammar_lang.ir.formula import And, Atom, Eventually, Formula, Pose, Window
 from grammar_lang.source import Span, node
 
 
@@ -259,6 +259,31 @@ class Payload:
 
 
 @node
+class Carry:
+    """A point mass (kg) at an effector (from 1), between two samples; None: at the only one.
+
+    It is taken up where the effector is in the region ``source``, and put down, one sample later or
+    more, where it is in ``target``.  At both samples all rates are below the bound of ``rates``;
+    they go on as they are there.
+    """
+
+    mass: Fraction
+    effector: int | None
+    source: str
+    target: str
+    rates: FinalRates = FinalRates()
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @property
+    def visits(self) -> Formula:
+        """The effector is in the one region at some time, and in the other then or later."""
+        number, some_time = self.effector or 1, Window(Fraction(0), None)
+        there = Eventually(Atom(self.target, number, span=self.span), some_time, self.span)
+        taken = Atom(self.source, number, span=self.span)
+        return Eventually(And((taken, there), self.span), some_time, self.span)
+
+
+@node
 class ModuleMass:
     """All masses, densities and inertias of an occurrence of a module, times 1 +- ``part``.
 
@@ -328,6 +353,12 @@ class Task:
     repeat: bool = False
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
     payloads: tuple[Payload, ...] = ()
+    carries: tuple[Carry, ...] = ()
+
+    @property
+    def demanded(self) -> tuple[Satisfy, ...]:
+        """The ``satisfy`` clauses, and behind them what each ``carry`` asks at least."""
+        return (*self.satisfy, *(Satisfy(carry.visits, carry.span) for carry in self.carries))
 
     @property
     def goal(self) -> Reach:

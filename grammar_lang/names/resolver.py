@@ -342,6 +342,8 @@ def _region_names(item: t.TaskItem) -> Iterator[s.Ident]:
     match item:
         case t.StartIn(region=region) | t.Reach(region=region):
             yield region
+        case t.Carry(source=source, target=target):
+            yield from (source, target)
         case t.Avoid(regions=regions):
             yield from regions
         case t.Satisfy(formula=formula):

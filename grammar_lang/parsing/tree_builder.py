@@ -63,6 +63,11 @@ def _final_rates(c: Children, span: Span) -> object:
     return t.FinalRates(bound, c[1], span)
 
 
+def _carry(c: Children, span: Span) -> object:
+    rates = None if c[4] is None else t.FinalRates(c[4].rates, None, span)
+    return t.Carry(c[0], _ident(c[1]), _ident(c[2]), c[3], rates, span)
+
+
 def _avoid(c: Children, span: Span) -> object:
     names = tuple(_ident(n) for n in c[:-3])
     return t.Avoid(names, c[-3], c[-2], c[-1] or (), span)
@@ -203,6 +208,7 @@ _TASKS: dict[str, Builder] = {
     "robust_effort": lambda c, span: t.RobustPercent("effort", c[0], span=span),
     "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span=span),
     "payload": lambda c, span: t.Payload(c[0], c[1], span),
+    "carry": _carry,
     "robust_payload": lambda c, span: t.RobustPercent("payload", c[0], span=span),
     "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], _optional(c[1]), span),
     "item": lambda c, _: c[0],

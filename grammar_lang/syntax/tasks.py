@@ -294,6 +294,18 @@ class Payload:
 
 
 @node
+class Carry:
+    """``carry m from A to B by effector n rates <= v;``."""
+
+    mass: Expr
+    source: Ident
+    target: Ident
+    effector: Expr | None
+    rates: FinalRates | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class RobustPercent:
     """``robust effort 0.5 %;``, ``… % of bound;``, ``robust mass 5 % of M;`` and its like."""
 
@@ -321,6 +333,7 @@ TaskItem: TypeAlias = (
     | Control
     | Repeat
     | Payload
+    | Carry
     | RobustRadii
     | RobustPercent
 )

@@ -94,8 +94,9 @@ def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
             yield Change(line, "without `avoid self`", without(posed, [line]))
         case "satisfy" if task.reach is not None or len(task.satisfy) > 1:
             yield Change(line, "without this formula", without(posed, [line]))
-        case "bounds_body" | "payload":
-            what = "`bounds with body`" if line.kind == "bounds_body" else "the payload"
+        case "bounds_body" | "payload" | "carry":
+            named = {"bounds_body": "`bounds with body`", "carry": "this load"}
+            what = named.get(line.kind, "the payload")
             yield Change(line, f"without {what}", without(posed, [line]))
         case "joint_range" | "joint_rate" | "joint_accel":
             module, name = line.key

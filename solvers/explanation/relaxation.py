@@ -34,9 +34,14 @@ Key: TypeAlias = tuple[str | int, ...]
 def without(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
     """The task without these lines; places are relaxed last, to what is within the bounds then."""
     places = {line for line in lines if line.kind in ("start", "reach", "satisfy")}
+    dropped = {line for line in lines if line.kind == "carry"}
     for line in lines:
-        if line not in places:
+        if line not in places | dropped:
             posed = _relaxed(posed, line)
+    if dropped:
+        numbers = {line.key[0] for line in dropped}
+        kept = (each for i, each in enumerate(posed.task.carries) if i not in numbers)
+        posed = posed.with_task(carries=tuple(kept))
     return _placed(posed, places) if places else posed
 
 
@@ -58,7 +63,7 @@ def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
             return with_effort(posed, int(line.key[0]), max(Fraction(DRIVEN), ample))
         case "horizon":
             steps = posed.task.steps * DRIVEN
-            if not posed.task.satisfy:
+            if not posed.task.demanded:
                 steps = max(steps, ceil(AMPLE_TIME / posed.task.step))
             return posed.with_task(steps=steps)
         case "gravity" | "payload":

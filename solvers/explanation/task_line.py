@@ -14,7 +14,7 @@ from solvers.explanation.posed_task import PosedTask
 LineKind: TypeAlias = Literal[
     "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "joint_accel",
     "joint_effort", "avoid", "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds",
-    "modules", "control", "payload",
+    "modules", "control", "payload", "carry",
 ]  # fmt: skip
 
 
@@ -23,8 +23,8 @@ class TaskLine:
     """One demand that can be relaxed by itself; ``key`` tells it from others of its kind.
 
     The key of a parameter, a range or a rate is the module and the name, that of an avoided region
-    the index of the clause and the name, that of an ``effort``, ``satisfy`` or ``payload`` its
-    index.
+    the index of the clause and the name, that of an ``effort``, ``satisfy``, ``payload`` or
+    ``carry`` its index.
     """
 
     kind: LineKind
@@ -86,6 +86,9 @@ def _ends(task: ir.Task) -> Iterator[TaskLine]:
         yield TaskLine("reach", (), where, task.reach.span)
     for index, clause in enumerate(task.satisfy):
         yield TaskLine("satisfy", (index,), "the formula holds", clause.span)
+    for index, carry in enumerate(task.carries):
+        says = f"a load is carried from `{carry.source}` to `{carry.target}`"
+        yield TaskLine("carry", (index,), says, carry.span)
 
 
 def _who(effector: int | None) -> str:

@@ -54,7 +54,7 @@ def first_motion(
         ways = path_problem.joint_ways(theta, straight=True)
         if not ways:
             continue
-        for motion in followed(path_problem, np.array(ways), theta):
+        for motion in followed(path_problem, np.array(ways), theta, problem.loads):
             outcome = as_it_is(problem, motion)
             if outcome is None:
                 continue
@@ -69,10 +69,13 @@ def first_motion(
     return outcome if outcome.feasible else None
 
 
-def followed(path_problem: PathProblem, ways: Array, theta: Array) -> list[Trajectory]:
+def followed(
+    path_problem: PathProblem, ways: Array, theta: Array, loads: Array
+) -> list[Trajectory]:
     """Motions along ways (s, k + 1, n), from rest, with the inputs that bring them along.
 
-    Rates at the next sample are those of the way, and what was missed of it is made up for.
+    Rates at the next sample are those of the way, and what was missed of it is made up for.  The
+    last inputs are ``loads`` (k, c), which are given.
     """
     numeric, dt = path_problem.numeric, float(path_problem.task.step)
     count, k, n = len(ways), ways.shape[1] - 1, numeric.n
@@ -85,6 +88,9 @@ def followed(path_problem: PathProblem, ways: Array, theta: Array) -> list[Traje
     states, inputs = [x], list[Array]()
     with np.errstate(all="ignore"):
         for sample in range(1, k + 1):
+            if loads.size:
+                u = u.copy()
+                u[:, numeric.m - loads.shape[1] :] = loads[sample - 1]
             at = numeric.step(x, u, theta, dt, path_problem.substeps)
             back = 0.0 if sample == k else BROUGHT_BACK / dt
             for _ in range(CORRECTIONS):

@@ -11,6 +11,7 @@ import numpy as np
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
+from compiler.tasks.carrying import carried_on_samples
 from compiler.tasks.sampled_formula import sampled
 from compiler.tasks.specification import path_formulas
 from compiler.tasks.word_formula import SampledFormula, every
@@ -76,9 +77,10 @@ class PathTask:
     def on_samples(self, recorded: int) -> SampledFormula | None:
         """What a motion in which that effector reaches has to satisfy at the samples."""
         staying = path_formulas(self.task, recorded)[len(self.task.satisfy) :]
-        if not staying:
-            return self.formula
         parts = [sampled(formula, self.task.step, self.task.steps) for formula in staying]
+        parts += carried_on_samples(self.task)
+        if not parts:
+            return self.formula
         return every(parts if self.formula is None else [self.formula, *parts])
 
     def along(

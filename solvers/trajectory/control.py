@@ -276,7 +276,7 @@ def as_it_is(problem: ControlProblem, motion: Trajectory) -> ControlOutcome | No
         return None
     feasible = _keeps(problem, at) and at.defect <= POLISHED_DEFECT
     return ControlOutcome(
-        motion,
+        at.trajectory,
         feasible,
         at.margin if feasible else -_violation(problem, at),
         effort_peak(problem.groups, motion.u),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
@@ -42,7 +42,7 @@ class ControlProblem:
     ``mobility`` is the price of phi (``mobility.py``) per sample, for efforts at joints that are
     off by ``errors`` (n,).  What is said of metres is meant of the robot's ``unit`` of length (m).
     Positions may exceed their rows by ``excess``, in metres.  ``held``: inputs have to be able to
-    balance the robot at its start.
+    balance the robot at its start.  ``loads`` (k, c) are the last inputs, which are given.
     """
 
     numeric: NumericRobot
@@ -58,6 +58,14 @@ class ControlProblem:
     unit: float = 1.0
     excess: float = EXCESS
     held: bool = False
+    loads: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    def loaded(self, motion: Trajectory) -> Trajectory:
+        """A motion with the loads that are given."""
+        if not self.loads.size:
+            return motion
+        steered = motion.u[:, : motion.u.shape[1] - self.loads.shape[1]]
+        return replace(motion, u=np.concatenate([steered, self.loads], axis=1))
 
     @property
     def scale(self) -> float:
@@ -226,8 +234,11 @@ STEEPEST = 1e8
 
 
 def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion | None:
-    """Linearise about a trajectory and measure its defects; None where that has no use."""
-    numeric = problem.numeric
+    """Linearise about a trajectory and measure its defects; None where that has no use.
+
+    Its loads are those of the problem.
+    """
+    numeric, trajectory = problem.numeric, problem.loaded(trajectory)
     x, u, theta = trajectory.x, trajectory.u, trajectory.theta
     if not (np.isfinite(x).all() and np.isfinite(u).all() and np.isfinite(theta).all()):
         return None

@@ -137,7 +137,7 @@ def second_order(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Se
         for (i, j, k), row in zip(places, found.reshape(len(places), len(x)), strict=True):
             if i < n:
                 hessians[:, i, j, k] = hessians[:, i, k, j] = row
-    mass = numeric.mass_matrix(x[:, :n], theta)
+    mass = numeric.mass_matrix(x[:, :n], theta, u)
     inverse = np.linalg.inv(mass)
     by_force = np.zeros((len(x), size, n))
     by_force[:, :n], by_force[:, n : 2 * n] = dt**2 / 2 * inverse, dt * inverse
@@ -180,8 +180,7 @@ def disturbance_spread(
     n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
     radii = [float(radius) for radius in disturbance_radii(task, model)]
     noise = np.diag([float(radius) for radius in measurement_radii(task, model)])
-    part, most = input_errors(task, model)
-    share, added = float(part), np.array([float(value) for value in most])
+    share, added = (np.array(each, dtype=float) for each in input_errors(task, model))
     heavier = heavier_masses(numeric, task, trajectory)
     count = heavier.shape[2]
     mass = max((float(item.part) for item in uncertain_masses(task, model)), default=0.0)
@@ -254,5 +253,5 @@ def heavier_masses(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory)
     accelerations = np.diff(trajectory.x[:, n : 2 * n], axis=0) / dt
     groups = tuple(item.bodies for item in masses)
     parts = np.array([float(item.part) for item in masses])
-    taken = parts * numeric.slowed(groups, x, accelerations, trajectory.theta)
+    taken = parts * numeric.slowed(groups, x, accelerations, trajectory.u, trajectory.theta)
     return np.concatenate([dt * dt / 2 * taken, dt * taken], axis=1)

@@ -51,7 +51,7 @@ def friction_inputs(numeric: NumericRobot, trajectory: Trajectory) -> Array:
     before = trajectory.x[:-1]
     with np.errstate(all="ignore"):
         slopes = numeric.acceleration(before, trajectory.u, trajectory.theta)[1]
-        mass = numeric.mass_matrix(before[:, :n], trajectory.theta)
+        mass = numeric.mass_matrix(before[:, :n], trajectory.theta, trajectory.u)
         pull = np.linalg.solve(mass, efforts[:, :, None])
         inverse = np.linalg.pinv(slopes[:, :n, size : size + m])
     return np.asarray((inverse @ pull)[:, :, 0])

@@ -107,7 +107,9 @@ def fictitious_inputs(
     ``weights`` (n,) a slack of 1 is that much of an effort.
     """
     n, k = numeric.n, len(trajectory.u)
-    inverse = np.linalg.inv(numeric.mass_matrix(trajectory.x[:-1, :n], trajectory.theta))
+    inverse = np.linalg.inv(
+        numeric.mass_matrix(trajectory.x[:-1, :n], trajectory.theta, trajectory.u)
+    )
     inverse = inverse if weights is None else inverse * weights
     matrix = np.zeros((k, numeric.size, numeric.size))
     matrix[:, :n, :n] = dt**2 / 2 * inverse

@@ -40,11 +40,11 @@ class Mobility:
 def joint_errors(numeric: NumericRobot, task: ir.Task) -> Array:
     """How far the effort at each joint (n,) may be off, in N m or N; zero without an input."""
     model = numeric.graph.model
-    part, most = input_errors(task, model)
+    parts, most = input_errors(task, model)
     errors = np.array([float(value) for value in most])
     for bound in input_bounds(model, task):
-        size = float(part * max(abs(bound.lower), abs(bound.upper)))
-        errors[list(bound.inputs)] += size
+        size = max(abs(bound.lower), abs(bound.upper))
+        errors[list(bound.inputs)] += [float(parts[place] * size) for place in bound.inputs]
     found = np.zeros(numeric.n)
     for place, item in enumerate(robot_inputs(model)):
         if item.dof is not None:
@@ -62,7 +62,9 @@ def mobility(numeric: NumericRobot, trajectory: Trajectory, errors: Array, dt: f
     n, p = numeric.n, len(theta)
 
     def value(at: Array, parameters: Array) -> Array:
-        pushed = dt**2 * np.linalg.solve(numeric.mass_matrix(at, parameters), np.diag(errors))
+        pushed = dt**2 * np.linalg.solve(
+            numeric.mass_matrix(at, parameters, trajectory.u), np.diag(errors)
+        )
         return np.asarray((pushed**2).sum(axis=(1, 2)))
 
     moves = STEP * np.eye(max(n, p))

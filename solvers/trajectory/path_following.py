@@ -11,6 +11,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.robot import RobotModel
+from compiler.tasks.carrying import carried_samples, load_inputs
 from compiler.tasks.word_formula import Obligation, SampledFormula, Word, holds, obligations
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
@@ -50,6 +51,7 @@ from solvers.trajectory.task_limits import (
     acceleration_limits,
     input_groups,
     motion_limits,
+    resting_at,
     resting_inputs,
 )
 from solvers.trajectory.task_size import least_margin, length_unit
@@ -189,9 +191,8 @@ class PathProblem:
 
     def obligations(self, entries: Entries) -> tuple[Obligation, ...]:
         """What the formula needs of the motion; none where it does not hold."""
-        if self.formula is None:
-            return ()
-        return obligations(self.formula, self.word(entries)) or ()
+        formula = self.formula
+        return () if formula is None else obligations(formula, self.word(entries)) or ()
 
     # --- constraints ----------------------------------------------------------------------------
 
@@ -212,16 +213,17 @@ class PathProblem:
 
     def problem(self, entries: Entries, *, released: bool = False) -> ControlProblem:
         """The control problem for given entry steps, or with all cells but the ends released."""
-        task = self.task
-        limits = self.limits
-        groups = self.groups
+        task, spread = self.task, 0.0 if self.spread is None else self.spread.within_steps[:, :, 1]
+        samples = carried_samples(self.obligations(entries), len(task.carries))
+        limits = resting_at(self.limits, task, samples, spread)
         plan = self.plan(entries, released=released)
         return ControlProblem(
-            self.numeric, float(task.step), self.substeps, limits, groups, plan.rows,
+            self.numeric, float(task.step), self.substeps, limits, self.groups, plan.rows,
             step_maker(self.solver), self.rates / (task.steps + 1), self.mobility / task.steps,
             joint_errors(self.numeric, task) if self.mobility else np.zeros(0), self.unit,
             min(EXCESS * self.unit, ABSORBED * self.margin),
             isinstance(task.start, ir.StartIn) and task.start.held,
+            load_inputs(samples, task.steps),
         )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------

@@ -105,8 +105,7 @@ def _round_map(
     substeps: int,
 ) -> _RoundMap:
     model, size, width = numeric.graph.model, numeric.size, 2 * numeric.n
-    part, most = input_errors(task, model)
-    share, added = float(part), np.array([float(value) for value in most])
+    share, added = (np.array(each, dtype=float) for each in input_errors(task, model))
     heavier = heavier_masses(numeric, task, motion)
     count = heavier.shape[2]
     noise = np.diag([float(radius) for radius in measurement_radii(task, model)])

@@ -6,7 +6,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import input_bounds
+from compiler.robots.state_and_input import input_bounds, robot_inputs
 from grammar_lang import ir
 from solvers.trajectory.trajectory import Trajectory
 
@@ -34,6 +34,7 @@ def rounding_allowance(
     takes several times as long.  ``gains`` are (k, m, 2n).  A rounded measurement and a rounded
     reference count with the gain; the rest counts with the deviation.  The angles of ``turning``
     joints (n,), None: of none, may be read within any one turn; whole turns are then taken off.
+    What is carried is no number to be rounded.
     """
     size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
     sizes = 2 * np.abs(motion.x[:-1, :size]) + DEVIATION
@@ -48,5 +49,6 @@ def rounding_allowance(
         own = list(bound.inputs)
         half = float(bound.upper if bound.norm2 else (bound.upper - bound.lower) / 2)
         most[own] = np.minimum(most[own], half)
+    most[[item.is_load for item in robot_inputs(model)]] = 0.0
     allowed: Array = np.minimum(needed, MOST_ROUNDING * most)
     return allowed

@@ -136,7 +136,7 @@ class _RubbingRobot:
         """The derivative (N,) of a state, and the efforts (n,) that hold joints at rest."""
         n = self._n
         free = self._numeric.acceleration(x[None, :], u[None, :], self._theta)[0][0]
-        mass = self._numeric.mass_matrix(x[None, :n], self._theta)[0]
+        mass = self._numeric.mass_matrix(x[None, :n], self._theta, u[None, :])[0]
         rests = np.equal(signs, 0) & (self._friction > 0)
         push = mass @ free[:n] - self._friction * np.array(signs)
         pull, moving = np.zeros(n), np.flatnonzero(~rests)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil
 
@@ -96,6 +97,27 @@ def motion_limits(
         ranges[..., 0], ranges[..., 1], rates[..., 0], rates[..., 1], start_rates, final, values,
         np.array(own), final_samples(task), accelerations=acceleration_limits(model),
     )  # fmt: skip
+
+
+def resting_at(
+    limits: MotionLimits, task: ir.Task, samples: Sequence[tuple[int, int]], spread: Array | float
+) -> MotionLimits:
+    """With the rates bound at the samples at which loads are taken up and put down.
+
+    Disturbed motions are to be off by ``spread`` from the rates, (k + 1, n) or one for all, in SI.
+    """
+    if not task.carries:
+        return limits
+    shape = task.steps + 1, limits.joints
+    lower, upper = (np.array(np.broadcast_to(end, shape)) for end in limits.rates)
+    off = np.broadcast_to(spread, shape)
+    for carry, pair in zip(task.carries, samples, strict=True):
+        bound = float(carry.rates.bound)
+        for sample in pair:
+            most = np.clip(bound - off[sample], LEAST_RATE * bound, RATE_MARGIN * bound)
+            lower[sample] = np.minimum(np.maximum(lower[sample], -most), most)
+            upper[sample] = np.maximum(np.minimum(upper[sample], most), -most)
+    return replace(limits, rate_lower=lower, rate_upper=upper)
 
 
 def input_groups(model: RobotModel, task: ir.Task) -> tuple[InputGroup, ...]:
@@ -230,6 +252,11 @@ class MotionLimits:
     def joints(self) -> int:
         """The number of degrees of freedom."""
         return int(self.lower.shape[-1])
+
+    @property
+    def rates(self) -> tuple[Array, Array]:
+        """The bounds of the rates, (n,) or (k + 1, n) each."""
+        return self.rate_lower, self.rate_upper
 
     @property
     def accelerated(self) -> NDArray[np.int64]:

@@ -37,7 +37,7 @@ def length_unit(workspace: ir.Workspace) -> float:
 def least_margin(workspace: ir.Workspace, task: ir.Task) -> float:
     """The position margin (m) that a search begins with."""
     unit = length_unit(workspace)
-    names = {atom.region for clause in task.satisfy for atom in atoms(clause.formula)}
+    names = {atom.region for clause in task.demanded for atom in atoms(clause.formula)}
     names |= {task.start.region} if isinstance(task.start, ir.StartIn) else set()
     names |= set() if task.reach is None else {task.reach.region}
     sets = [region_set(workspace.region(name).shape, workspace.dimension) for name in names]

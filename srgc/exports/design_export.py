@@ -11,7 +11,14 @@ from pathlib import Path
 
 from srgc.exports.controller_files import CONTROLLER_FILES, C, controller_files
 from srgc.exports.exported_motion import ExportedMotion, exported_motion
-from srgc.exports.exported_robot import ExportedRobot, exported_robot, left_out, remarks
+from srgc.exports.exported_robot import (
+    ExportedRobot,
+    body_factors,
+    exported_robot,
+    left_out,
+    load_states,
+    remarks,
+)
 from srgc.exports.hull_files import UNSAID as NO_MESHES
 from srgc.exports.hull_files import hull_files
 from srgc.exports.joint_file import SUFFIX, UNSAID, joints_json
@@ -137,10 +144,14 @@ def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
 
 
 def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
-    robot = mujoco_text(design).encode()
+    robot, *loaded = (
+        mujoco_text(design, body_factors(design, loads)).encode() for loads in load_states(design)
+    )
+    found = {f"robot_loaded_{number}.xml": text for number, text in enumerate(loaded, 1)}
     gains = gain_table(motion)
-    fed_back = {} if gains is None else {GAINS: gains.encode()}
-    return fed_back | {
+    if gains is not None:
+        found[GAINS] = gains.encode()
+    return found | {
         FILE_NAMES["mjcf"]: robot,
         FILE_NAMES["csv"]: trajectory_table(motion).encode(),
         TORQUES: torque_table(motion).encode(),

@@ -12,7 +12,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import robot_inputs, robot_states
+from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.fine_motion import fine_motion
 from solvers.trajectory.rubbing_motion import rates_of_change
@@ -99,16 +99,18 @@ def quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, ..
 
 
 def input_quantities(model: RobotModel, joints: Sequence[str]) -> tuple[Quantity, ...]:
-    """The inputs of a robot: free ones are called after their joints, others after modules."""
-    return tuple(
-        Quantity(
-            joints[item.dof]
-            if item.dof is not None
-            else f"{item.module}_{item.symbol}.{item.name}",
-            item.unit,
-        )
-        for item in robot_inputs(model)
-    )
+    """The inputs of a robot: free ones are called after their joints, others after modules.
+
+    Loads have names of their own.
+    """
+
+    def name(item: RobotInput) -> str:
+        if item.dof is not None:
+            return joints[item.dof]
+        own = item.name.replace(" ", "_")
+        return own if item.is_load else f"{item.module}_{item.symbol}.{own}"
+
+    return tuple(Quantity(name(item), item.unit) for item in robot_inputs(model))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -208,13 +210,11 @@ def _efforts(
     if left_out(design) is None:
         return held[:, free_inputs(design.model)]
     q, v = x[:, :n], x[:, n : 2 * n]
-    bias: Array = np.array(
-        [
-            np.asarray(numeric.graph.bias(*sample, theta, numeric.constants).full())[:, 0]
-            for sample in zip(q, v, strict=True)
-        ]
-    )
-    mass = numeric.mass_matrix(q, theta)
+    # At no acceleration, what the bodies ask of the joints is the bias.
+    bodies = (tuple(range(len(design.model.bodies))),)
+    mass = numeric.mass_matrix(q, theta, held)
+    slowed = numeric.slowed(bodies, x, np.zeros_like(q), held, theta)
+    bias: Array = (mass @ slowed)[:, :, 0]
     inertial: Array = (mass @ acceleration[:, :, None])[:, :, 0]
     drives = joint_drives(design.model, design.stated)
     # Where a joint rests, dry friction is against what it is about to do.

@@ -9,10 +9,12 @@ from fractions import Fraction
 from compiler.expressions.exact_numbers import rational_bounds
 from compiler.rigid_links.rigid_tree import LinkJoint, RigidTree, RigidTreeError, rigid_tree
 from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
+from compiler.robots.payloads import loads_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs
 from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
+from solvers.verifier.claims.certificate import exact
 from srgc.exports.joint_drives import JointDrive, joint_drives, viscous_friction
 from srgc.results.found_design import FoundDesign
 from srgc.version import VERSION
@@ -217,7 +219,33 @@ def motor_bound(model: RobotModel, task: ir.Task, dof: int) -> float | None:
 def remarks(design: FoundDesign) -> tuple[str, ...]:
     """What of a robot an export does not hold."""
     others = left_out(design)
-    return (f"{others} are left out; every joint has a plain motor",) if others else ()
+    found = [f"{others} are left out; every joint has a plain motor"] if others else []
+    if design.task.carries:
+        found.append("what is taken up and put down is left out: the robot is without it")
+    return tuple(found)
+
+
+# --- What a design carries, step by step ----------------------------------------------------------
+
+
+def load_rows(design: FoundDesign) -> tuple[tuple[float, ...], ...]:
+    """Which loads are there, 1 or 0, a row (c,) per step."""
+    first = len(robot_inputs(design.model)) - len(design.task.carries)
+    return tuple(tuple(float(exact(text)) for text in row[first:]) for row in design.claim.inputs)
+
+
+def load_states(design: FoundDesign) -> tuple[tuple[float, ...], ...]:
+    """The different rows of loads in a motion, that without any first."""
+    none = (0.0,) * len(design.task.carries)
+    return tuple(dict.fromkeys([none, *load_rows(design)]))
+
+
+def body_factors(design: FoundDesign, loads: Sequence[float]) -> list[float]:
+    """The factors of the masses of bodies, of which those of loads are there as ``loads`` say."""
+    found = [1.0] * len(design.model.bodies)
+    for body, there in zip(loads_of(design.model), loads, strict=True):
+        found[body] = there
+    return found
 
 
 def origin(design: FoundDesign) -> tuple[str, ...]:

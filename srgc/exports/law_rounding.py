@@ -17,6 +17,7 @@ from fractions import Fraction
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.robots.state_and_input import robot_inputs
 from solvers.verifier.claims.certificate import exact
 from srgc.exports.exported_controller import ExportedController, literal
 
@@ -94,6 +95,7 @@ def rounding_bounds(
         rounding = _Rounding(two**-precision.bits, two ** (2 - precision.exponent))
         largest = two ** (precision.exponent - 1)
         found = [arb(0)] * len(controller.inputs)
+        loads = {i for i, item in enumerate(robot_inputs(controller.design.model)) if item.is_load}
         rows = zip(
             controller.design.claim.inputs, claim.reference, claim.gains, measured[:-1], strict=True
         )
@@ -103,6 +105,9 @@ def rounding_bounds(
                 for number, (x, text) in enumerate(zip(states, reference, strict=True))
             ]
             for i, (text, row) in enumerate(zip(planned, gains, strict=True)):
+                # Loads are 1 or 0, and nothing that is measured counts for them.
+                if i in loads:
+                    continue
                 held = _held(rounding, text, row, off, largest)
                 found[i] = found[i].max(held)
         return found

@@ -22,7 +22,7 @@ from compiler.rigid_links.ball_pose import nearest
 from compiler.rigid_links.rigid_tree import PRECISION
 from grammar_lang import ir
 from srgc.exports.exported_motion import ExportedMotion, Quantity, free_inputs
-from srgc.exports.exported_robot import motor_bound, origin, remarks
+from srgc.exports.exported_robot import load_rows, load_states, motor_bound, origin, remarks
 from srgc.exports.joint_drives import joint_drives
 from srgc.exports.xml_lines import plain_line
 from srgc.faults import UsageFault
@@ -126,12 +126,21 @@ def trajectory_table(motion: ExportedMotion) -> str:
 
 
 def torque_table(motion: ExportedMotion) -> str:
-    """The efforts alone, each held from its time on, in columns called after the joints."""
+    """The efforts alone, each held from its time on, in columns called after the joints.
+
+    Where loads are taken up and put down, the last column has the number of the robot with what is
+    there, from 0 for the robot alone.
+    """
     head = ["t", *(joint.name for joint in motion.joints)]
-    rows = (
-        [decimal(float(time)), *(decimal(value) for value in row)]
-        for time, row in zip(motion.times[:-1], motion.effort, strict=False)
-    )
+    states = load_states(motion.design)
+    if len(states) > 1:
+        head.append("robot")
+    rows = []
+    for time, row, loads in zip(
+        motion.times, motion.effort, load_rows(motion.design), strict=False
+    ):
+        number = [str(states.index(loads))] if len(states) > 1 else []
+        rows.append([decimal(float(time)), *(decimal(value) for value in row), *number])
     return csv_text([head, *rows])
 
 

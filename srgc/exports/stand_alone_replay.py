@@ -72,6 +72,24 @@ def gains(model: mujoco.MjModel) -> list[dict[str, float]]:
     return found
 
 
+def robots(model: mujoco.MjModel) -> list[mujoco.MjModel]:
+    """The robot, then with what it carries at times, as the column `robot` of torques.csv counts.
+
+    They have the settings of the first.
+    """
+    found = [model]
+    for number in range(1, 1 + max(int(row.get("robot", 0)) for row in torques(model))):
+        name = f"robot_loaded_{number}.xml"
+        try:
+            text = (FOLDER / name).read_text(encoding="utf-8")
+            loaded = mujoco.MjModel.from_xml_string(text)
+        except (OSError, ValueError) as error:
+            sys.exit(f"{name} cannot be loaded: {error}")
+        loaded.opt.timestep, loaded.opt.disableflags = model.opt.timestep, model.opt.disableflags
+        found.append(loaded)
+    return found
+
+
 def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
     """The robot at its start, and how many steps of the simulation are one of the task."""
     try:
@@ -98,7 +116,7 @@ def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
 
 def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[None]:
     """Hold every row of torques for its step; stop after every step of the simulation."""
-    samples, taken = planned(model), gains(model)
+    samples, taken, loaded = planned(model), gains(model), robots(model)
     for step, row in enumerate(torques(model)):
         off = {
             f"{kind}.{joint.name}": float(value[0]) - samples[step][f"{kind}.{joint.name}"]
@@ -110,7 +128,7 @@ def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[No
             less = sum(gain.get(f"{name} to {motor}", 0.0) * value for name, value in off.items())
             data.ctrl[i] = row[motor] - less
         for _ in range(steps):
-            mujoco.mj_step(model, data)
+            mujoco.mj_step(loaded[int(row.get("robot", 0))], data)
             yield
 
 

@@ -26,6 +26,7 @@ from compiler.tasks.specification import (
 from grammar_lang import ir
 from srgc.exports.design_export import mujoco_text
 from srgc.exports.exported_motion import free_inputs, planned_inputs
+from srgc.exports.exported_robot import body_factors, load_rows, load_states
 from srgc.faults import UsageFault
 from srgc.replays.mujoco_replay import joint_places, loaded_model, silent
 from srgc.results.found_design import FoundDesign
@@ -168,17 +169,21 @@ class Simulator:
         design, places = self.design, joint_places(model, self.design)
         bounds, planned = disturbance_bounds(design), planned_inputs(design)
         n, columns, feedback = len(design.model.dofs), free_inputs(design.model), design.feedback
-        models = [
-            self._weighed(self._model(model, bounds, own), 1 + bounds.mass * part)
-            for part, own in zip(disturbed.mass, disturbed.masses, strict=True)
-        ]
-        full = np.zeros((len(models), 1 + model.nq + model.nv))
-        control = np.zeros((len(models), 1, model.nu))
+        models = {
+            loads: [
+                self._weighed(self._model(model, bounds, own, loads), 1 + bounds.mass * part)
+                for part, own in zip(disturbed.mass, disturbed.masses, strict=True)
+            ]
+            for loads in load_states(design)
+        }
+        rows, every = load_rows(design), len(disturbed.mass)
+        full = np.zeros((every, 1 + model.nq + model.nv))
+        control = np.zeros((every, 1, model.nu))
         at_q, at_v = 1 + places.q, 1 + model.nq + places.v
-        states = np.zeros((len(models), len(planned.u) + 1, 2 * n))
+        states = np.zeros((every, len(planned.u) + 1, 2 * n))
         states[:, 0] = planned.x[0, : 2 * n] + bounds.start * disturbed.start
         full[:, at_q], full[:, at_v] = states[:, 0, :n], states[:, 0, n:]
-        commanded = np.zeros((len(models), *planned.u.shape))
+        commanded = np.zeros((every, *planned.u.shape))
         data = [self.mujoco.MjData(model) for _ in range(self.threads)]
         with (
             np.errstate(all="ignore"),
@@ -193,16 +198,18 @@ class Simulator:
                 errors = bounds.part * np.abs(commanded[:, k]) + bounds.most
                 applied = commanded[:, k] + errors * disturbed.inputs[:, k]
                 control[:, 0, places.motors] = applied[:, columns]
-                full = pool.rollout(models, data, full, control, nstep=count)[0][:, -1]
+                full = pool.rollout(models[rows[k]], data, full, control, nstep=count)[0][:, -1]
                 states[:, k + 1, :n], states[:, k + 1, n:] = full[:, at_q], full[:, at_v]
                 told(k + 1)
         return SimulatedMotions(states, commanded)
 
-    def _model(self, model: Any, bounds: DisturbanceBounds, parts: Array) -> Any:
-        """The model with masses of single modules that are off by ``parts`` (p,) of the bounds."""
-        if not bounds.masses:
+    def _model(
+        self, model: Any, bounds: DisturbanceBounds, parts: Array, loads: Sequence[float]
+    ) -> Any:
+        """The model with loads, where some masses are off by ``parts`` (p,) of the bounds."""
+        if not bounds.masses and not any(loads):
             return model
-        factors = np.ones(len(self.design.model.bodies))
+        factors = np.array(body_factors(self.design, loads))
         for item, part in zip(bounds.masses, parts, strict=True):
             factors[list(item.bodies)] *= 1 + float(item.part) * part
         text = mujoco_text(self.design, factors.tolist())
@@ -227,14 +234,14 @@ class DisturbanceBounds:
 
     Attributes:
         start, measured: (2 n,) of coordinates and rates.
-        part, most: inputs are off by up to this part of themselves and (m,) more.
+        part, most: inputs are off by up to this part of themselves and that much more, (m,) each.
         mass: of all masses.
         masses: of those of single modules, besides, with the bodies of each.
     """
 
     start: Array
     measured: Array
-    part: float
+    part: Array | float
     most: Array
     mass: float
     masses: tuple[UncertainMass, ...] = ()
@@ -243,11 +250,11 @@ class DisturbanceBounds:
 def disturbance_bounds(design: FoundDesign) -> DisturbanceBounds:
     """What the task of a design says; zeros without ``robust``."""
     task, model = design.task, design.model
-    part, most = input_errors(task, model)
+    parts, most = input_errors(task, model)
     return DisturbanceBounds(
         np.array(disturbance_radii(task, model), dtype=np.float64),
         np.array(measurement_radii(task, model), dtype=np.float64),
-        float(part),
+        np.array(parts, dtype=np.float64),
         np.array(most, dtype=np.float64),
         float((task.robust or ir.Robust()).mass),
         module_masses(design),

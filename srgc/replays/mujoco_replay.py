@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -18,7 +18,13 @@ from compiler.arrays import Array
 from solvers.trajectory.trajectory import Trajectory
 from srgc.exports.design_export import mujoco_text
 from srgc.exports.exported_motion import free_inputs, planned_inputs
-from srgc.exports.exported_robot import design_names, design_tree
+from srgc.exports.exported_robot import (
+    body_factors,
+    design_names,
+    design_tree,
+    load_rows,
+    load_states,
+)
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
 
@@ -92,9 +98,15 @@ def replay_in_mujoco(design: FoundDesign, count: int, integrator: str) -> Replay
     mujoco, text = refuse_unsimulable(design, count)
     step, planned = design.task.step, planned_inputs(design)
     model = loaded_model(mujoco, text, step / count, integrator)
+    models = {
+        loads: loaded_model(
+            mujoco, mujoco_text(design, body_factors(design, loads)), step / count, integrator
+        )
+        for loads in load_states(design)[1:]
+    }
     with silent(mujoco):
         parts = _parts(count, max(1, MOST_INSTANTS // len(planned.u)))
-        times, states, tips = _simulated(mujoco, model, design, planned, parts)
+        times, states, tips = _simulated(mujoco, model, models, design, planned, parts)
     if not (np.isfinite(states).all() and np.isfinite(tips).all()):
         raise UsageFault(
             f"MuJoCo's simulation diverges with steps of {model.opt.timestep:g} s ({integrator})"
@@ -147,11 +159,15 @@ def mujoco_module() -> ModuleType:
 def _simulated(
     mujoco: ModuleType,
     model: Any,
+    loaded: Mapping[tuple[float, ...], Any],
     design: FoundDesign,
     planned: Trajectory,
     parts: Sequence[int],
 ) -> tuple[Array, Array, Array]:
-    """Times, states and effectors, recorded after so many steps of each step of the task."""
+    """Times, states and effectors, recorded after so many steps of each step of the task.
+
+    ``loaded`` are models of the same robot with loads.
+    """
     data, places = mujoco.MjData(model), joint_places(model, design)
     n, step = len(design.model.dofs), design.task.step
     data.qpos[places.q], data.qvel[places.v] = planned.x[0, :n], planned.x[0, n:]
@@ -165,12 +181,12 @@ def _simulated(
 
     record(Fraction(0))
     feedback, columns = design.feedback, free_inputs(design.model)
-    for number, row in enumerate(planned.u):
+    for number, (row, loads) in enumerate(zip(planned.u, load_rows(design), strict=True)):
         held = row if feedback is None else feedback.commanded(number, row, states[-1])
         data.ctrl[places.motors] = held[columns]
         done = 0
         for part in parts:
-            mujoco.mj_step(model, data, nstep=part)
+            mujoco.mj_step(loaded.get(loads, model), data, nstep=part)
             done += part
             record((number + Fraction(done, sum(parts))) * step)
     return np.array(instants), np.array(states), np.array(tips)

@@ -36,6 +36,8 @@ def _sentences(program: ir.Program, task: ir.Task) -> Iterator[str]:
     yield f"At every instant {bodies} within the bounds of `{workspace.name}`"
     for clause in task.satisfy:
         yield f"The motion satisfies `{_short(formula_text(clause.formula))}`"
+    for carry in task.carries:
+        yield _carried(program, task, carry)
     yield from _limits(task)
 
 
@@ -95,6 +97,16 @@ def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
     slow = f"with rates of at most {_value(rates.bound)} {_rate_unit(program, task)}"
     found += ", at rest" if rest else f", {slow}"
     return found + (f", for the last {_value(rates.duration)} s" if rates.duration else "")
+
+
+def _carried(program: ir.Program, task: ir.Task, carry: ir.Carry) -> str:
+    who = "the effector" if carry.effector is None else f"effector {carry.effector}"
+    rates = carry.rates
+    how = f"with rates of at most {_value(rates.bound)} {_rate_unit(program, task)}"
+    if rates.bound == ir.REST_RATE:
+        how = "at rest"
+    load = f"a point mass of {_value(carry.mass)} kg"
+    return f"In `{carry.source}` {who} takes up {load}, and puts it down in `{carry.target}`, {how}"
 
 
 def _turned(reach: ir.Reach) -> str:

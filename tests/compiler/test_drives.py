@@ -97,7 +97,7 @@ def test_uncertain_masses_leave_rotors_alone() -> None:
     assert np.allclose(balance.reshape(3, 3), expected, atol=1e-12)
     efforts = graph.efforts_of([(0, 1, 2)])
     a = rng.uniform(-1, 1, 3)
-    asked = np.asarray(efforts(q, w[:3], a, theta, k).full()).ravel()
+    asked = np.asarray(efforts(q, w[:3], a, u, theta, k).full()).ravel()
     assert np.allclose(asked, (mass(graph, q, theta) - rotors) @ a, atol=1e-12)
 
 

@@ -105,7 +105,7 @@ def test_the_set_of_a_harmonic_motion_stays_near_the_true_one() -> None:
 
 def part_of(effort: Fraction, inputs: Sequence[Sequence[object]]) -> InputError:
     """Inputs that are off by so large a part of themselves."""
-    return InputError(ball(effort), (arb(0),) * len(inputs[0]))
+    return InputError((ball(effort),) * len(inputs[0]), (arb(0),) * len(inputs[0]))
 
 
 def test_disturbed_inputs_of_a_double_integrator() -> None:
@@ -292,7 +292,7 @@ def test_disturbed_inputs_need_the_slopes() -> None:
                 [[arb(1)]],
                 arb(1),
                 ROUGH,
-                error=InputError(arb("0.1"), (arb(0),)),
+                error=InputError((arb("0.1"),), (arb(0),)),
             )
         )
 

@@ -164,7 +164,7 @@ def test_an_open_loop_is_a_law_without_gains() -> None:
 
 
 def test_errors_of_inputs_add_up() -> None:
-    error = InputError(arb("0.5"), (arb(1), arb(0)))
+    error = InputError((arb("0.5"),) * 2, (arb(1), arb(0)))
     first, second = error.about([arb(-4), arb(0, 2)])
     assert float(first) == pytest.approx(3, rel=1e-8)
     assert float(second) == pytest.approx(1, rel=1e-8)

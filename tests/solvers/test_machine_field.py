@@ -166,7 +166,7 @@ def contained(name: str, seed: int, *, in_machine: bool = True) -> None:
     off = float(twins.rng.choice([0.0, 1e-3]))
     with working_precision(PRECISE):
         wide = box(twins.about(start, radius))
-        error = InputError(arb(0), (arb(off),) * twins.inputs) if off else None
+        error = InputError((arb(0),) * twins.inputs, (arb(off),) * twins.inputs) if off else None
     signs = twins.rng.uniform(-1, 1, (len(rows), twins.inputs))
     given = [
         [u + Fraction(off * s) for u, s in zip(row, part, strict=True)]

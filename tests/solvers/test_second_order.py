@@ -201,7 +201,7 @@ def test_wide_sets_of_an_arm_hold_its_motions_and_are_narrower_than_by_boxes() -
         field = field_of(graph, lengths)
         start = [ball(x) + arb(0, 1) * ball(radius) for x in state]
         rows = [[ball(x) for x in u] for u in inputs]
-        error = InputError(ball(part), (arb(0), arb(0)))
+        error = InputError((ball(part),) * 2, (arb(0), arb(0)))
         closer = list(tube(field, start, rows, ball(step), ROUGH, error=error))
         boxes = replace(field, curvature=None)
         coarser = list(tube(boxes, start, rows, ball(step), ROUGH, error=error))

@@ -123,7 +123,7 @@ def segments_of(loop: Loop, *, absolute: bool) -> tuple[RobotGraph, list[TubeSeg
             tuple(tuple(ball(column[i]) for column in columns) for i in range(3 * n + 1)),
             tuple(map(ball, (*loop.radii, loop.mass))),
         )
-        error = InputError(ball(loop.part), tuple(map(ball, loop.most)))
+        error = InputError((ball(loop.part),) * len(loop.most), tuple(map(ball, loop.most)))
         made = tube(field, initial, held.inputs, ball(loop.step), ACCURACY, error, held)
         with suppress(EnclosureFailure):
             found.extend(made)

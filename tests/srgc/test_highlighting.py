@@ -105,6 +105,8 @@ task Turn {
   reach rates at rest for 1 s; reach to aligned -x to (0, 1 + 1) within 5 deg at rest;
   reach within by effector 1 oriented rot(-z, 2 deg) * world within (1 + 1) deg aligned y to (1,
     0) m within 1 rates <= 2; payload 2 kg; payload (1 + 1) kg by effector 1;
+  carry 2 kg from A to B; carry (1 + 1) kg from from to to by effector 1 rates <= 0.1 rad/s;
+  carry 1 from to to from rates <= 2;
   avoid with, with with body, margin 2 cm;
   avoid O with effector margin (1 + 2) cm;
   avoid self with body; avoid self with body, except except except, margin Tube;

@@ -55,17 +55,17 @@ def open_loop(inputs: Sequence[Sequence[Fraction]], size: int) -> ControlLaw:
 class InputError:
     """How far inputs may be from what is commanded, at every instant: |d| <= part |u| + most.
 
-    ``most`` has one value per input (m,), in its unit.
+    Both have one value per input (m,), ``most`` in its unit.
     """
 
-    part: arb
+    part: tuple[arb, ...]
     most: tuple[arb, ...]
 
     def about(self, commanded: Sequence[arb]) -> list[arb]:
         """Bounds of |d| for commanded inputs (m,) given as balls."""
         return [
-            (abs(u).upper() * self.part + most).upper()
-            for u, most in zip(commanded, self.most, strict=True)
+            (abs(u).upper() * part + most).upper()
+            for u, part, most in zip(commanded, self.part, self.most, strict=True)
         ]
 
 

@@ -16,13 +16,12 @@ from flint import arb
 from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.tasks.specification import disturbance_radii, input_errors, uncertain_masses
 from grammar_lang import ir
+from solvers.verifier.proofs.carried_loads import transfer_names
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import InputError
 from solvers.verifier.proofs.effort_bounds import effort_conditions
 from solvers.verifier.proofs.enclosure import Accuracy
-from solvers.verifier.proofs.end_conditions import (
-    end_names,
-)
+from solvers.verifier.proofs.end_conditions import end_names
 from solvers.verifier.proofs.endless_conditions import unless_open
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
 from solvers.verifier.proofs.tube_checks import Status
@@ -103,7 +102,7 @@ def _cut_short(
         why="the enclosure of the disturbed motions ends",
     )  # fmt: skip
     known = [each for each in told if each.status is not Status.HOLDS]
-    about = {each.name for each in told} | end_names(task)
+    about = {each.name for each in told} | end_names(task) | transfer_names(task)
     rest = [
         replace(ended, name=each.name, margin=NO_MARGIN, unit=each.unit)
         for each in planned
@@ -123,10 +122,10 @@ def _told(condition: CheckedCondition) -> CheckedCondition:
 
 def input_error(scene: Scene) -> InputError | None:
     """How far inputs may be from what is commanded; None: not at all."""
-    part, most = input_errors(scene.task, scene.model)
-    if not part and not any(most):
+    parts, most = input_errors(scene.task, scene.model)
+    if not any(parts) and not any(most):
         return None
-    return InputError(ball(part), tuple(ball(value) for value in most))
+    return InputError(tuple(map(ball, parts)), tuple(map(ball, most)))
 
 
 def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:

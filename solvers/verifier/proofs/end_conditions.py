@@ -76,6 +76,20 @@ def held_at(condition: Constraint, at: Slice) -> CheckedCondition:
     return least(condition.name, [gap], condition.unit, time, condition.where(at))
 
 
+def known_at(
+    point_map: PointMap,
+    condition: Constraint,
+    state: Sequence[arb],
+    states: Zonotope | None,
+    time: float,
+) -> CheckedCondition:
+    """What is shown of a condition at an instant, of a state in a box and, if known, in a set."""
+    found = held_at(condition, at_instant(point_map.positions(state), time))
+    if found.status is Status.UNDECIDED and states is not None:
+        found = held_at(condition, replace(point_map.instant(states), time=arb(time)))
+    return found
+
+
 @dataclass(slots=True)
 class FinalRates(StateLimit):
     """All rates of the joints, q' = D y', are within a bound; ``rows`` are those of D."""
@@ -100,6 +114,16 @@ class FinalRates(StateLimit):
     def gaps_of(self, states: Zonotope) -> list[arb]:
         """Per joint how far its rate is from the bound, on a set in which rates go together."""
         return [self.gap_of(value) for value in states.values(self.sums(len(states.middle)))]
+
+
+def slow_at(
+    rates: FinalRates, state: Sequence[arb], states: Zonotope | None, time: float
+) -> CheckedCondition:
+    """Whether all rates are within the bound at an instant, as ``known_at``."""
+    found = least(rates.name, rates.gaps(state), rates.unit, time)
+    if found.status is Status.UNDECIDED and states is not None:
+        found = least(rates.name, rates.gaps_of(states), rates.unit, time)
+    return found
 
 
 def final_rates(graph: RobotGraph, rates: ir.FinalRates) -> FinalRates:
@@ -161,13 +185,6 @@ class EndConditions:
                 )
             return
         for each in self.positions:
-            at = at_instant(point_map.positions(last), end)
-            reached = held_at(each, at)
-            if reached.status is Status.UNDECIDED and states is not None:
-                reached = held_at(each, replace(point_map.instant(states), time=arb(end)))
-            yield reached
+            yield known_at(point_map, each, last, states, end)
         if rates is not None:
-            slow = least(rates.name, rates.gaps(last), rates.unit, end)
-            if slow.status is Status.UNDECIDED and states is not None:
-                slow = least(rates.name, rates.gaps_of(states), rates.unit, end)
-            yield slow
+            yield slow_at(rates, last, states, end)

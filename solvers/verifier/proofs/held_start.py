@@ -11,6 +11,7 @@ from flint import arb, arb_mat
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import BALLS, ball, below, closed_ball, column
 from compiler.expressions.tape import tape
+from compiler.robots.payloads import loads_of
 from compiler.robots.state_and_input import InputBound, dry_friction, input_bounds, robot_states
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.effort_bounds import distance
@@ -99,6 +100,7 @@ class _Balance:
         """The middles of the bounds of the inputs, and the widest margins, (m,) each."""
         count = self.scene.graph.parts.u.numel()
         middle, weights = np.zeros(count), np.ones(count)
+        weights[count - len(loads_of(self.scene.model)) :] = 0.0
         for bound in self.bounds:
             inputs = list(bound.inputs)
             weights[inputs] = float(bound.widest_margin)

@@ -41,27 +41,27 @@ class ErrorSizes:
         start: of coordinates, then of rates of the joints, (2n,).
         masses: of the factors of uncertain masses, (p,).
         noise: of what is measured, (2n,).
-        part: of inputs, as a part of what is commanded.
+        part: of inputs, as a part of what is commanded, (m,).
         most: of inputs besides, (m,).
     """
 
     start: tuple[Fraction, ...]
     masses: tuple[Fraction, ...]
     noise: tuple[Fraction, ...]
-    part: Fraction
+    part: tuple[Fraction, ...]
     most: tuple[Fraction, ...]
 
 
 def error_sizes(scene: Scene) -> ErrorSizes:
     """What the task of a scene names, or hardly less."""
     task, model = scene.task, scene.model
-    part, most = input_errors(task, model)
+    parts, most = input_errors(task, model)
     return ErrorSizes(
         tuple(WITHIN * radius for radius in disturbance_radii(task, model)),
         tuple(item.part for item in uncertain_masses(task, model)),
         tuple(WITHIN * radius for radius in measurement_radii(task, model)),
         # Less than all of it: what is commanded follows from what is delivered.
-        min(part, Fraction(99, 100)),
+        tuple(min(part, Fraction(99, 100)) for part in parts),
         most,
     )
 
@@ -141,7 +141,7 @@ class DisturbedMotion:
 def disturbed(motion: Motion, sizes: ErrorSizes, signs: Disturbance) -> DisturbedMotion:
     """An unrolled motion with errors, exactly."""
     law = law_of(motion)
-    factor = tuple(tuple(1 + s * sizes.part for s in row) for row in signs.scaled)
+    factor = tuple(tuple(1 + e for e in _times(row, sizes.part)) for row in signs.scaled)
     added = tuple(_times(row, sizes.most) for row in signs.pushed)
     inputs = tuple(
         tuple(f * u + b for f, u, b in zip(*rows, strict=True))

@@ -16,6 +16,7 @@ from compiler.expressions.evaluators.balls import working_precision
 from compiler.expressions.tape import UndefinedValueError
 from compiler.tasks.specification import missing_effector
 from compiler.workspaces.abstraction import Abstraction
+from solvers.verifier.proofs.carried_loads import load_conditions
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, decisive, inside
 from solvers.verifier.proofs.disturbed_proof import DisturbedMotions, disturbed_findings
 from solvers.verifier.proofs.effort_bounds import PLANNED, effort_conditions
@@ -107,7 +108,7 @@ def _conditions(
 ) -> tuple[CheckedCondition, ...]:
     robot = driven_robot(scene, motion)
     found = [positive_mass(scene.graph, robot.state, robot.tail)]
-    found += unphysical(scene.model, robot.tail)
+    found += [*unphysical(scene.model, robot.tail), *load_conditions(scene, motion)]
     tips = robot.point_map.positions(robot.state)
     found += start_conditions(scene, motion, robot.state, robot.tail, tips)
     if any(condition.status is Status.FAILS for condition in found):

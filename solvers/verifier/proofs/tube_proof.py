@@ -22,6 +22,7 @@ from compiler.tasks.monitor import AtomKey, key
 from compiler.tasks.specification import measurement_radii, uncertain_masses
 from grammar_lang import ir
 from grammar_lang.ir.formula_parts import atoms, formula_text
+from solvers.verifier.proofs.carried_loads import TransferConditions
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import InputError, SampledLaw, open_loop, sampled_law
 from solvers.verifier.proofs.defined import Defined
@@ -162,6 +163,7 @@ class Followed:
     defined: Defined
     formulas: FormulaProof
     end: EndConditions
+    carried: TransferConditions
     samples: list[Sequence[arb]]
     commanded: list[Sequence[arb]] = field(default_factory=list[Sequence[arb]])
     reached: list[Zonotope] = field(default_factory=list[Zonotope])
@@ -190,6 +192,7 @@ class Followed:
             found += endless_conditions(loop, self.reached, task, effector, self.formulas)
         else:
             found += self.end.conditions(self.robot.point_map, self.samples[-1], self.reached[-1])
+        found += self.carried.conditions(self.robot.point_map, self.samples)
         found += [self.satisfied(*each) for each in enumerate(task.satisfy)]
         return found
 
@@ -242,12 +245,14 @@ def follow(
         Defined(tape(graph.conditions), graph.divisors, robot.tail),
         _formulas(robot, watch.tick),
         EndConditions(scene, robot.motion.effector),
+        TransferConditions(scene, robot.motion),
         [],
     )
     ends: dict[int, Sequence[arb]] = {0: box_of(initial)}
     try:
         for start, steps in legs(robot, initial):
             last = zonotope(start)
+            found.carried.add(steps.start, last)
             for segment in tube(
                 robot.field,
                 start,
@@ -268,6 +273,7 @@ def follow(
                     break
                 if segment.steps[1].denominator == 1:
                     ends[int(segment.steps[1])] = segment.end
+                    found.carried.add(int(segment.steps[1]), last)
                     watch.part(int(segment.steps[1]), scene.task.steps)
             if found.ended:
                 break

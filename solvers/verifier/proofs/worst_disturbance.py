@@ -177,7 +177,7 @@ def course(scene: Scene, of: DisturbedMotion, sizes: ErrorSizes) -> Course:
     held = slice(len(z) - p - m, len(z) - p)
     rows = np.array(robot.graph.coordinates.rows, float).reshape(n, n)
     turn = np.block([[rows, np.zeros((n, n))], [np.zeros((n, n)), rows]])
-    noise, most, part = np.array(sizes.noise, float), np.array(sizes.most, float), float(sizes.part)
+    noise, most, part = (np.array(e, float) for e in (sizes.noise, sizes.most, sizes.part))
     steps = len(of.motion.inputs)
     spread = np.zeros((len(z), 2 * n + p + steps * (2 * n + m)))
     spread[: 2 * n, : 2 * n] = np.linalg.solve(turn, np.diag(np.array(sizes.start, float)))
@@ -320,7 +320,9 @@ def _corner(towards: Array, seen: Course, about: Disturbance, sizes: ErrorSizes)
     misread, scaled, pushed = [], [], []
     for k in range(len(about.pushed)):
         misread.append(signs(sizes.noise))
-        pushed.append(signs([sizes.part or most for most in sizes.most]))
+        pushed.append(
+            signs([part or most for part, most in zip(sizes.part, sizes.most, strict=True)])
+        )
         command = np.sign(seen.commanded[k]).astype(int).tolist() if k < len(seen.commanded) else []
         scaled.append(
             tuple(a * b for a, b in zip(pushed[-1], command, strict=True))

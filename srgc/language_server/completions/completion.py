@@ -174,6 +174,7 @@ STATEMENTS = MappingProxyType(
             "satisfy": "satisfy ${0:eventually T};",
             "repeat": "repeat;",
             "payload": "payload ${1:0.5} kg;",
+            "carry": "carry ${1:0.5} kg from ${2:A} to ${3:B};",
             "control": "control ${1|open loop,feedback|};",
         },
     }

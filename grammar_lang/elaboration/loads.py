@@ -1,0 +1,96 @@
+"""What effectors carry: point masses all the time, and such as are taken up and put down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import TypeVar
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.elaboration.closed import Constants
+from grammar_lang.elaboration.joint_values import final_rates
+from grammar_lang.source import Span
+from grammar_lang.syntax import tasks as t
+from grammar_lang.units import MASS
+
+Load = TypeVar("Load", ir.Payload, ir.Carry)
+
+
+def lower_payloads(task: t.Task, reaching: int | None, sink: Sink) -> tuple[ir.Payload, ...]:
+    """The clauses ``payload``, without what is reported.
+
+    Args:
+        task: the task.
+        reaching: the effector, from 1, that the task's ``reach`` names, which carries unless
+            another one is named.
+        sink: where errors go.
+    """
+    reader, found = Constants(sink), dict[int | None, ir.Payload]()
+    for item in task.items:
+        if isinstance(item, t.Payload):
+            number, mass = _load(item, reaching, "payload", reader, sink)
+            if mass is not None and _is_first(number, found, "payload", item.span, sink):
+                found[number] = ir.Payload(mass, number, item.span)
+    return tuple(found.values())
+
+
+def lower_carries(
+    task: t.Task,
+    reaching: int | None,
+    place: Callable[[s.Ident], str],
+    kinds: tuple[ir.DofKind, ...],
+    sink: Sink,
+) -> tuple[ir.Carry, ...]:
+    """The clauses ``carry``, without what is reported.
+
+    Args:
+        task: the task.
+        reaching: as of payloads.
+        place: says what a region is called; one that is none is reported.
+        kinds: the kinds of joints of the family; none: any.
+        sink: where errors go.
+    """
+    reader, found = Constants(sink), dict[int | None, ir.Carry]()
+    repeat = next((item for item in task.items if isinstance(item, t.Repeat)), None)
+    for item in task.items:
+        if not isinstance(item, t.Carry):
+            continue
+        if repeat is not None:
+            notes = [(repeat.span, "the motion goes on for ever")]
+            message = "a motion that goes on for ever cannot `carry`"
+            hint = "write `payload m;` for what it holds all the time, or remove `repeat;`"
+            sink.error(Code.BAD_VALUE, message, item.span, hint, notes)
+        number, mass = _load(item, reaching, "load", reader, sink)
+        source, target = place(item.source), place(item.target)
+        rates = ir.FinalRates() if item.rates is None else final_rates(item.rates, kinds, sink)
+        if mass is not None and _is_first(number, found, "carry", item.span, sink):
+            found[number] = ir.Carry(mass, number, source, target, rates, item.span)
+    return tuple(found.values())
+
+
+def _load(
+    item: t.Payload | t.Carry, reaching: int | None, what: str, reader: Constants, sink: Sink
+) -> tuple[int | None, Fraction | None]:
+    """The effector that carries something, from 1, and its mass; None where that is reported."""
+    number, mass = reaching, reader.rational(item.mass, MASS)
+    if item.effector is not None:
+        number = reader.integer(item.effector, 1, "an effector's number")
+    if mass is not None and mass <= 0:
+        message = f"the {what} is not positive"
+        sink.error(Code.BAD_VALUE, message, item.mass.span, "write more than zero")
+        return number, None
+    return number, mass
+
+
+def _is_first(
+    number: int | None, found: dict[int | None, Load], name: str, span: Span, sink: Sink
+) -> bool:
+    """Whether nothing of the kind is at an effector so far; else that is reported."""
+    if number not in found:
+        return True
+    message, notes = f"a second `{name}` at this effector", [(found[number].span, "first here")]
+    hint = "add the masses up" if name == "payload" else "an effector carries one load: remove one"
+    sink.error(Code.REPEATED_CLAUSE, message, span, hint, notes)
+    return False

@@ -1,0 +1,109 @@
+"""What a ``carry`` clause asks of a motion, or of all disturbed ones.
+
+The inputs say from which sample on a load is there, and up to which one.  At the first its effector
+is in the one region and at the second in the other, with all rates of the joints below a bound.
+Rates go on there as they were: nothing is lost or gained where a load is taken up or put down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from flint import arb
+
+from compiler.robots.payloads import loads_of
+from compiler.robots.state_and_input import robot_inputs
+from compiler.tasks.carrying import Transfer, transfer_of
+from grammar_lang import ir
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
+from solvers.verifier.proofs.end_conditions import final_rates, known_at, slow_at
+from solvers.verifier.proofs.point_map import PointMap
+from solvers.verifier.proofs.scene import Motion, Scene
+from solvers.verifier.proofs.tube_checks import Inside, Status, rows_of
+from solvers.verifier.proofs.zonotope import Zonotope
+
+
+def load_name(task: ir.Task, number: int) -> str:
+    """What a load, from 0, is called."""
+    return "load" if len(task.carries) == 1 else f"load {number + 1}"
+
+
+def transfer_names(task: ir.Task) -> frozenset[str]:
+    """The names of all conditions on where loads are taken up and put down."""
+    pairs = [_names(task, number, taken=taken) for number, taken in _events(task)]
+    return frozenset(name for pair in pairs for name in pair)
+
+
+def _events(task: ir.Task) -> list[tuple[int, bool]]:
+    return [(number, taken) for number in range(len(task.carries)) for taken in (True, False)]
+
+
+def _names(task: ir.Task, number: int, *, taken: bool) -> tuple[str, str]:
+    """What the conditions on the place and on the rates are called."""
+    carry, name = task.carries[number], load_name(task, number)
+    what = f"{name} taken up" if taken else f"{name} put down"
+    return f"{what} in {carry.source if taken else carry.target}", f"rates, {what}"
+
+
+def transfers(scene: Scene, motion: Motion) -> list[Transfer | None]:
+    """Per load when it is there; None where the inputs do not say it."""
+    first = len(robot_inputs(scene.model)) - len(loads_of(scene.model))
+    columns = zip(*(row[first:] for row in motion.inputs), strict=True)
+    return [transfer_of(column) for column in columns]
+
+
+def load_conditions(scene: Scene, motion: Motion) -> list[CheckedCondition]:
+    """Every load is there from one sample to a later one, whatever a controller reads."""
+    found = []
+    for number, transfer in enumerate(transfers(scene, motion)):
+        place = len(motion.inputs[0]) - len(scene.task.carries) + number
+        law = motion.law
+        steered = law is not None and (
+            any(any(gain[place]) for gain in law.gains) or any(law.rounding[place : place + 1])
+        )
+        status = Status.FAILS if transfer is None or steered else Status.HOLDS
+        name = f"{load_name(scene.task, number)} carried from a sample to a later one"
+        if status is Status.FAILS:
+            found.append(CheckedCondition(name, status, 0.0, ""))
+    return found
+
+
+@dataclass(slots=True)
+class TransferConditions:
+    """The clauses ``carry`` along a tube; ``sets`` are the states at the samples that matter."""
+
+    scene: Scene
+    motion: Motion
+    sets: dict[int, Zonotope] = field(default_factory=dict[int, Zonotope])
+    _samples: frozenset[int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        found = [each for each in transfers(self.scene, self.motion) if each is not None]
+        self._samples = frozenset(sample for each in found for sample in (each.first, each.last))
+
+    def add(self, sample: int, states: Zonotope | None) -> None:
+        """Keep the states at a sample if they matter."""
+        if states is not None and sample in self._samples:
+            self.sets[sample] = states
+
+    def conditions(
+        self, point_map: PointMap, samples: Mapping[int, Sequence[arb]] | Sequence[Sequence[arb]]
+    ) -> Iterator[CheckedCondition]:
+        """What a complete tube shows; ``samples`` are boxes of the states at all samples."""
+        task, workspace = self.scene.task, self.scene.workspace
+        for number, transfer in enumerate(transfers(self.scene, self.motion)):
+            carry = task.carries[number]
+            for taken in (True, False):
+                names = _names(task, number, taken=taken)
+                if transfer is None:
+                    yield from (CheckedCondition(n, Status.FAILS, -NO_MARGIN, "") for n in names)
+                    continue
+                sample = transfer.first if taken else transfer.last
+                region = workspace.region(carry.source if taken else carry.target)
+                rows = rows_of(self.scene.polytope(region))
+                place = Inside(names[0], ((carry.effector or 1) - 1,), rows=rows)
+                rates = replace(final_rates(self.scene.graph, carry.rates), name=names[1])
+                known = samples[sample], self.sets.get(sample), float(task.step * sample)
+                yield known_at(point_map, place, *known)
+                yield slow_at(rates, *known)
