@@ -1,0 +1,166 @@
+"""A hand that takes a load up and puts it down: found, proved, simulated by hand, and spoilt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from compiler.arrays import Array
+from solvers.verifier.verification import Outcome, verify_directory
+from tests.oracles import result_files
+from tests.oracles.command_line import quiet, synthesised
+from tests.oracles.small_specs import replaced
+from tests.soundness.test_poses import LENGTHS, SPEC, dynamics
+
+LOAD = 0.8
+TASK = """\
+task Turn { robot Arm; workspace Table; start in S at rest; reach S;
+  carry 0.8 kg from T to Bin rates <= 0.05 rad/s; avoid O with effector;
+  effort <= 20 N*m; control open loop; gravity (0, -1.62) m/s^2; horizon 30 steps of 0.1 s; }
+"""
+CARRIES = (
+    replaced(
+        SPEC[: SPEC.index("task Turn")],
+        "  target T",
+        "  region Bin polytope { x + y >= 0.3; x + y <= 0.6; y - x >= -0.4; y - x <= 0.1; } m;\n"
+        "  target T",
+    )
+    + TASK
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return synthesised(tmp_path_factory.mktemp("carry"), CARRIES)
+
+
+def samples(certificate: dict) -> tuple[Array, list[float]]:
+    """The states at all samples, (k + 1, 6), with the load in the steps that the inputs say."""
+    states = [np.array([float(x) for x in certificate["start"]])]
+    there = [float(row[-1]) for row in certificate["inputs"]]
+
+    def rates(_: float, x: Array, u: Array, carried: float) -> Array:
+        mass, rest = dynamics(x[:3], x[3:], carried)
+        return np.concatenate([x[3:], np.linalg.solve(mass, u - rest)])
+
+    for row, load in zip(certificate["inputs"], there, strict=True):
+        u = np.array([float(x) for x in row[:-1]])
+        assert np.all(np.abs(u) <= 20)
+        found = solve_ivp(
+            rates, (0, 0.1), states[-1], args=(u, LOAD * load), rtol=1e-10, atol=1e-12
+        )
+        states.append(found.y[:, -1])
+    return np.array(states), there
+
+
+def tip(state: Array) -> Array:
+    angles = np.cumsum(state[:3])
+    return np.array([LENGTHS @ np.cos(angles), LENGTHS @ np.sin(angles)])
+
+
+def in_bin(at: Array) -> bool:
+    return bool(0.3 <= at.sum() <= 0.6 and -0.4 <= at[1] - at[0] <= 0.1)
+
+
+@pytest.mark.slow
+def test_the_simulated_hand_carries(folder: Path) -> None:
+    report = verify_directory(folder)
+    assert report.outcome is Outcome.VALID
+    states, there = samples(result_files.read(folder))
+    first = there.index(1.0)
+    last = first + sum(map(int, there))
+    assert there == [0.0] * first + [1.0] * (last - first) + [0.0] * (30 - last)
+    assert 0 <= first < last <= 30
+    taken, put = tip(states[first]), tip(states[last])
+    assert -0.3 <= taken[0] <= 0.2
+    assert 0.6 <= taken[1] <= 0.9
+    assert in_bin(put)
+    assert np.all(np.abs(states[[first, last], 3:]) < 0.05)
+    # The start region is reached again, which it would not be with another load.
+    end = tip(states[-1])
+    assert 0.7 <= end[0] <= 0.9
+    assert 0.1 <= end[1] <= 0.4
+    margins = {each.name: each for each in report.conditions}
+    worst = 0.05 - np.max(np.abs(states[first, 3:]))
+    assert margins["rates, load taken up"].margin == pytest.approx(worst, abs=1e-6)
+
+
+Column = list[str]
+
+
+def altered(folder: Path, change: Callable[[Column], Column]) -> Outcome:
+    """The verdict on a certificate whose column of the load is another one."""
+    before = (folder / "certificate.json").read_bytes()
+
+    def put(content: dict[str, Any]) -> None:
+        column = change([row[-1] for row in content["inputs"]])
+        for row, value in zip(content["inputs"], column, strict=True):
+            row[-1] = value
+
+    result_files.alter(folder, put, sign=True)
+    outcome = verify_directory(folder).outcome
+    (folder / "certificate.json").write_bytes(before)
+    return outcome
+
+
+def swapped(place: int, value: str) -> Callable[[Column], Column]:
+    def change(column: Column) -> Column:
+        first, last = column.index("1"), len(column) - column[::-1].index("1")
+        at = (first - 1, first, last - 1, last, (first + last) // 2)[place]
+        return [value if i == at else x for i, x in enumerate(column)]
+
+    return change
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "change",
+    [
+        swapped(0, "1"),  # a step too early
+        swapped(1, "0"),
+        swapped(2, "0"),
+        swapped(3, "1"),
+        swapped(4, "0"),  # laid down on the way
+        swapped(4, "0.5"),
+        swapped(1, "0.999999999"),
+        lambda column: ["0"] * len(column),
+        lambda column: ["1"] * len(column),
+    ],
+)
+def test_another_time_of_the_load_is_refuted(
+    folder: Path, change: Callable[[Column], Column]
+) -> None:
+    assert altered(folder, change) is Outcome.REFUTED
+    assert altered(folder, lambda column: column) is Outcome.VALID
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("0.8 kg", "0.9 kg"),
+        ("from T to Bin", "from Bin to T"),
+        ("rates <= 0.05", "rates <= 0.002"),
+        ("from T", "from S"),
+    ],
+)
+def test_a_motion_of_another_load_is_refuted(folder: Path, old: str, new: str) -> None:
+    result_files.alter_spec(folder, old, new, sign=True)
+    report = verify_directory(folder)
+    result_files.alter_spec(folder, new, old, sign=True)
+    assert report.outcome is Outcome.REFUTED
+
+
+def test_a_load_that_cannot_be_reached_is_impossible(tmp_path: Path) -> None:
+    far = replaced(CARRIES, "x + y >= 0.3; x + y <= 0.6", "x + y >= 2.2; x + y <= 2.6")
+    (tmp_path / "spec.srg").write_text(far, encoding="utf-8")
+    made = tmp_path / "out"
+    assert quiet("synth", tmp_path / "spec.srg", "-o", made, "-q") == 3
+    report = verify_directory(made)
+    assert report.outcome is Outcome.VALID
+    assert result_files.read(made)["kind"] == "impossible"
