@@ -302,12 +302,16 @@ def _input_rows(model: RobotModel, word: Sequence[str], task: ir.Task | None) ->
 
 
 def _meaning(model: RobotModel, entry: RobotInput, word: Sequence[str]) -> str:
+    if entry.is_load:
+        return f"whether the {entry.name} is there, which M, c and g leave out"
     if entry.dof is None:
         return f"{entry.name} of {entry.module} at {entry.symbol}"
     return f"free input of q{entry.dof + 1}, {_joints(model.dofs[entry.dof], word)}"
 
 
 def _bounds(model: RobotModel, entry: RobotInput, task: ir.Task | None) -> str:
+    if entry.is_load:
+        return "0 or 1"
     if entry.dof is None:
         return domain_text(entry.domain, entry.unit)
     dof = model.dofs[entry.dof]

@@ -74,9 +74,10 @@ def robot_inputs(model: RobotModel) -> tuple[RobotInput, ...]:
             found.append((own.symbol, 1, declared))
     found.sort(key=lambda entry: entry[:2])
     inputs = [item for _, _, item in found]
-    for number in loads_of(model):
+    loads = loads_of(model)
+    for number in loads:
         effector = model.effectors.index(model.bodies[number].frame) + 1
-        name = "load" if len(model.effectors) == 1 else f"load {effector}"
+        name = "load" if len(loads) == 1 else f"load {effector}"
         inputs.append(RobotInput(-1, None, name, "1", None, None))
     return tuple(inputs)
 

@@ -162,6 +162,8 @@ def described(controller: ExportedController, turns: int = 0) -> Iterator[str]:
         yield f"so that sample {last + 1} is that, and so on."
     yield ""
     yield from _listed("inputs", controller.inputs)
+    if controller.design.task.carries:
+        yield "A load is 1 in the steps in which its effector has it, and 0 in all others."
 
 
 def _listed(array: str, items: tuple[Quantity, ...]) -> Iterator[str]:

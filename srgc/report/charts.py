@@ -240,6 +240,8 @@ def _norm(bound: InputBound, place: int, motion: Trajectory, bands: Array | None
 
 
 def _input_name(found: FoundDesign, item: RobotInput) -> str:
+    if item.is_load:
+        return f"{item.name}, 1 where it is there"
     if item.dof is None:
         return f"{item.module}.{item.name} at symbol {item.symbol}"
     return modules_of(found.claim.word, found.model.dofs[item.dof].symbols)

@@ -129,6 +129,8 @@ def _gains(
     n = len(found.model.dofs)
     most = max(FEWEST, MOST_VALUES // max(1, feedback.gains[0].size))
     for j, item in enumerate(robot_inputs(found.model)):
+        if item.is_load:
+            continue
         for rank, mark in enumerate(("q", "q̇")):
             for unit, places in _by_unit(found, rank):
                 curves = [

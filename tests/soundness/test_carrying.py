@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -164,3 +166,94 @@ def test_a_load_that_cannot_be_reached_is_impossible(tmp_path: Path) -> None:
     report = verify_directory(made)
     assert report.outcome is Outcome.VALID
     assert result_files.read(made)["kind"] == "impossible"
+
+
+CRANE = (
+    replaced(
+        replaced(
+            SPEC[: SPEC.index("workspace")],
+            "matches B J Upper J Fore J Palm E",
+            "matches B J Upper E",
+        ),
+        "[-170, 170] deg",
+        "[-170, 170] deg; drive q: gear 20 rotor 1e-4 kg*m^2 viscous 0.2 N*m*s",
+    )
+    + """\
+workspace Yard {
+  plane xy;
+  bounds box [-1, 1] x [-1, 1] m;
+  region Hall hull (0.5, -0.1), (0.65, -0.1), (0.65, 0.1), (0.5, 0.1) m;
+  region Truck ball (0, 0.58) m radius 8 cm;
+  region Ship hull (0.2, -0.65), (0.45, -0.4), (0.35, -0.35), (0.1, -0.5) m;
+}
+task Turn { robot Arm; workspace Yard; start in Hall at rest; reach Hall;
+  carry 2 kg from Truck to Ship rates <= 4 deg/s; payload 0.4 kg; gravity (0, -2) m/s^2;
+  effort <= 30 N*m; control feedback; horizon 40 steps of 0.1 s;
+  robust start 0.2 deg, 0.2 deg/s; robust effort 1 %; robust payload 4 %;
+  robust measure 0.05 deg, 0.05 deg/s; }
+"""
+)
+
+
+@pytest.fixture(scope="module")
+def crane(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return synthesised(tmp_path_factory.mktemp("crane"), CRANE)
+
+
+@pytest.mark.slow
+def test_disturbed_motions_with_a_load_stay_in_their_tube(crane: Path) -> None:
+    """MuJoCo's robot, of which the load is a part of a link in some steps."""
+    report = verify_directory(crane)
+    assert report.outcome is Outcome.VALID
+    asked = {each.name for each in report.conditions if each.name.startswith(("load", "rates"))}
+    assert asked == {
+        "load taken up in Truck", "load put down in Ship", "rates, load taken up",
+        "rates, load put down",
+    }  # fmt: skip
+    pytest.importorskip("mujoco")
+    assert quiet("replay", crane, "--in", "mujoco", "--disturbed", "60") == 0
+
+
+@pytest.mark.slow
+def test_a_controller_that_steers_the_load_is_refuted(crane: Path) -> None:
+    before = (crane / "certificate.json").read_bytes()
+    for field, place in (("gains", (3, 1, 0)), ("rounding", (1,))):
+
+        def put(
+            content: dict[str, Any], field: str = field, place: tuple[int, ...] = place
+        ) -> None:
+            (controller,) = (one for one in content["claims"] if one["kind"] == "controller")
+            *path, last = place
+            row = controller[field]
+            for index in path:
+                row = row[index]
+            assert float(row[last]) == 0
+            row[last] = "0.000001"
+
+        result_files.alter(crane, put, sign=True)
+        found = verify_directory(crane)
+        (crane / "certificate.json").write_bytes(before)
+        assert found.outcome is Outcome.REFUTED
+        assert "load carried" in str(found.reason)
+
+
+@pytest.mark.slow
+def test_exported_code_and_replay_know_the_load(crane: Path, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    assert quiet("export", crane, "--to", "all", "-o", tmp_path / "files") == 0
+    files = {path.name for path in (tmp_path / "files").iterdir()}
+    assert {"controller.py", "controller.c", "robot.xml", "robot_loaded_1.xml"} <= files
+    ran = subprocess.run(
+        [sys.executable, tmp_path / "files" / "replay.py"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    differences = [float(line.split()[-3]) for line in ran.stdout.splitlines()[1:]]
+    assert max(differences) < 1e-4
+    spaces: dict[str, Any] = {}
+    exec((tmp_path / "files" / "controller.py").read_text(), spaces)
+    claimed = [float(row[-1]) for row in result_files.read(crane)["inputs"]]
+    held = spaces["controller"]
+    assert [held(k, [0.01, 0.0])[-1] for k in range(40)] == claimed
+    assert "load" in spaces["INPUTS"][-1]

@@ -25,8 +25,8 @@ from solvers.verifier.proofs.zonotope import Zonotope
 
 
 def load_name(task: ir.Task, number: int) -> str:
-    """What a load, from 0, is called."""
-    return "load" if len(task.carries) == 1 else f"load {number + 1}"
+    """What a load, from 0, is called: where there are several, by its effector."""
+    return "load" if len(task.carries) == 1 else f"load {task.carries[number].effector or 1}"
 
 
 def transfer_names(task: ir.Task) -> frozenset[str]:
