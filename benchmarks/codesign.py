@@ -35,8 +35,8 @@ from solvers.search.configuration_search import Configuration, search_configurat
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
 from solvers.trajectory.convex_step import Trajectory
-from solvers.trajectory.corridor import Entries
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import Entries
 
 NEAR = 0.005
 """By this part of rho we may be less robust than IPOPT's best."""

@@ -27,9 +27,9 @@ from solvers.planner import Planner
 from solvers.search.evaluation import hopeful
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem
-from solvers.trajectory.corridor import Entries
 from solvers.trajectory.linear_model import PositionRows
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.task_size import LEAST_MARGIN
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verdict import Holds

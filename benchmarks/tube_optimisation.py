@@ -34,7 +34,6 @@ from solvers.trajectory.control_problem import (
     input_margin,
 )
 from solvers.trajectory.convex_step import ConvexStep, SolverPortfolio
-from solvers.trajectory.corridor import Entries
 from solvers.trajectory.disturbance_spread import (
     DisturbanceSpread,
     SecondOrder,
@@ -44,6 +43,7 @@ from solvers.trajectory.disturbance_spread import (
 from solvers.trajectory.feedback import input_scales, spread_cost
 from solvers.trajectory.gain_refinement import hats, refined_gains
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.task_limits import effort_scale, input_groups
 from solvers.trajectory.trajectory import Trajectory
 

@@ -7,13 +7,20 @@ only those of tours do, which have to close.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 
 from solvers.run_context import RunContext
 from solvers.search.evaluation import free_parameters
 from solvers.trajectory.control_problem import FULL, ControlOutcome, IterationBudget
-from solvers.trajectory.corridor import Entries, gentle_entries, polyline, smooth_timing
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import (
+    Entries,
+    gentle_entries,
+    polyline,
+    rests_of,
+    smooth_timing,
+)
 from solvers.trajectory.visited_cells import depth_in_cells, visited_cells
 
 BOUND_RADIUS = 0.1
@@ -32,9 +39,13 @@ def timed(path_problem: PathProblem, planned: tuple[int, ...] | None) -> PathPro
     if path_problem.formula is None:
         return path_problem
     line, steps = polyline(path_problem.abstraction, path_problem.cells), path_problem.task.steps
+    known = tuple(range(len(path_problem.cells))) if planned is None else planned
+    stops = rests_of(path_problem.obligations(known), path_problem.effector)
+    cells = [bisect_right(known, stop) - 1 for stop in stops]
     if planned is None:
-        return replace(path_problem, timing=smooth_timing(line, steps)[1])
-    return replace(path_problem, timing=gentle_entries(line, planned, steps, path_problem.allows))
+        return replace(path_problem, timing=smooth_timing(line, steps, cells)[1])
+    timing = gentle_entries(line, planned, steps, path_problem.allows, cells)
+    return replace(path_problem, timing=timing)
 
 
 @dataclass(frozen=True, slots=True)

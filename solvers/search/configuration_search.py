@@ -27,9 +27,9 @@ from solvers.search.cell_timing import Timed, settled
 from solvers.search.evaluation import Evaluator, SolveRequest, best_of, free_parameters
 from solvers.search.first_motion import first_motion
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
-from solvers.trajectory.corridor import Entries
 from solvers.trajectory.fine_motion import narrowed
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.task_limits import effort_scale
 
 SEARCHES = ("gp-acb", "nelder-mead")

@@ -35,8 +35,8 @@ from solvers.trajectory.control_problem import (
     Ending,
     IterationBudget,
 )
-from solvers.trajectory.corridor import Entries
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 
 RADIUS = 0.5

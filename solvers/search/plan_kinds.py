@@ -22,7 +22,7 @@ from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 from solvers.planner import CounterExample, Plan, Planner
-from solvers.trajectory.corridor import polyline
+from solvers.trajectory.path_timing import polyline
 from solvers.verdict import Holds
 
 Kind: TypeAlias = tuple[tuple[int, ...], ...]

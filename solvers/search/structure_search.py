@@ -32,7 +32,7 @@ from solvers.search.sampled_cells import (
     within_reach,
 )
 from solvers.search.search_state import PathAttempt, StructureState
-from solvers.trajectory.corridor import polyline
+from solvers.trajectory.path_timing import polyline
 from solvers.verdict import Holds, Unknown
 
 OTHER_WAYS = 2

@@ -26,22 +26,22 @@ from solvers.trajectory.control_problem import (
 )
 from solvers.trajectory.convex_set import convex_set
 from solvers.trajectory.convex_step import step_maker
-from solvers.trajectory.corridor import (
-    Corridor,
-    Entries,
-    MotionConstraints,
-    in_order,
-    polyline,
-    smooth_timing,
-    timing_of,
-    word_of,
-)
+from solvers.trajectory.corridor import Corridor, MotionConstraints
 from solvers.trajectory.disturbance_spread import DisturbanceSpread, disturbance_spread
 from solvers.trajectory.feedback import closed_spread, input_scales, spread_cost
 from solvers.trajectory.inverse_kinematics import branches, sampled_box
 from solvers.trajectory.joint_seeds import joint_seeds, stops_of
 from solvers.trajectory.joint_ways import ClearSpace
 from solvers.trajectory.mobility import joint_errors
+from solvers.trajectory.path_timing import (
+    Entries,
+    in_order,
+    polyline,
+    rests_of,
+    smooth_timing,
+    timing_of,
+    word_of,
+)
 from solvers.trajectory.position_plan import ASTRAY, PositionPlan
 from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets, whole_turns
 from solvers.trajectory.seed_motions import body_seeds
@@ -164,11 +164,11 @@ class PathProblem:
 
     def waypoints(self) -> tuple[Array, Entries]:
         """Positions (k + 1, d) in m on the path from rest to rest, and each cell's entry step."""
-        line, k = polyline(self.abstraction, self.cells), self.task.steps
-        if self.timing is None:
+        line, k, entries = polyline(self.abstraction, self.cells), self.task.steps, self.timing
+        if entries is None:
             along, entries = smooth_timing(line, k)
         else:
-            along, entries = timing_of(line, self.timing, k), self.timing
+            along = timing_of(line, entries, k, rests_of(self.obligations(entries), self.effector))
         return line.at(along), entries
 
     def along(self, cells: tuple[int, ...], entries: Entries) -> PathProblem:

@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.trajectory.corridor import Corridor, Entries, Flags, Layers
+from solvers.trajectory.corridor import Corridor, Flags, Layers
 from solvers.trajectory.inverse_kinematics import Pool, apart, poses_in
 from solvers.trajectory.monotone_cubic import monotone_cubic
+from solvers.trajectory.path_timing import Entries
 
 TOUCHING = -0.02
 """Clearance, in units of length, down to which a seed counts as clear: programs mend the rest."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solvers.trajectory.corridor import Entries
+from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.trajectory import Trajectory
 
 if TYPE_CHECKING:

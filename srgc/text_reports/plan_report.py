@@ -25,7 +25,7 @@ from grammar_lang import ir
 from solvers.conclusion import module_bound
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
 from solvers.search.round_task import closing, round_tasks
-from solvers.trajectory.corridor import Entries, gentle_entries, polyline, word_of
+from solvers.trajectory.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.verdict import Holds, Unknown, Verdict
 from srgc.faults import UsageFault
 

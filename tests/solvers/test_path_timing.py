@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
-from solvers.trajectory.corridor import (
+from solvers.trajectory.path_timing import (
     Polyline,
     gentle_entries,
     in_order,

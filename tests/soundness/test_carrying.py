@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from compiler.arrays import Array
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
+from tests.oracles.carrying_tasks import carrying_task
 from tests.oracles.command_line import quiet, synthesised
 from tests.oracles.small_specs import replaced
 from tests.soundness.test_poses import LENGTHS, SPEC, dynamics
@@ -257,3 +258,16 @@ def test_exported_code_and_replay_know_the_load(crane: Path, tmp_path: Path) -> 
     held = spaces["controller"]
     assert [held(k, [0.01, 0.0])[-1] for k in range(40)] == claimed
     assert "load" in spaces["INPUTS"][-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 3, 4, 6])
+def test_random_arms_carry_what_a_simulation_carries(tmp_path: Path, seed: int) -> None:
+    """A task with a witness is never impossible, and what is found does it in a simulation."""
+    task = carrying_task(seed)
+    (tmp_path / "spec.srg").write_text(task.text, encoding="utf-8")
+    made = tmp_path / "out"
+    status = quiet("synth", tmp_path / "spec.srg", "-o", made, "-q")
+    assert status == 0
+    assert verify_directory(made).outcome is Outcome.VALID
+    assert task.faults(result_files.read(made)) == []
