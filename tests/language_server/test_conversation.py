@@ -108,6 +108,11 @@ def test_completion_and_signature(client: Client, spec: str) -> None:
         {"severity": each["severity"]} for each in client.open(uri, itself)
     ]
     assert labels(client, uri, itself, "L; avoid") == ["B", "JO", "L", "EN"]
+    carried = itself.replace("avoid self", "carry 1 kg from S to T; avoid self")
+    other = uri_of(client.folder / "carried.srg")
+    client.open(other, carried)
+    for word in ("S to", "T; avoid"):
+        assert labels(client, other, carried, word) == ["S", "O", "T"]
     assert set(labels(client, spec, SPEC, "horizon")) >= {"reach", "avoid", "horizon", "satisfy"}
     params = client.at(spec, *place(SPEC, "L.density);"))
     help_ = client.ask("textDocument/signatureHelp", params)

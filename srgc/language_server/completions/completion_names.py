@@ -187,6 +187,8 @@ class NamesDue:
             yield from _named(declared.workspaces, _KINDS.Module, "workspace")
         elif head == ("from",):
             yield from self._origin()
+        elif head == ("carry",) and self._last in {"from", "to"}:
+            yield from self._regions(maps=False)
         elif head == ("avoid",) and "except" in self._said:
             yield from _named(declared.modules, _KINDS.Class, "module")
         elif head in {("start",), ("reach",), ("avoid",), ("satisfy",)} and not self._value:
