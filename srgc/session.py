@@ -62,7 +62,7 @@ def check_loaded(loaded: Loaded) -> Checked:
     grammar_diagnostics(loaded.sound, sink, complete=complete)
     workspace_diagnostics(loaded.sound, sink, complete=complete)
     tasks = loaded.sound.tasks.values()
-    if any(task.satisfy or task.origin for task in tasks):
+    if any(task.demanded or task.payloads or task.origin for task in tasks):
         from compiler.checks.task_checks import task_diagnostics
 
         task_diagnostics(loaded.sound, sink)

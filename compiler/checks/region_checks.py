@@ -181,7 +181,7 @@ class Shapes:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """The start or the reach clause of a task, with its region."""
+    """The start or the reach clause of a task, or an end of what is carried, with its region."""
 
     role: str
     region: Region
@@ -197,6 +197,11 @@ def ends(regions: Mapping[str, Region], task: Task) -> Iterator[End]:
     if task.reach is not None and task.reach.region in regions:
         region = regions[task.reach.region]
         yield End("target", region, task.reach.span, Code.TARGET_IN_OBSTACLE)
+    for carry in task.carries:
+        for name in (carry.source, carry.target):
+            if name in regions:
+                region = regions[name]
+                yield End("place of the load", region, carry.span, Code.TARGET_IN_OBSTACLE)
 
 
 def end_diagnostics(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:

@@ -45,10 +45,11 @@ def with_payloads(
 def _effector(model: RobotModel, carried: ir.Payload | ir.Carry) -> int:
     """The effector that carries something, from 0."""
     number, count = carried.effector or 1, len(model.effectors)
+    what = "payload" if isinstance(carried, ir.Payload) else "load"
     if number > count:
-        raise SemanticsError(f"there is no effector {number} to carry the payload")
+        raise SemanticsError(f"there is no effector {number} to carry the {what}")
     if carried.effector is None and count > 1:
-        raise SemanticsError("it is not said which effector carries the payload")
+        raise SemanticsError(f"it is not said which effector carries the {what}")
     return number - 1
 
 

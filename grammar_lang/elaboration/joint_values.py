@@ -56,17 +56,23 @@ def start_rates(expr: s.Expr, kinds: tuple[ir.DofKind, ...], sink: Sink) -> Frac
     return exact or Fraction(0)
 
 
-def final_rates(item: t.FinalRates, kinds: tuple[ir.DofKind, ...], sink: Sink) -> ir.FinalRates:
+def final_rates(
+    item: t.FinalRates,
+    kinds: tuple[ir.DofKind, ...],
+    sink: Sink,
+    hint: str = "write `at rest`, or more than zero",
+) -> ir.FinalRates:
     """What binds the rates at the end of a motion, for how long.
 
     Args:
         item: what is written.
         kinds: the kinds of joints of the family; none: any.
         sink: where errors go.
+        hint: what to write instead of rates that are not positive.
     """
     bounds, duration = (ir.REST_RATE, ir.REST_RATE), Fraction(0)
     if item.bound is not None:
-        bounds = _final_bounds(item.bound, kinds, sink)
+        bounds = _final_bounds(item.bound, kinds, sink, hint)
     if item.duration is not None:
         value = Constants(sink).rational(item.duration, TIME)
         if value is not None and value <= 0:
@@ -77,7 +83,7 @@ def final_rates(item: t.FinalRates, kinds: tuple[ir.DofKind, ...], sink: Sink) -
 
 
 def _final_bounds(
-    expr: s.Expr, kinds: tuple[ir.DofKind, ...], sink: Sink
+    expr: s.Expr, kinds: tuple[ir.DofKind, ...], sink: Sink, hint: str
 ) -> tuple[Fraction, Fraction]:
     """Rationals at most and at least the bound that is written; zero where it is reported."""
     none = Fraction(0), Fraction(0)
@@ -89,7 +95,6 @@ def _final_bounds(
         not_rational(expr.span, sink)
         return none
     if bounds[1] <= 0:
-        hint = "write `at rest`, or more than zero"
         sink.error(Code.BAD_VALUE, "the rates are not positive", expr.span, hint)
         return none
     return bounds

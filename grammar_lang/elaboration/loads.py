@@ -64,7 +64,9 @@ def lower_carries(
             sink.error(Code.BAD_VALUE, message, item.span, hint, notes)
         number, mass = _load(item, reaching, "load", reader, sink)
         source, target = place(item.source), place(item.target)
-        rates = ir.FinalRates() if item.rates is None else final_rates(item.rates, kinds, sink)
+        rates = ir.FinalRates()
+        if item.rates is not None:
+            rates = final_rates(item.rates, kinds, sink, "write more than zero")
         if mass is not None and _is_first(number, found, "carry", item.span, sink):
             found[number] = ir.Carry(mass, number, source, target, rates, item.span)
     return tuple(found.values())
@@ -88,9 +90,11 @@ def _is_first(
     number: int | None, found: dict[int | None, Load], name: str, span: Span, sink: Sink
 ) -> bool:
     """Whether nothing of the kind is at an effector so far; else that is reported."""
-    if number not in found:
+    # Where none is named, it is the only one: others are reported where robots are known.
+    first = next((found[one] for one in found if (one or 1) == (number or 1)), None)
+    if first is None:
         return True
-    message, notes = f"a second `{name}` at this effector", [(found[number].span, "first here")]
+    message, notes = f"a second `{name}` at this effector", [(first.span, "first here")]
     hint = "add the masses up" if name == "payload" else "an effector carries one load: remove one"
     sink.error(Code.REPEATED_CLAUSE, message, span, hint, notes)
     return False

@@ -214,7 +214,7 @@ def _depth(polytope: Polytope, point: Array) -> float:
 
 
 def _atoms(task: ir.Task) -> tuple[ir.Atom, ...]:
-    return atoms(*(clause.formula for clause in task.satisfy))
+    return atoms(*(clause.formula for clause in task.demanded))
 
 
 def _worth(
@@ -231,7 +231,7 @@ def _worth(
         if not in_poses(numeric, atom.poses, effector, points[None])[0]:
             depth = -float("inf")
         trace[key(atom)] = [Piece(Fraction(0), end, depth, -depth)]
-    formulas = (Monitored(clause.formula, end, task.step) for clause in task.satisfy)
+    formulas = (Monitored(clause.formula, end, task.step) for clause in task.demanded)
     return min((formula.robustness(trace) or 0.0 for formula in formulas), default=float("inf"))
 
 
@@ -239,6 +239,8 @@ def _motionless(numeric: NumericRobot, task: ir.Task, theta: Array) -> Configura
     k = task.steps
     groups = input_groups(numeric.graph.model, task)
     inputs = resting_inputs(groups, k, numeric.m)
+    # All the time: where it stands, it takes loads up and puts them down.
+    inputs[:, numeric.m - len(task.carries) :] = 1.0
     still = Trajectory(np.zeros((k + 1, numeric.size)), inputs, theta)
     margin = input_margin(groups, still.u)
     outcome = ControlOutcome(

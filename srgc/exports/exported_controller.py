@@ -163,7 +163,8 @@ def described(controller: ExportedController, turns: int = 0) -> Iterator[str]:
     yield ""
     yield from _listed("inputs", controller.inputs)
     if controller.design.task.carries:
-        yield "A load is 1 in the steps in which its effector has it, and 0 in all others."
+        yield "A load is 1 in the steps in which its effector has it, and 0 in all others. What is"
+        yield "there in the last step is put down at its end."
 
 
 def _listed(array: str, items: tuple[Quantity, ...]) -> Iterator[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -16,9 +17,13 @@ from compiler.robots.state_and_input import input_bounds, robot_inputs
 from compiler.tasks.carrying import Transfer, load_inputs, transfer_of
 from compiler.tasks.specification import input_errors, uncertain_masses
 from compiler.words.structures import structures
+from grammar_lang.load import load_text
+from srgc.session import check_loaded
 from tests.compiler.test_posed_robots import WRIST
 from tests.oracles.formulas import program
+from tests.oracles.small_specs import replaced
 
+SPECS = Path(__file__).parents[2] / "specs"
 GRAVITY = (Fraction(1), Fraction(-2), Fraction(-9))
 LOAD = "carry 0.7 kg from S to T;"
 ARM = WRIST.replace("L Z E", "L Z L E").replace("SHAPE", "").replace("POSE", "")
@@ -138,3 +143,38 @@ def test_when_a_load_is_there(column: str, found: Transfer | None) -> None:
 @pytest.mark.parametrize("odd", ["1/2", "2", "-1"])
 def test_half_a_load_is_none(odd: str) -> None:
     assert transfer_of([Fraction(0), Fraction(1), Fraction(odd), Fraction(0)]) is None
+
+
+@pytest.mark.parametrize(
+    ("clauses", "code", "said"),
+    [
+        (
+            f"{LOAD} avoid S with effector;",
+            "SRG0604",
+            "the place of the load `S` lies wholly inside",
+        ),
+        ("carry 1 kg from S to Away;", "SRG0605", "the place of the load `Away` lies outside"),
+        (f"{LOAD} satisfy always not S by effector 1;", "SRG0704", "contradicts itself"),
+    ],
+)
+def test_places_of_loads_that_none_can_be_in(clauses: str, code: str, said: str) -> None:
+    text = ARM.replace("effort <=", f"{clauses} effort <=").replace("reach T ", "reach T")
+    text = text.replace("  target T", "  region Away box [5, 6] x [0, 1] x [0, 1] m;\n  target T")
+    text = text.replace("start in S", "start in Home").replace(
+        "  region Away", "  region Home box [0, 1] x [0, 1] x [-1, -0.5] m;\n  region Away"
+    )
+    found = check_loaded(load_text(text, "spec.srg"))
+    errors = [each for each in found.diagnostics if each.severity.name == "ERROR"]
+    assert [each.code.value for each in errors] == [code]
+    assert said in errors[0].message
+
+
+@pytest.mark.parametrize("clause", ["payload 1 kg;", "carry 1 kg from Tray to Press;"])
+def test_who_carries_is_asked_of_families_with_several_effectors(clause: str) -> None:
+    """Also where no formula is."""
+    text = (SPECS / "two_arm.srg").read_text(encoding="utf-8")
+    text = replaced(text, "reach Press by effector 2;", f"reach Press; {clause}")
+    text = replaced(text, "start in Tray by effector 1", "start in Tray")
+    found = check_loaded(load_text(text, "spec.srg"))
+    errors = [each for each in found.diagnostics if each.severity.name == "ERROR"]
+    assert ["which effector carries it?" in each.message for each in errors] == [True]

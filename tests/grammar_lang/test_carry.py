@@ -62,7 +62,12 @@ def test_loads_count_for_robust_payload() -> None:
             "reach T by effector 1; carry 1 kg from S to T; carry 2 kg from S to T by effector 1;",
             "a second `carry`",
         ),
+        (
+            "reach T; carry 1 kg from S to T; carry 1 kg from T to S by effector 1;",
+            "a second `carry`",
+        ),
         ("reach T; carry 1 kg from S to T by effector 0;", "at least 1"),
+        ("reach T; carry 1 kg from S to T rates <= 0;", "write more than zero"),
         ("reach T; carry 1 kg from S to T rates <= 3 m;", "expected"),
         ("reach T; carry 1 kg from S to T; repeat;", "for ever cannot `carry`"),
         ("reach T; carry 1 kg from S;", "expected `to`"),

@@ -54,7 +54,7 @@ def test_inputs_cause_motions_along_their_ways() -> None:
     moves = np.array([[1.2, -0.7], [-0.4, 0.9]])
     ways = np.array([0.3, 0.8]) + share[None, :, None] * moves[:, None, :]
     theta = np.array([0.6, 0.9])
-    motions = followed(given, ways, theta)
+    motions = followed(given, ways, theta, np.zeros((0, 0)))
     assert len(motions) == 2
     for motion, way in zip(motions, ways, strict=True):
         after = simulated(motion, dt)

@@ -87,7 +87,7 @@ def test_weighed_equations_are_those_of_other_densities(
         pull = np.linalg.solve(mass, u - coriolis - weight)
         np.testing.assert_allclose(np.asarray(found).ravel()[:3], pull, rtol=1e-9)
         a = rng.uniform(-2, 2, 3)
-        asked = np.asarray(graph.efforts_of(((0,), (1,), (2,)))(q, v, a, [], k))
+        asked = np.asarray(graph.efforts_of(((0,), (1,), (2,)))(q, v, a, np.zeros(3), [], k))
         whole, turning, pulled = chain_dynamics(LENGTHS, np.ones(3), q, v, DOWN)
         np.testing.assert_allclose(asked.sum(axis=1), whole @ a + turning + pulled, rtol=1e-10)
 

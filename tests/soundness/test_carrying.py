@@ -271,3 +271,35 @@ def test_random_arms_carry_what_a_simulation_carries(tmp_path: Path, seed: int) 
     assert status == 0
     assert verify_directory(made).outcome is Outcome.VALID
     assert task.faults(result_files.read(made)) == []
+
+
+STANDING = """\
+module B { role base; }
+module L { role link; param length in [0.5, 1] m; }
+module E { role effector; }
+grammar G { start N; base: N -> B; link: N -> N L; tool: N -> N E; accept matches B L E; }
+semantics G {
+  base { this.frame = world; }
+  link { this.frame = N.frame * move(x, L.length);
+    rod(frame: N.frame, axis: x, length: L.length, density: 1 kg/m); }
+  tool { this.frame = N.frame; effector(frame: N.frame); }
+}
+workspace W {
+  plane xy;
+  bounds box [-2, 2] x [-2, 2] m;
+  region S box [0.4, 1.2] x [-0.1, 0.1] m;
+  region A box [0.6, 0.9] x [-0.1, 0.1] m;
+  region C box [0.87, 1.1] x [-0.2, 0.2] m;
+}
+task T { robot G; workspace W; start in S at rest; reach S; carry 1 kg from A to C;
+  horizon 3 steps of 0.1 s; }
+"""
+
+
+def test_a_robot_without_joints_carries_where_it_stands(tmp_path: Path) -> None:
+    """With a length of 0.87 m to 0.9 m it is in both regions all the time."""
+    made = synthesised(tmp_path, STANDING)
+    assert verify_directory(made).outcome is Outcome.VALID
+    certificate = result_files.read(made)
+    assert 0.87 <= float(certificate["parameters"][0]["value"]) <= 0.9
+    assert "1" in {row[0] for row in certificate["inputs"]}
