@@ -117,7 +117,7 @@ def test_what_is_certain_holds_in_every_round_whatever_each_of_them_does(
         for i, parts in enumerate(own)
     ]
     signal = [
-        {1: frozenset(name for (name, _), row in zip(ATOMS, drawn, strict=True) if row[p])}
+        {1: frozenset(atom.region for atom, row in zip(ATOMS, drawn, strict=True) if row[p])}
         for p in range(len(own[0]))
     ]
     # The last of the rounds that were drawn comes again and again.
