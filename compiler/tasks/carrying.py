@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -56,21 +55,13 @@ def load_inputs(samples: Sequence[tuple[int, int]], steps: int) -> Array:
 # --- Of a motion that is given --------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Transfer:
-    """From sample ``first`` on, and up to ``last``, a load is there."""
+def transfer_of(column: Sequence[Fraction]) -> tuple[int, int] | None:
+    """The samples at which a load is taken up and put down whose input has these values (k,).
 
-    first: int
-    last: int
-
-
-def transfer_of(column: Sequence[Fraction]) -> Transfer | None:
-    """When a load is there whose input has these values step by step; None where it is not so.
-
-    The input is 1 in some steps that follow each other, and else 0.
+    None where the input is not 1 in some steps that follow each other, and else 0.
     """
     there = [step for step, value in enumerate(column) if value == 1]
     if not there or any(value not in (0, 1) for value in column):
         return None
     first, last = there[0], there[-1] + 1
-    return Transfer(first, last) if len(there) == last - first else None
+    return (first, last) if len(there) == last - first else None

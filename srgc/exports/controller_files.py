@@ -9,7 +9,6 @@ from pathlib import Path
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.robots.state_and_input import robot_inputs
 from compiler.tasks.specification import measurement_radii
 from solvers.verifier.claims.certificate import exact
 from srgc.exports.controller_code import c_text, controller_arrays, python_text
@@ -139,9 +138,8 @@ def _rounding_notes(
     yield "Rounding: how far inputs may be from that law, for all that may be measured in the tube,"
     yield f"each quantity rounded to the nearest {kind}; and how far the proof allows them to be."
     allowed = () if claim is None or claim.rounding is None else claim.rounding
-    loads = {i for i, item in enumerate(robot_inputs(controller.design.model)) if item.is_load}
     for number, (item, bound) in enumerate(zip(controller.inputs, rounding, strict=True)):
-        if number in loads:
+        if number in controller.loads:
             continue
         yield f"inputs[{number}]: {_shown(bound)} {item.unit} of {allowed[number]} {item.unit}"
 

@@ -76,6 +76,12 @@ class ExportedController:
         )
 
     @property
+    def loads(self) -> frozenset[int]:
+        """The inputs that say what is carried, 1 or 0: nothing that is measured counts for them."""
+        inputs = robot_inputs(self.design.model)
+        return frozenset(place for place, item in enumerate(inputs) if item.is_load)
+
+    @property
     def period(self) -> Fraction:
         """The time between samples in seconds."""
         return self.design.task.step
@@ -162,7 +168,7 @@ def described(controller: ExportedController, turns: int = 0) -> Iterator[str]:
         yield f"so that sample {last + 1} is that, and so on."
     yield ""
     yield from _listed("inputs", controller.inputs)
-    if controller.design.task.carries:
+    if controller.loads:
         yield "A load is 1 in the steps in which its effector has it, and 0 in all others. What is"
         yield "there in the last step is put down at its end."
 

@@ -17,7 +17,6 @@ from fractions import Fraction
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, working_precision
-from compiler.robots.state_and_input import robot_inputs
 from solvers.verifier.claims.certificate import exact
 from srgc.exports.exported_controller import ExportedController, literal
 
@@ -94,8 +93,7 @@ def rounding_bounds(
         two = arb(2)
         rounding = _Rounding(two**-precision.bits, two ** (2 - precision.exponent))
         largest = two ** (precision.exponent - 1)
-        found = [arb(0)] * len(controller.inputs)
-        loads = {i for i, item in enumerate(robot_inputs(controller.design.model)) if item.is_load}
+        found, loads = [arb(0)] * len(controller.inputs), controller.loads
         rows = zip(
             controller.design.claim.inputs, claim.reference, claim.gains, measured[:-1], strict=True
         )
@@ -105,7 +103,6 @@ def rounding_bounds(
                 for number, (x, text) in enumerate(zip(states, reference, strict=True))
             ]
             for i, (text, row) in enumerate(zip(planned, gains, strict=True)):
-                # Loads are 1 or 0, and nothing that is measured counts for them.
                 if i in loads:
                     continue
                 held = _held(rounding, text, row, off, largest)

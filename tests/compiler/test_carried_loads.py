@@ -14,7 +14,7 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.normal_form import family_of
 from compiler.robots.robot_key import robot_key
 from compiler.robots.state_and_input import input_bounds, robot_inputs
-from compiler.tasks.carrying import Transfer, load_inputs, transfer_of
+from compiler.tasks.carrying import load_inputs, transfer_of
 from compiler.tasks.specification import input_errors, uncertain_masses
 from compiler.words.structures import structures
 from grammar_lang.load import load_text
@@ -125,18 +125,18 @@ def test_what_the_load_is_among_inputs() -> None:
 @pytest.mark.parametrize(
     ("column", "found"),
     [
-        ("0011100", Transfer(2, 5)),
-        ("1111111", Transfer(0, 7)),
-        ("0000001", Transfer(6, 7)),
+        ("0011100", (2, 5)),
+        ("1111111", (0, 7)),
+        ("0000001", (6, 7)),
         ("0000000", None),
         ("0110110", None),
     ],
 )
-def test_when_a_load_is_there(column: str, found: Transfer | None) -> None:
+def test_when_a_load_is_there(column: str, found: tuple[int, int] | None) -> None:
     values = [Fraction(digit) for digit in column]
     assert transfer_of(values) == found
     if found is not None:
-        inputs = load_inputs([(found.first, found.last)], len(column))
+        inputs = load_inputs([found], len(column))
         assert inputs.ravel().tolist() == [float(value) for value in values]
 
 

@@ -7,14 +7,12 @@ Rates go on there as they were: nothing is lost or gained where a load is taken 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from flint import arb
 
-from compiler.robots.payloads import loads_of
-from compiler.robots.state_and_input import robot_inputs
-from compiler.tasks.carrying import Transfer, transfer_of
+from compiler.tasks.carrying import transfer_of
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.end_conditions import final_rates, known_at, slow_at
@@ -46,26 +44,29 @@ def _names(task: ir.Task, number: int, *, taken: bool) -> tuple[str, str]:
     return f"{what} in {carry.source if taken else carry.target}", f"rates, {what}"
 
 
-def transfers(scene: Scene, motion: Motion) -> list[Transfer | None]:
-    """Per load when it is there; None where the inputs do not say it."""
-    first = len(robot_inputs(scene.model)) - len(loads_of(scene.model))
+def transfers(motion: Motion, task: ir.Task) -> list[tuple[int, int] | None]:
+    """Per load the samples at which it is taken up and put down; None where inputs do not say it.
+
+    Loads are the last inputs.
+    """
+    first = len(motion.inputs[0]) - len(task.carries)
     columns = zip(*(row[first:] for row in motion.inputs), strict=True)
     return [transfer_of(column) for column in columns]
 
 
 def load_conditions(scene: Scene, motion: Motion) -> list[CheckedCondition]:
-    """Every load is there from one sample to a later one, whatever a controller reads."""
-    found = []
-    for number, transfer in enumerate(transfers(scene, motion)):
-        place = len(motion.inputs[0]) - len(scene.task.carries) + number
-        law = motion.law
-        steered = law is not None and (
-            any(any(gain[place]) for gain in law.gains) or any(law.rounding[place : place + 1])
-        )
-        status = Status.FAILS if transfer is None or steered else Status.HOLDS
-        name = f"{load_name(scene.task, number)} carried from a sample to a later one"
-        if status is Status.FAILS:
-            found.append(CheckedCondition(name, status, 0.0, ""))
+    """What fails where a load is not there from a sample to a later one, whatever is measured."""
+    found, law, task = list[CheckedCondition](), motion.law, scene.task
+    first = len(motion.inputs[0]) - len(task.carries)
+    for number, samples in enumerate(transfers(motion, task)):
+        steered = False
+        if law is not None:
+            place = first + number
+            steered = any(any(gain[place]) for gain in law.gains)
+            steered |= any(law.rounding[place : place + 1])
+        if samples is None or steered:
+            name = f"{load_name(task, number)} carried from a sample to a later one"
+            found.append(CheckedCondition(name, Status.FAILS, 0.0, ""))
     return found
 
 
@@ -79,8 +80,8 @@ class TransferConditions:
     _samples: frozenset[int] = field(init=False)
 
     def __post_init__(self) -> None:
-        found = [each for each in transfers(self.scene, self.motion) if each is not None]
-        self._samples = frozenset(sample for each in found for sample in (each.first, each.last))
+        found = transfers(self.motion, self.scene.task)
+        self._samples = frozenset(sample for each in found if each is not None for sample in each)
 
     def add(self, sample: int, states: Zonotope | None) -> None:
         """Keep the states at a sample if they matter."""
@@ -88,18 +89,18 @@ class TransferConditions:
             self.sets[sample] = states
 
     def conditions(
-        self, point_map: PointMap, samples: Mapping[int, Sequence[arb]] | Sequence[Sequence[arb]]
+        self, point_map: PointMap, samples: Sequence[Sequence[arb]]
     ) -> Iterator[CheckedCondition]:
         """What a complete tube shows; ``samples`` are boxes of the states at all samples."""
         task, workspace = self.scene.task, self.scene.workspace
-        for number, transfer in enumerate(transfers(self.scene, self.motion)):
+        for number, transfer in enumerate(transfers(self.motion, task)):
             carry = task.carries[number]
             for taken in (True, False):
                 names = _names(task, number, taken=taken)
                 if transfer is None:
                     yield from (CheckedCondition(n, Status.FAILS, -NO_MARGIN, "") for n in names)
                     continue
-                sample = transfer.first if taken else transfer.last
+                sample = transfer[0] if taken else transfer[1]
                 region = workspace.region(carry.source if taken else carry.target)
                 rows = rows_of(self.scene.polytope(region))
                 place = Inside(names[0], ((carry.effector or 1) - 1,), rows=rows)
