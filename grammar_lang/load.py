@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grammar_lang import ir
@@ -12,7 +12,9 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.disturbances import check_ownership
+from grammar_lang.elaboration.module_bodies import with_body
 from grammar_lang.elaboration.modules import ModuleInfo, lower_module
+from grammar_lang.elaboration.port_grammars import lower_port_grammar
 from grammar_lang.elaboration.productions import GrammarInfo, lower_grammar
 from grammar_lang.elaboration.recovery import sound_part, without_followers
 from grammar_lang.elaboration.semantics import SemanticsInfo, lower_semantics
@@ -49,6 +51,7 @@ class Loaded:
     ``sound`` is what of the program has no error, for the checks that look at one grammar,
     workspace or task at a time; None where nothing could be read.  ``syntax`` is what could be
     parsed, of all files, and ``names`` are the names in it; None where the main file is no text.
+    ``opened`` is the number of the file that each ``include`` reads, by the span of its path.
     """
 
     program: ir.Program | None
@@ -57,6 +60,7 @@ class Loaded:
     sound: ir.Program | None = None
     syntax: File | None = None
     names: NameTable | None = None
+    opened: Mapping[Span, int] = field(default_factory=dict[Span, int])
 
 
 @without_collection
@@ -131,7 +135,8 @@ def _checked(source: Source, tree: FileTree | None, sink: Sink, *, sound: bool) 
     names = resolve_names(all_of_it.file, sink)
     program = lower(all_of_it.file, names, sources, all_of_it, sink)
     if not sink.has_errors:
-        return Loaded(program, sink.sorted(), sources, program, all_of_it.file, names)
+        found, syntax = sink.sorted(), all_of_it.file
+        return Loaded(program, found, sources, program, syntax, names, all_of_it.opened)
     part = sound_part(program, all_of_it.file, sink.found)
     told = without_followers(sink.sorted(), all_of_it.file, complete=all_of_it.complete)
     sound_program = part if all_of_it.complete else None
@@ -145,12 +150,14 @@ def _refused(*sources: Source, sink: Sink) -> Loaded:
 # --- From the abstract syntax of a file to its program --------------------------------------------
 
 
-def _modules(file: t.File, names: NameTable, sink: Sink) -> dict[str, ModuleInfo]:
+def _modules(
+    file: t.File, names: NameTable, meshes: Mapping[Span, ir.Mesh], sink: Sink
+) -> dict[str, ModuleInfo]:
     """The modules by name; a second one of a name is checked and left out."""
     found: dict[str, ModuleInfo] = {}
     for item in file.items:
         if isinstance(item, s.Module):
-            info = lower_module(item, sink)
+            info = with_body(lower_module(item, sink), item, meshes, sink)
             if names.declared.is_first(item):
                 found[item.name.text] = info
     return found
@@ -158,6 +165,10 @@ def _modules(file: t.File, names: NameTable, sink: Sink) -> dict[str, ModuleInfo
 
 def _check_semantics(names: NameTable, sink: Sink) -> None:
     for name, semantics in names.declared.semantics.items():
+        if name in names.declared.grammars and names.declared.grammars[name].from_ports:
+            message = f"grammar `{name}` is made from ports, and so is its semantics"
+            hint = "`srgc expand` prints both, to be continued by hand; or write other modules"
+            sink.error(Code.OTHER_GRAMMAR, message, semantics.grammar.span, hint)
         if names.entity(semantics.grammar) is None:
             hint = did_you_mean(name, names.declared.grammars, "grammar", sink)
             message = f"semantics of an unknown grammar `{name}`"
@@ -197,14 +208,17 @@ def lower(
         sink: takes the findings.
     """
     declared = names.declared
-    modules = _modules(file, names, sink)
+    modules = _modules(file, names, read.meshes, sink)
     _check_semantics(names, sink)
     grammars: dict[str, ir.Grammar] = {}
     families: dict[str, Family] = {}
     for name, grammar in declared.grammars.items():
-        info = lower_grammar(grammar, names, sink)
         semantics = None
-        if name in declared.semantics:
+        if grammar.from_ports:
+            info, semantics = lower_port_grammar(grammar, modules, names, sink)
+        else:
+            info = lower_grammar(grammar, names, sink)
+        if name in declared.semantics and not grammar.from_ports:
             semantics = lower_semantics(
                 info, declared.semantics[name], modules, names, read.meshes, sink
             )

@@ -110,7 +110,23 @@ def program_of(path: Path) -> ir.Program:
         SpecErrors: the file has errors.
         UsageFault: it cannot be read.
     """
-    checked = check_file(path)
+    return _sound(check_file(path))
+
+
+def expansion_of(path: Path) -> str:
+    """The text of a file without errors, its grammars from ports written out.
+
+    Raises:
+        SpecErrors: the file has errors.
+        UsageFault: it cannot be read.
+    """
+    from grammar_lang.formatting.expansion import expanded
+
+    _sound(check_file(path))
+    return expanded(load(path))
+
+
+def _sound(checked: Checked) -> ir.Program:
     if checked.program is None:
         errors = tuple(d for d in checked.diagnostics if d.severity is Severity.ERROR)
         raise SpecErrors(Checked(None, errors, checked.sources))

@@ -26,8 +26,9 @@ give:
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from graphlib import TopologicalSorter
 from itertools import combinations, islice, product
 from typing import Literal, TypeAlias
 
@@ -49,6 +50,8 @@ from compiler.neutral_modules.production_change import (
 )
 from compiler.robots.evaluation_order import UsefulAttributes, useful_attributes
 from grammar_lang import ir
+from grammar_lang.elaboration.circularity import reads
+from grammar_lang.ir.expressions import too_large
 
 CANDIDATES = 1000
 """The most combinations of values that are tried for one module."""
@@ -101,14 +104,37 @@ def neutral_parameters(program: ir.Program, grammar: ir.Grammar) -> list[Neutral
     useful = useful_attributes(grammar.productions, blocks)
     found: list[NeutralParameters] = []
     for rule in grammar.productions:
-        block = blocks.get(rule.label)
-        if block is None:
+        if rule.label not in blocks:
             continue
+        block = _inlined(blocks[rule.label])
         for occurrence, symbol in enumerate(rule.right):
             if symbol.kind == "module":
                 module = program.modules[symbol.name]
                 found.append(_Occurrence(rule, block, occurrence, module, useful).finding())
     return found
+
+
+def _inlined(block: ir.SemanticBlock) -> ir.SemanticBlock:
+    """A block with its local values put in where they are read, except where that gets too large.
+
+    What is left of them stands for something unknown, of which nothing is concluded.
+    """
+    rules = {rule.target: rule for rule in block.rules if rule.target.occurrence == ir.LOCAL}
+    local: dict[ir.Expr, ir.Expr] = {}
+
+    def new(expression: ir.Expr) -> ir.Expr:
+        return ir.with_leaves(expression, lambda leaf: local.get(leaf, leaf))
+
+    before = {name: {r for r in reads(rule.value) if r in rules} for name, rule in rules.items()}
+    for target in TopologicalSorter(before).static_order():
+        value = new(rules[target].value)
+        local[target] = target if too_large(value) else value
+    kept = (rule for rule in block.rules if rule.target not in rules)
+    return ir.SemanticBlock(
+        tuple(replace(rule, value=new(rule.value)) for rule in kept),
+        tuple(ir.with_expressions(each, new) for each in block.emissions),
+        block.span,
+    )
 
 
 @dataclass(frozen=True, slots=True)

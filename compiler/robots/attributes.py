@@ -215,17 +215,21 @@ class AttributeValues:
 
     def define(self, node: int, rule: ir.AttributeRule) -> None:
         """Evaluate a rule in the block of ``node``; everything that it reads has to be known."""
-        target = rule.target
-        owner = node
-        if target.occurrence != ir.THIS:
-            owner = self.derivation.nodes[node].children[target.occurrence]
-        self.known[owner][target.name] = self.value(node, rule.value)
+        values, name = self._place(node, rule.target)
+        values[name] = self.value(node, rule.value)
 
     def read(self, node: int, attribute: ir.AttributeOf) -> AttributeValue:
         """The value of an attribute that the block of ``node`` names."""
+        values, name = self._place(node, attribute)
+        return values[name]
+
+    def _place(self, node: int, attribute: ir.AttributeOf) -> tuple[dict[str, AttributeValue], str]:
+        """Where the value of an attribute is kept that the block of ``node`` names."""
+        if attribute.occurrence == ir.LOCAL:
+            return self.known[node], f"let {attribute.name}"
         if attribute.occurrence != ir.THIS:
             node = self.derivation.nodes[node].children[attribute.occurrence]
-        return self.known[node][attribute.name]
+        return self.known[node], attribute.name
 
     def value(self, node: int, expression: ir.Expr) -> AttributeValue:
         """The value of an expression of any sort in the block of ``node``."""

@@ -267,9 +267,11 @@ class UsefulAttributes:
 
 
 def owner(production: ir.Production, attribute: ir.AttributeOf) -> str:
-    """The nonterminal whose attribute a production names."""
+    """The nonterminal whose attribute a production names; of a local value the production."""
     if attribute.occurrence == ir.THIS:
         return production.left
+    if attribute.occurrence == ir.LOCAL:
+        return f"production {production.label}"
     return production.right[attribute.occurrence].name
 
 

@@ -20,6 +20,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from compiler.robots.evaluation_order import owner
 from grammar_lang import ir
 
 Attribute: TypeAlias = tuple[str, str]
@@ -213,6 +214,8 @@ def production_drafts(
     numbers: dict[ir.AttributeOf, Behind] = {}
     end = len(production.right)
     for rule in block.rules:
+        if rule.target.occurrence == ir.LOCAL:
+            continue  # put in where it is read
         if attribute(production, rule.target) in frames:
             inside = rule.target.occurrence != ir.THIS
             limit = rule.target.occurrence if inside else end
@@ -233,10 +236,8 @@ def production_drafts(
 
 
 def attribute(production: ir.Production, occurrence: ir.AttributeOf) -> Attribute:
-    """The nonterminal and the name of an attribute."""
-    if occurrence.occurrence == ir.THIS:
-        return production.left, occurrence.name
-    return production.right[occurrence.occurrence].name, occurrence.name
+    """The nonterminal (of a local value: the production) and the name of an attribute."""
+    return owner(production, occurrence), occurrence.name
 
 
 def _items(expression: ir.Expr, rules: Rules) -> tuple[Item, ...]:

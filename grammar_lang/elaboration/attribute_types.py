@@ -20,13 +20,16 @@ from grammar_lang.elaboration.attributes import (
     Attributes,
     Key,
     PlacedRule,
+    local_key,
     nonterminal_at,
     occurrence_of,
 )
-from grammar_lang.elaboration.modules import ModuleInfo
+from grammar_lang.elaboration.modules import INPUT, ModuleInfo, frame_of
 from grammar_lang.elaboration.productions import GrammarInfo, ProductionInfo
 from grammar_lang.elaboration.sorts import UNKNOWN, ZERO, DimensionUse, Sort, Typed
 from grammar_lang.elaboration.typecheck import Checker, plain_name
+from grammar_lang.ir.constants import is_closed
+from grammar_lang.ir.expression_text import occurrence_names
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 from grammar_lang.units import ONE
@@ -47,8 +50,17 @@ class ProductionScope:
     dofs: dict[ir.DofOf, list[Span]] = field(default_factory=dict[ir.DofOf, list[Span]])
 
     def name(self, ident: s.Ident, sink: Sink) -> Typed:
-        """``pi``, or an error."""
-        return plain_name(ident, tuple(self.info.names), sink)
+        """A local value, ``pi``, or an error."""
+        label = self.info.production.label
+        key = local_key(label, ident.text)
+        if key not in self.attributes.local:
+            local = [name for owner, name in self.attributes.local if owner == key[0]]
+            known = (*(name for name in local if "." not in name), *self.info.names)
+            return plain_name(ident, known, sink)
+        found = self.types.get(key, UNKNOWN)
+        if found.sort in {Sort.SCALAR, Sort.VECTOR} and is_closed(found.expr):
+            return found
+        return replace(found, expr=ir.AttributeOf(ir.LOCAL, ident.text))
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
         """A parameter, a constant or an attribute."""
@@ -59,16 +71,26 @@ class ProductionScope:
             return self._of_module(occurrence, member, sink)
         return self._attribute(occurrence, member, sink)
 
-    def dof(self, member: s.Member) -> ir.Dof | None:
+    def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
         """The degree of freedom that ``owner.name`` is."""
-        module = self._module(self.info.names.get(member.owner.text))
-        return None if module is None else module.dofs.get(member.name.text)
+        if isinstance(name, s.Name):
+            return None
+        module = self._module(self.info.names.get(name.owner.text))
+        return None if module is None else module.dofs.get(name.name.text)
 
-    def use_dof(self, member: s.Member) -> ir.Expr:
-        """Take note of a legitimate use."""
-        use = ir.DofOf(self.info.names[member.owner.text], member.name.text)
-        self.dofs.setdefault(use, []).append(member.span)
-        return use
+    def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
+        """Take note of a legitimate use.
+
+        Raises:
+            LookupError: it is no degree of freedom of a symbol of the production.
+        """
+        match name:
+            case s.Member(owner=owner):
+                use = ir.DofOf(self.info.names[owner.text], name.name.text)
+                self.dofs.setdefault(use, []).append(name.span)
+                return use
+            case s.Name(ident=ident):
+                raise LookupError(ident.text)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
         """The modules of the production that expressions name, in order of their first mention.
@@ -107,6 +129,8 @@ class ProductionScope:
             )
             sink.error(Code.BAD_DOF_USE, message, member.span, hint)
             return UNKNOWN
+        if module.body is not None and (name == INPUT or name in module.body.frames):
+            return self._frame(occurrence, member, sink)
         if name in module.own:
             called = f"{module.own[name]} `{member.owner.text}.{name}`"
             message = f"the {called} cannot be read in the semantics"
@@ -122,6 +146,19 @@ class ProductionScope:
         if isinstance(value.expr, ir.Vector) and value.expr.z != ZERO:
             self.uses.append(DimensionUse(3, member.span, "this vector leaves the plane"))
         return value
+
+    def _frame(self, occurrence: int, member: s.Member, sink: Sink) -> Typed:
+        """A frame of a mounted module."""
+        production = self.info.production
+        called = occurrence_names(production)[occurrence]
+        target = frame_of(called, member.name.text)
+        if (production.label, occurrence) not in self.attributes.mounted:
+            if production.label not in self.attributes.failed:
+                message = f"`{member.owner.text}` is not mounted in production `{production.label}`"
+                hint = f"add `{called}.in = …;`: where the module stands"
+                sink.error(Code.NOT_MOUNTED, message, member.span, hint)
+            return UNKNOWN
+        return Typed(target, Sort.FRAME, None)
 
     def _attribute(self, occurrence: int, member: s.Member, sink: Sink) -> Typed:
         nonterminal = nonterminal_at(self.info, occurrence) or ""
@@ -186,6 +223,9 @@ class Inference:
 
     def run(self) -> Types:
         """The type of every attribute that can be inferred."""
+        for placed in self.attributes.rules:
+            if placed.mounts is not None:
+                self.types[placed.key] = Typed(placed.target, Sort.FRAME, None)
         root = (self.grammar.grammar.start, ROOT_ATTRIBUTE)
         if root in self.attributes.inherited:
             self.types[root] = Typed(ir.World(), Sort.FRAME, None)
@@ -208,10 +248,12 @@ class Inference:
         """For each attribute the numbers of the rules that read it."""
         readers: dict[Key, list[int]] = {}
         for index, placed in enumerate(self.attributes.rules):
-            for mention in self.names.inside(placed.rule.value.span):
+            for mention in self.names.inside(placed.value.span):
                 read = mention.entity
                 if read.kind == "attribute":
                     readers.setdefault((read.scope[1], read.name), []).append(index)
+                elif read.kind == "local value":
+                    readers.setdefault(local_key(placed.label, read.name), []).append(index)
         return readers
 
     def _dimensioned(self, index: int) -> Typed | None:
@@ -227,7 +269,8 @@ class Inference:
             self._bare[index] = value
             heappush(self._undecided, index)
             return None
-        return replace(value, declared=None, angular=False)
+        local = placed.target.occurrence == ir.LOCAL
+        return replace(value, declared=None, angular=local and value.angular)
 
     def _dimensionless(self, index: int) -> Typed | None:
         """The same, where nothing else tells more."""
@@ -239,4 +282,4 @@ class Inference:
     def _infer(self, placed: PlacedRule) -> Typed:
         info = self.grammar.productions[placed.label]
         scope = ProductionScope(info, self.modules, self.attributes, self.types, self.names)
-        return Checker(scope, Sink()).elaborate(placed.rule.value)
+        return Checker(scope, Sink()).elaborate(placed.value)

@@ -14,7 +14,9 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
+from grammar_lang.elaboration.modules import INPUT, ModuleInfo, frame_of
 from grammar_lang.elaboration.productions import GrammarInfo, ProductionInfo
+from grammar_lang.ir.expression_text import occurrence_names
 from grammar_lang.names.declarations import Entity
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
@@ -25,24 +27,35 @@ ROOT_ATTRIBUTE = "frame"
 
 @dataclass(frozen=True, slots=True)
 class PlacedRule:
-    """A rule of a block with its target resolved; ``key`` is (nonterminal, attribute)."""
+    """A rule or ``let`` of a block with its target resolved.
+
+    ``key`` is (nonterminal, attribute), ``at`` the target in the text, ``span`` the statement.
+    ``mounts`` is the module that the rule gives its frame ``in``, by position.
+    """
 
     label: str
     target: ir.AttributeOf
     key: Key
-    rule: s.Rule
+    value: s.Expr
+    at: Span
+    span: Span
+    mounts: int | None = None
 
 
 @dataclass(slots=True)
 class Attributes:
     """The attributes of a grammar with the place of their first definition.
 
-    ``failed`` holds the labels of blocks with a rule whose target is wrong, which was reported, and
+    ``local`` are the values of ``let`` and the frames ``in``, whose owners are productions;
+    ``mounted`` the modules with such a frame, by production and position.  ``failed`` holds the
+    labels of blocks with a rule whose target is wrong, which was reported, and
     ``lost`` the names of the attributes that such rules meant to define.
     """
 
     synthesized: dict[Key, Span] = field(default_factory=dict[Key, Span])
     inherited: dict[Key, Span] = field(default_factory=dict[Key, Span])
+    local: dict[Key, Span] = field(default_factory=dict[Key, Span])
+    mounted: set[tuple[str, int]] = field(default_factory=set[tuple[str, int]])
     rules: list[PlacedRule] = field(default_factory=list[PlacedRule])
     failed: set[str] = field(default_factory=set[str])
     lost: set[str] = field(default_factory=set[str])
@@ -92,43 +105,96 @@ def nonterminal_at(info: ProductionInfo, occurrence: int) -> str | None:
     return symbol.name if symbol.kind == "nonterminal" else None
 
 
-def _place(label: str, rule: s.Rule, info: ProductionInfo, sink: Sink) -> PlacedRule | None:
-    owner = rule.target.owner
-    occurrence = occurrence_of(owner, info, sink)
-    if occurrence is None:
-        return None
-    nonterminal = nonterminal_at(info, occurrence)
-    if nonterminal is None:
-        message = f"`{owner.text}` has no attributes: it is a module or an edge"
-        sink.error(Code.WRONG_KIND, message, rule.target.span, "only nonterminals have attributes")
-        return None
-    name = rule.target.name.text
-    return PlacedRule(label, ir.AttributeOf(occurrence, name), (nonterminal, name), rule)
+def local_key(label: str, name: str) -> Key:
+    """The key of a local value: the owner is no nonterminal, as those have no blanks."""
+    return f"production {label}", name
+
+
+@dataclass(frozen=True, slots=True)
+class _Placing:
+    """Resolves the targets of statements in the block of a production."""
+
+    info: ProductionInfo
+    modules: Mapping[str, ModuleInfo]
+    sink: Sink
+
+    @property
+    def label(self) -> str:
+        return self.info.production.label
+
+    def let(self, item: s.Let) -> PlacedRule:
+        """A local value."""
+        name = item.name.text
+        target = ir.AttributeOf(ir.LOCAL, name)
+        key = local_key(self.label, name)
+        return PlacedRule(self.label, target, key, item.value, item.name.span, item.span)
+
+    def rule(self, rule: s.Rule) -> PlacedRule | None:
+        """An attribute, or the frame at which a module is mounted."""
+        occurrence = occurrence_of(rule.target.owner, self.info, self.sink)
+        if occurrence is None:
+            return None
+        nonterminal = nonterminal_at(self.info, occurrence)
+        if nonterminal is None:
+            return self._mount(rule, occurrence)
+        name = rule.target.name.text
+        target, key = ir.AttributeOf(occurrence, name), (nonterminal, name)
+        return PlacedRule(self.label, target, key, rule.value, rule.target.span, rule.span)
+
+    def _mount(self, rule: s.Rule, occurrence: int) -> PlacedRule | None:
+        owner, name, at = rule.target.owner.text, rule.target.name.text, rule.target.span
+        module = self.modules.get(self.info.production.right[occurrence].name)
+        body = None if module is None else module.body
+        if body is None:
+            message = f"`{owner}` has no attributes: it is a module or an edge"
+            hint = "only nonterminals have attributes"
+            if module is not None and name == INPUT:
+                message = f"`{owner}` cannot be mounted: the module has no frames and no bodies"
+                hint = "write its frames and bodies here, or into the module"
+            self.sink.error(Code.WRONG_KIND, message, at, hint)
+            return None
+        if name != INPUT:
+            message = f"`{owner}.{name}` is defined in the module; only `{owner}.in` is given here"
+            hint = f"write `{owner}.in = …;`, and read the module's frames"
+            self.sink.error(Code.WRONG_KIND, message, at, hint)
+            return None
+        called = occurrence_names(self.info.production)[occurrence]
+        target = frame_of(called, INPUT)
+        key = local_key(self.label, target.name)
+        return PlacedRule(self.label, target, key, rule.value, at, rule.span, occurrence)
 
 
 def _collect(
-    grammar: GrammarInfo, blocks: Mapping[str, s.Block], found: Attributes, sink: Sink
+    grammar: GrammarInfo,
+    blocks: Mapping[str, s.Block],
+    modules: Mapping[str, ModuleInfo],
+    found: Attributes,
+    sink: Sink,
 ) -> Iterator[PlacedRule]:
     for label, block in blocks.items():
         first: dict[ir.AttributeOf, Span] = {}
+        placing = _Placing(grammar.productions[label], modules, sink)
         for statement in block.statements:
-            if not isinstance(statement, s.Rule):
+            placed: PlacedRule | None
+            if isinstance(statement, s.Rule):
+                placed, target = placing.rule(statement), statement.target
+                called = f"{target.owner.text}.{target.name.text}"
+            elif isinstance(statement, s.Let):
+                placed, called = placing.let(statement), statement.name.text
+            else:
                 continue
-            placed = _place(label, statement, grammar.productions[label], sink)
             if placed is None:
                 found.failed.add(label)
-                found.lost.add(statement.target.name.text)
+                found.lost.add(called.partition(".")[2])
                 continue
             if placed.target in first:
-                target = statement.target
-                message = f"`{target.owner.text}.{target.name.text}` is defined twice"
+                message = f"`{called}` is defined twice"
                 notes = [(first[placed.target], "first here")]
-                sink.error(
-                    Code.DOUBLE_ATTRIBUTE, message, target.span, "remove one definition", notes
-                )
+                hint = "remove one definition"
+                sink.error(Code.DOUBLE_ATTRIBUTE, message, placed.at, hint, notes)
                 found.failed.add(label)
                 continue
-            first[placed.target] = statement.target.span
+            first[placed.target] = placed.at
             yield placed
 
 
@@ -144,7 +210,12 @@ def _reads_root(grammar: GrammarInfo, blocks: Iterable[s.Block], names: NameTabl
 
 def _classify(found: Attributes, start: str, sink: Sink) -> None:
     for placed in found.rules:
-        span = placed.rule.target.span
+        span = placed.at
+        if placed.target.occurrence == ir.LOCAL:
+            found.local[placed.key] = span
+            if placed.mounts is not None:
+                found.mounted.add((placed.label, placed.mounts))
+            continue
         mine, other = found.inherited, found.synthesized
         if placed.target.occurrence == ir.THIS:
             mine, other = other, mine
@@ -163,11 +234,15 @@ def _classify(found: Attributes, start: str, sink: Sink) -> None:
 
 
 def collect_attributes(
-    grammar: GrammarInfo, blocks: Mapping[str, s.Block], names: NameTable, sink: Sink
+    grammar: GrammarInfo,
+    blocks: Mapping[str, s.Block],
+    modules: Mapping[str, ModuleInfo],
+    names: NameTable,
+    sink: Sink,
 ) -> Attributes:
     """The attributes that the blocks define; double and impossible definitions are reported."""
     found = Attributes()
-    found.rules.extend(_collect(grammar, blocks, found, sink))
+    found.rules.extend(_collect(grammar, blocks, modules, found, sink))
     _classify(found, grammar.grammar.start, sink)
     root = (grammar.grammar.start, ROOT_ATTRIBUTE)
     if root not in found.synthesized and _reads_root(grammar, blocks.values(), names):

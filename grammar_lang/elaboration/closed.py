@@ -46,14 +46,14 @@ class ClosedScope:
         sink.error(Code.NOT_CONSTANT, message, member.span, hint)
         return UNKNOWN
 
-    def dof(self, member: s.Member) -> ir.Dof | None:
+    def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
         """None."""
-        del member
+        del name
         return None
 
-    def use_dof(self, member: s.Member) -> ir.Expr:
+    def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
         """Never called, as there are no degrees of freedom; it would raise LookupError."""
-        raise LookupError(member.name.text)
+        raise LookupError(name)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
         """None: there are no modules of a production here."""

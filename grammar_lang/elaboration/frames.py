@@ -56,18 +56,23 @@ def require_axis(expr: s.Expr, sink: Sink) -> ir.Axis:
 
 
 def _check_dof(
-    function: Literal["rot", "move"], axis: ir.Axis, dof: ir.Dof, at: s.Member, sink: Sink
+    function: Literal["rot", "move"],
+    axis: ir.Axis,
+    dof: ir.Dof,
+    at: s.Member | s.Name,
+    sink: Sink,
 ) -> None:
-    called = f"`{at.owner.text}.{dof.name}`"
+    name = dof.name if isinstance(at, s.Name) else f"{at.owner.text}.{dof.name}"
+    called = f"`{name}`"
     notes = [(dof.span, "declared here")]
     if dof.kind != _KIND[function]:
         place = _PLACE[dof.kind]
         message = f"{called} is {dof.kind}, it cannot stand in a `{function}`"
-        hint = f"write `{place}({dof.axis}, {at.owner.text}.{dof.name})`"
+        hint = f"write `{place}({dof.axis}, {name})`"
         sink.error(Code.BAD_DOF_USE, message, at.span, hint, notes)
     elif dof.axis != axis:
         message = f"{called} has the axis {dof.axis}, not {axis}"
-        hint = f"write `{function}({dof.axis}, {at.owner.text}.{dof.name})`"
+        hint = f"write `{function}({dof.axis}, {name})`"
         sink.error(Code.BAD_DOF_USE, message, at.span, hint, notes)
 
 
@@ -80,7 +85,7 @@ def _amount(
     sink: Sink,
 ) -> ir.Expr:
     """The angle or distance: a degree of freedom alone, or a scalar."""
-    if isinstance(expr, s.Member):
+    if isinstance(expr, s.Member | s.Name):
         dof = scope.dof(expr)
         if dof is not None:
             _check_dof(function, axis, dof, expr, sink)
@@ -124,7 +129,7 @@ def frame_call(
         message = f"`{function}` does not take these arguments"
         sink.error(Code.SORT_MISMATCH, message, call.span, f"write {form}")
         for found in readings(a.value for a in call.arguments):
-            if isinstance(found, s.Member) and scope.dof(found) is not None:
+            if scope.dof(found) is not None:
                 scope.use_dof(found)  # it is no news that this one is used wrongly
         return UNKNOWN
     axis = require_axis(arguments[0], sink)

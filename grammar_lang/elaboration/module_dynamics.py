@@ -126,12 +126,12 @@ class _Scope:
     def member(self, member: s.Member, sink: Sink) -> Typed:
         return foreign_member(member, sink)
 
-    def dof(self, member: s.Member) -> ir.Dof | None:
-        del member
+    def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
+        del name
         return None
 
-    def use_dof(self, member: s.Member) -> ir.Expr:
-        raise LookupError(member.name.text)
+    def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
+        raise LookupError(name)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
         """None: there are no modules of a production here."""

@@ -47,14 +47,14 @@ class ModuleScope:
         """Always an error."""
         return foreign_member(member, sink)
 
-    def dof(self, member: s.Member) -> ir.Dof | None:
+    def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
         """None."""
-        del member
+        del name
         return None
 
-    def use_dof(self, member: s.Member) -> ir.Expr:
+    def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
         """Never called, as no degree of freedom is used here; it would raise LookupError."""
-        raise LookupError(member.name.text)
+        raise LookupError(name)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
         """None: there are no modules of a production here."""

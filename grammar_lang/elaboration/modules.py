@@ -20,6 +20,7 @@ from grammar_lang.elaboration.module_dynamics import Statements, lower_dynamics
 from grammar_lang.elaboration.module_scope import ModuleScope
 from grammar_lang.elaboration.sorts import (
     UNKNOWN,
+    DimensionUse,
     Sort,
     Typed,
     warn_implausible,
@@ -40,42 +41,93 @@ _ROLES: dict[str, ir.Role] = {
 }
 
 
+INPUT = "in"
+"""The frame at which a module is mounted, and the port by which another carries it."""
+
+
 @dataclass(frozen=True, slots=True)
 class ModuleInfo:
     """A module with what its names mean.
 
     ``members`` holds parameters and constants; parameters occur in them at ``ir.THIS``.  ``own``
-    says of the names of its own dynamics whether they are a state or an input.
+    says of the names of its own dynamics whether they are a state or an input.  ``body`` is None
+    where it has neither frames nor ports nor emissions.
     """
 
     module: ir.Module
     members: Mapping[str, Typed]
     dofs: Mapping[str, ir.Dof]
     own: Mapping[str, str]
+    body: ModuleBody | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
         """Everything that may follow the dot."""
-        return (*self.members, *self.dofs)
+        return (*self.members, *self.dofs, *(() if self.body is None else self.body.frames))
 
     def at(self, occurrence: int, name: str) -> Typed:
         """A parameter or constant of the module at an occurrence; KeyError if there is none."""
         value = self.members[name]
-        return replace(value, expr=_placed(value.expr, occurrence))
+        return replace(value, expr=_placed(value.expr, occurrence, ""))
 
 
-def _placed(expr: ir.Expr, occurrence: int) -> ir.Expr:
-    match expr:
-        case ir.ParameterOf(name=name):
-            return ir.ParameterOf(occurrence, name)
-        case ir.Unary(function=function, operand=operand):
-            return ir.Unary(function, _placed(operand, occurrence))
-        case ir.Binary(operator=operator, left=left, right=right):
-            return ir.Binary(operator, _placed(left, occurrence), _placed(right, occurrence))
-        case ir.Vector(x=x, y=y, z=z):
-            return ir.Vector(*(_placed(part, occurrence) for part in (x, y, z)))
-        case _:
-            return expr
+@dataclass(frozen=True, slots=True)
+class ModuleBody:
+    """What a module brings along wherever it is mounted.
+
+    ``frames`` are defined over ``in`` and each other, which are ``ir.LOCAL`` in them, as is all
+    that the module declares at ``ir.THIS``.  ``ports`` are by name, ``used`` are the places where
+    frames use degrees of freedom, ``uses`` what makes sense in the plane or in space only.
+    """
+
+    frames: Mapping[str, ir.AttributeRule]
+    emissions: tuple[ir.Emission, ...]
+    ports: Mapping[str, s.Port]
+    used: Mapping[str, Span]
+    uses: tuple[DimensionUse, ...]
+
+    @property
+    def outputs(self) -> tuple[s.Port, ...]:
+        """The ports other than ``in``, in the order of their declarations."""
+        return tuple(port for name, port in self.ports.items() if name != INPUT)
+
+    def mounted(
+        self, occurrence: int, called: str
+    ) -> tuple[tuple[ir.AttributeRule, ...], tuple[ir.Emission, ...]]:
+        """The rules of the frames, and the emissions, at an occurrence with its name."""
+        here = (occurrence,)
+
+        def new(expr: ir.Expr) -> ir.Expr:
+            return _placed(expr, occurrence, f"{called}.")
+
+        rules = tuple(
+            ir.AttributeRule(frame_of(called, name), new(rule.value), rule.span, here)
+            for name, rule in self.frames.items()
+        )
+        emissions = (ir.with_expressions(each, new) for each in self.emissions)
+        return rules, tuple(replace(each, mentions=here) for each in emissions)
+
+
+def frame_of(called: str, name: str) -> ir.AttributeOf:
+    """A frame of a module that is mounted in a production, and called so there."""
+    return ir.AttributeOf(ir.LOCAL, f"{called}.{name}")
+
+
+def _placed(expr: ir.Expr, occurrence: int, prefix: str) -> ir.Expr:
+    """An expression of a module at an occurrence; the names of its frames get a prefix."""
+
+    def change(leaf: ir.Expr) -> ir.Expr:
+        match leaf:
+            case ir.ParameterOf(name=name):
+                return ir.ParameterOf(occurrence, name)
+            case ir.DofOf(name=name):
+                return ir.DofOf(occurrence, name)
+            case ir.AttributeOf(name=name):
+                return ir.AttributeOf(ir.LOCAL, prefix + name)
+            case _:
+                return leaf
+
+    return ir.with_leaves(expr, change, (occurrence,))
 
 
 @dataclass(slots=True)
@@ -105,6 +157,8 @@ class _Reader:
                 self.dynamics.add(item)
             case s.Derivative() | s.Torque():
                 self.dynamics.add(item)
+            case s.Frame():
+                self._fresh(item.name)
             case _:
                 pass
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from grammar_lang import ir
@@ -69,7 +69,11 @@ class _Reader:
                 else:
                     self.productions[label.text] = info
             case s.Accept(condition=condition):
-                self.accepts.append(_Conditions(self._terminal, self.sink).lower(condition))
+                self.accepts.append(Conditions(self.names, self.sink).lower(condition))
+            case s.Listed():
+                message = "`with` lists the modules of a grammar from ports"
+                hint = "write `grammar NAME from ports { … }`, or productions"
+                self.sink.error(Code.OTHER_GRAMMAR, message, item.span, hint)
 
     def _start(self, item: s.StartSymbol) -> None:
         if self.starts:
@@ -86,19 +90,6 @@ class _Reader:
         """Whether a symbol stands on a left side; that of a module or an edge was reported."""
         found = self.names.entity(name)
         return found is not None and (found.kind == "nonterminal" or name.text in self.lefts)
-
-    def _terminal(self, name: s.Ident) -> str:
-        found = self.names.entity(name)
-        if found is not None and found.kind == "nonterminal":
-            message = f"`{name.text}` is a nonterminal; words are made of modules and edges"
-            self.sink.error(Code.WRONG_KIND, message, name.span, "name a module or an edge")
-        elif found is None:
-            known = self.names.declared.terminals
-            hint = did_you_mean(name.text, known, "module or edge", self.sink)
-            self.sink.error(
-                Code.UNKNOWN_NAME, f"unknown module or edge `{name.text}`", name.span, hint
-            )
-        return name.text
 
     # --- productions ---------------------------------------------------------------------------
 
@@ -132,19 +123,17 @@ class _Reader:
         return ProductionInfo(production, word, broken, item.label.span)
 
 
-def _nonterminals(start: str, productions: Mapping[str, ProductionInfo]) -> tuple[str, ...]:
-    """The start symbol, then the others in order of first appearance."""
+def grammar_of(
+    grammar: s.Grammar, start: str, productions: Iterable[ir.Production], accepts: list[ir.Accept]
+) -> ir.Grammar:
+    """A grammar without semantics; its nonterminals in order of first appearance."""
     found = dict.fromkeys([start])
-    for info in productions.values():
-        found[info.production.left] = None
-        for symbol in info.production.right:
-            if symbol.kind == "nonterminal":
-                found[symbol.name] = None
-    return tuple(found)
-
-
-def _accept(parts: list[ir.Accept]) -> ir.Accept:
-    return parts[0] if len(parts) == 1 else ir.AllOf(tuple(parts))
+    rules = tuple(productions)
+    for production in rules:
+        found[production.left] = None
+        found |= {x.name: None for x in production.right if x.kind == "nonterminal"}
+    accept = accepts[0] if len(accepts) == 1 else ir.AllOf(tuple(accepts))
+    return ir.Grammar(grammar.name.text, start, tuple(found), rules, accept, None, grammar.span)
 
 
 def _check_left_sides(lefts: Mapping[str, Entity], names: NameTable, sink: Sink) -> None:
@@ -171,27 +160,33 @@ def lower_grammar(grammar: s.Grammar, names: NameTable, sink: Sink) -> GrammarIn
         hint = f"add `start {next(iter(own), 'N')};`"
         sink.error(Code.MISSING_START, message, grammar.name.span, hint)
     start = reader.starts[0].name.text if reader.starts else ""
-    lowered = ir.Grammar(
-        grammar.name.text,
-        start,
-        _nonterminals(start, reader.productions),
-        tuple(info.production for info in reader.productions.values()),
-        _accept(reader.accepts),
-        None,
-        grammar.span,
-    )
-    return GrammarInfo(lowered, reader.productions)
+    lowered = (info.production for info in reader.productions.values())
+    return GrammarInfo(grammar_of(grammar, start, lowered, reader.accepts), reader.productions)
 
 
 # --- accept conditions ------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
-class _Conditions:
-    """Lowers conditions; ``terminal`` checks that a name is a module or an edge."""
+class Conditions:
+    """Lowers the accept conditions of a grammar."""
 
-    terminal: Callable[[s.Ident], str]
+    names: NameTable
     sink: Sink
+
+    def terminal(self, name: s.Ident) -> str:
+        """The name of a module or an edge; reported if it is none."""
+        found = self.names.entity(name)
+        if found is not None and found.kind == "nonterminal":
+            message = f"`{name.text}` is a nonterminal; words are made of modules and edges"
+            self.sink.error(Code.WRONG_KIND, message, name.span, "name a module or an edge")
+        elif found is None:
+            known = self.names.declared.terminals
+            hint = did_you_mean(name.text, known, "module or edge", self.sink)
+            self.sink.error(
+                Code.UNKNOWN_NAME, f"unknown module or edge `{name.text}`", name.span, hint
+            )
+        return name.text
 
     def lower(self, condition: s.Condition) -> ir.Accept:
         """The condition with its symbols checked."""

@@ -29,7 +29,7 @@ from grammar_lang.elaboration.sorts import (
     wrong_sort,
 )
 from grammar_lang.elaboration.typecheck import Checker
-from grammar_lang.ir.expression_text import occurrence_names
+from grammar_lang.ir.expression_text import attribute_text, called_in, occurrence_names
 from grammar_lang.ir.expressions import too_large
 from grammar_lang.names.declarations import duplicate
 from grammar_lang.names.table import NameTable
@@ -61,15 +61,40 @@ def _fits(value: Typed, due: Typed | None, at: Span, sink: Sink) -> None:
 
 
 def _rule(placed: PlacedRule, scope: ProductionScope, sink: Sink) -> ir.AttributeRule:
-    value = Checker(scope, sink).elaborate(placed.rule.value)
-    _fits(value, scope.types.get(placed.key), placed.rule.value.span, sink)
+    value = Checker(scope, sink).elaborate(placed.value)
+    _fits(value, scope.types.get(placed.key), placed.value.span, sink)
     if too_large(value.expr):
-        sink.error(
-            Code.TOO_DEEP, "this expression is too large", placed.rule.span, "use more attributes"
-        )
-        return ir.AttributeRule(placed.target, ZERO, placed.rule.span)
-    mentions = scope.mentions([placed.rule.value])
-    return ir.AttributeRule(placed.target, value.expr, placed.rule.span, mentions)
+        message, hint = "this expression is too large", "use more attributes"
+        sink.error(Code.TOO_DEEP, message, placed.span, hint)
+        return ir.AttributeRule(placed.target, ZERO, placed.span)
+    mentions = scope.mentions([placed.value])
+    return ir.AttributeRule(placed.target, value.expr, placed.span, mentions)
+
+
+def _uses(scope: ProductionScope, position: int, dof: str) -> list[Span]:
+    """Where a degree of freedom is used: in the block, and in the module if it is mounted."""
+    places = list(scope.dofs.get(ir.DofOf(position, dof), ()))
+    info = scope.info
+    if (info.production.label, position) in scope.attributes.mounted:
+        module = scope.modules.get(info.production.right[position].name)
+        if module is not None and module.body is not None and dof in module.body.used:
+            places.append(module.body.used[dof])
+    return places
+
+
+def _check_mounted(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
+    """Report the modules whose frames and bodies a production leaves out."""
+    production = scope.info.production
+    for position, symbol in enumerate(production.right):
+        module = scope.modules.get(symbol.name)
+        body = None if module is None else module.body
+        if body is None or (production.label, position) in scope.attributes.mounted:
+            continue
+        if body.frames or body.emissions:
+            called = occurrence_names(production)[position]
+            message = f"production `{production.label}` does not mount `{called}`"
+            hint = f"add `{called}.in = …;`: its frames and bodies stand in the module"
+            sink.error(Code.NOT_MOUNTED, message, block.label.span, hint)
 
 
 def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
@@ -79,7 +104,7 @@ def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
     for position, symbol in enumerate(production.right):
         module = scope.modules.get(symbol.name)
         for name in () if module is None else module.dofs:
-            places = scope.dofs.get(ir.DofOf(position, name), [])
+            places = _uses(scope, position, name)
             called = f"`{symbol.alias or called_by.get(position, symbol.name)}.{name}`"
             if not places:
                 message = f"production `{production.label}` does not use {called}"
@@ -99,15 +124,39 @@ def _block(
     meshes: Mapping[Span, ir.Mesh],
     sink: Sink,
 ) -> ir.SemanticBlock:
-    lowered = tuple(_rule(placed, scope, sink) for placed in rules)
-    symbols = scope.info.production.right
-    modules = [scope.modules.get(symbol.name) for symbol in symbols]
+    production = scope.info.production
+    modules = [scope.modules.get(symbol.name) for symbol in production.right]
     emissions = Emissions(scope, sink, modules, meshes)
-    emitted = [emissions.lower(e) for e in block.statements if isinstance(e, s.Emission)]
-    failed = scope.info.broken or None in emitted
-    if not failed and scope.info.production.label not in scope.attributes.failed:
-        _check_dofs(scope, block, sink)
-    return ir.SemanticBlock(lowered, tuple(e for e in emitted if e is not None), block.span)
+    by_place = {placed.span: placed for placed in rules}
+    lowered: list[ir.AttributeRule] = []
+    emitted: list[ir.Emission | None] = []
+    for statement in block.statements:
+        if isinstance(statement, s.Emission):
+            emitted.append(emissions.lower(statement))
+        elif statement.span in by_place:
+            placed = by_place[statement.span]
+            lowered.append(_rule(placed, scope, sink))
+            if placed.mounts is not None:
+                frames, bodies = _mounted(placed.mounts, scope)
+                lowered += frames
+                emitted += bodies
+    if not scope.info.broken and production.label not in scope.attributes.failed:
+        if None not in emitted:
+            _check_dofs(scope, block, sink)
+        _check_mounted(scope, block, sink)
+    return ir.SemanticBlock(tuple(lowered), tuple(e for e in emitted if e is not None), block.span)
+
+
+def _mounted(
+    position: int, scope: ProductionScope
+) -> tuple[tuple[ir.AttributeRule, ...], tuple[ir.Emission, ...]]:
+    """The frames and emissions of the module at a position."""
+    production = scope.info.production
+    module = scope.modules[production.right[position].name]
+    if module.body is None:
+        return (), ()
+    scope.uses.extend(use for use in module.body.uses if use not in scope.uses)
+    return module.body.mounted(position, occurrence_names(production)[position])
 
 
 def _blocks(
@@ -154,9 +203,7 @@ def _check_cycle(grammar: GrammarInfo, blocks: Mapping[str, ir.SemanticBlock], s
         return
     production, nodes = found
     called = occurrence_names(production)
-    names = [
-        f"{'this' if n.occurrence == ir.THIS else called[n.occurrence]}.{n.name}" for n in nodes
-    ]
+    names = [attribute_text(node, lambda where: called_in(where, called)) for node in nodes]
     if len(names) > 2 * _ENDS + 1:
         names[_ENDS:-_ENDS] = [f"… {len(names) - 2 * _ENDS} more …"]
     around = frozenset(nodes)
@@ -185,7 +232,7 @@ def lower_semantics(
     """
     before = len(sink.found)
     blocks = _blocks(grammar, semantics, names, sink)
-    attributes = collect_attributes(grammar, blocks, names, sink)
+    attributes = collect_attributes(grammar, blocks, modules, names, sink)
     check_complete(grammar, blocks, attributes, sink)
     types = Inference(grammar, modules, attributes, names).run()
     rules: dict[str, list[PlacedRule]] = {}

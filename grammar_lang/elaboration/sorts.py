@@ -93,11 +93,11 @@ class Scope(Protocol):
         """The value of ``owner.name``; reports it and returns UNKNOWN if there is none."""
         ...
 
-    def dof(self, member: s.Member) -> ir.Dof | None:
-        """The degree of freedom that ``owner.name`` is."""
+    def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
+        """The degree of freedom that ``owner.name``, or a plain name in its module, is."""
         ...
 
-    def use_dof(self, member: s.Member) -> ir.Expr:
+    def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
         """Take note that the degree of freedom stands alone in a ``rot`` or ``move`` here."""
         ...
 

@@ -99,7 +99,13 @@ def is_text(text: str, file: int, sink: Sink) -> bool:
 # A path is written with ``/`` and means a file relative to the folder of the file in which it
 # stands, as that file is named, not as links resolve it: so a copy of the tree means the same.
 # Where links lead is looked at as well: nothing outside the tree is ever read.
+#
+# The library, which ``include std`` reads, stands in the tree as the folder ``@std``.  Where the
+# tree has no such file, that of the package is meant; results keep copies, which are read then.
 
+
+STD = "@std"
+LIBRARY = os.path.realpath(Path(__file__).parent.parent / "library")
 
 _MANY = 1000
 """So many files of a folder are compared with a misspelt name."""
@@ -182,22 +188,28 @@ class FileTree:
         default_factory=dict[str, bytes], compare=False, repr=False
     )
 
-    def name(self, path: str) -> str:
+    def name(self, place: Place) -> str:
         """What diagnostics call a file of the tree."""
-        return name_of(self.folder / path)
+        if place.path.startswith(f"{STD}/") and place.real.startswith(f"{LIBRARY}{os.sep}"):
+            return name_of(Path(place.real))
+        return name_of(self.folder / place.path)
 
-    def place(self, written: str, base: str) -> Place:
+    def place(self, written: str, base: str, *, std: bool = False) -> Place:
         """The file that a path means.
 
         Args:
             written: the path as written.
             base: the path of the file in which it stands, below the top.
+            std: whether the path is one of the library.
 
         Raises:
             Refusal: it is no path, or it leads out of the tree.
         """
         _written(written)
-        path = posixpath.normpath(posixpath.join(posixpath.dirname(base), written))
+        folder = STD if std else posixpath.dirname(base)
+        path = posixpath.normpath(posixpath.join(folder, written))
+        if std or path.startswith(f"{STD}/"):
+            return self._in_library(path, written)
         if path == ".." or path.startswith("../"):
             message = f"{shown(written)} is outside the folder of {shown(self.main)}"
             hint = f"move it into that folder, or put {shown(self.main)} further up"
@@ -209,6 +221,19 @@ class FileTree:
             )
             raise Refusal(Code.OUTSIDE_TREE, message, "put a copy of the file into that folder")
         return Place(path, real)
+
+    def _in_library(self, path: str, written: str) -> Place:
+        """The copy in the tree, if there is one, else the file of the package."""
+        if not path.startswith(f"{STD}/"):
+            message = f"{shown(written)} is outside the library"
+            raise Refusal(
+                Code.OUTSIDE_TREE, message, 'write a file of it: `include std "ur5.srg";`'
+            )
+        copy = os.path.realpath(posixpath.join(self.top, path))
+        inside = copy.startswith(posixpath.join(self.top, ""))
+        if inside and (os.path.lexists(copy) or copy in self.open_files):
+            return Place(path, copy)
+        return Place(path, posixpath.join(LIBRARY, path.removeprefix(f"{STD}/")))
 
     def read(self, place: Place, written: str, limit: int, suffixes: tuple[str, ...]) -> bytes:
         """The bytes of a file of the tree.
@@ -285,15 +310,18 @@ class FileSet:
     def __post_init__(self) -> None:
         self._numbers = {source.path: number for number, source in enumerate(self.sources)}
 
-    def place(self, written: Ident, base: int) -> Place | None:
-        """The file that a path in the file number ``base`` means; a bad path is reported."""
+    def place(self, written: Ident, base: int, *, std: bool = False) -> Place | None:
+        """The file that a path in the file number ``base`` means; a bad path is reported.
+
+        With ``std`` it is a path in the library.
+        """
         if self.tree is None:
             message = "a text has no folder in which this file could be"
             hint = "save the text as a file, and check that file"
             self.sink.error(Code.UNREADABLE_REFERENCE, message, written.span, hint)
             return None
         try:
-            return self.tree.place(written.text, self.sources[base].path)
+            return self.tree.place(written.text, self.sources[base].path, std=std)
         except Refusal as refusal:
             self.sink.error(refusal.code, refusal.message, written.span, refusal.hint)
             return None
@@ -341,7 +369,7 @@ class FileSet:
         self.sources.append(replace(first, name=name, path=place.path, twin=first.path))
 
     def _name(self, place: Place) -> str:
-        return place.path if self.tree is None else self.tree.name(place.path)
+        return place.path if self.tree is None else self.tree.name(place)
 
     def _data(
         self, place: Place, written: Ident, left: int, limit: int, suffixes: tuple[str, ...]

@@ -7,7 +7,7 @@ path: the second time it adds nothing, and where it is still open it is a cycle.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NoReturn, TypeAlias
 
@@ -31,7 +31,8 @@ _ENDS = 3
 class Inclusion:
     """The items of all files as those of one.
 
-    ``maps`` and ``meshes`` are by the span of the path that names each.
+    ``maps`` and ``meshes`` are by the span of the path that names each, ``opened`` gives the number
+    of the file that an ``include`` reads first, by the span of its path.
 
     ``complete`` is False where a file could not be read: nobody knows what it declares.
     """
@@ -39,6 +40,7 @@ class Inclusion:
     file: t.File
     maps: Mapping[Span, ir.ObstacleMap]
     meshes: Mapping[Span, ir.Mesh]
+    opened: Mapping[Span, int]
     complete: bool
 
 
@@ -59,6 +61,7 @@ class _Traversal:
     skipped: set[str] = field(default_factory=set[str])
     maps: dict[Span, ir.ObstacleMap] = field(default_factory=dict[Span, ir.ObstacleMap])
     meshes: dict[Span, ir.Mesh] = field(default_factory=dict[Span, ir.Mesh])
+    opened: dict[Span, int] = field(default_factory=dict[Span, int])
     chain: list[_Open] = field(default_factory=list[_Open])
     depths: dict[str, int] = field(default_factory=dict[str, int])
     numbers: dict[str, int] = field(default_factory=dict[str, int])
@@ -78,7 +81,10 @@ class _Traversal:
             elif isinstance(item, t.Workspace):
                 self._maps(item, self.chain[-1].number)
             elif isinstance(item, s.Semantics):
-                self._meshes(item, self.chain[-1].number)
+                for block in item.blocks:
+                    self._meshes(block.statements, self.chain[-1].number)
+            elif isinstance(item, s.Module):
+                self._meshes(item.items, self.chain[-1].number)
 
     def _open(self, number: int, real: str) -> None:
         self.numbers[real] = number
@@ -92,7 +98,7 @@ class _Traversal:
         self.chain.append(_Open(number, real, iter(file.items)))
 
     def _include(self, item: t.Include, base: int) -> None:
-        place = self.files.place(item.path, base)
+        place = self.files.place(item.path, base, std=item.std)
         if place is None:
             self.complete = False
         elif place.real in self.depths:
@@ -104,6 +110,7 @@ class _Traversal:
             if number is None:
                 self.complete = False
             else:
+                self.opened[item.path.span] = number
                 self._open(number, place.real)
 
     def _cycle(self, item: t.Include, first: int, path: str) -> None:
@@ -124,8 +131,7 @@ class _Traversal:
                 if found is not None:
                     self.maps[item.path.span] = found
 
-    def _meshes(self, semantics: s.Semantics, base: int) -> None:
-        statements = (each for block in semantics.blocks for each in block.statements)
+    def _meshes(self, statements: Iterable[object], base: int) -> None:
         for emission in statements:
             for argument in emission.arguments if isinstance(emission, s.Emission) else ():
                 if isinstance(argument.value, s.Text):
@@ -139,7 +145,7 @@ def include_all(files: FileSet, real: str) -> Inclusion:
     traversal = _Traversal(files)
     traversal.follow(real)
     file = t.File(tuple(traversal.items), tuple(traversal.broken), frozenset(traversal.skipped))
-    return Inclusion(file, traversal.maps, traversal.meshes, traversal.complete)
+    return Inclusion(file, traversal.maps, traversal.meshes, traversal.opened, traversal.complete)
 
 
 # --------------------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 Every node is frozen and compares without its span.  Expressions are trees over exact rationals
 and pi; nothing is rounded here.  An *occurrence* is the position of a symbol on the right side of
-its production, counted from 0; ``THIS`` stands for the left side.
+its production, counted from 0; ``THIS`` stands for the left side, ``LOCAL`` for none.
 """
 
 from __future__ import annotations
@@ -10,7 +10,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from grammar_lang.ir.emissions import (
+    Effector,
+    Emission,
+    Mesh,
+    PointMass,
+    Rod,
+    Shape,
+    ShapeKind,
+    Solid,
+    with_expressions,
+)
 from grammar_lang.ir.expressions import (
+    LOCAL,
     NOWHERE,
     THIS,
     AttributeOf,
@@ -35,6 +47,7 @@ from grammar_lang.ir.expressions import (
     Vector,
     World,
     leaves,
+    with_leaves,
 )
 from grammar_lang.ir.family import (
     Accept,
@@ -47,31 +60,23 @@ from grammar_lang.ir.family import (
     Count,
     Dof,
     DofKind,
-    Effector,
-    Emission,
     EndsWith,
     Grammar,
     Input,
     Interval,
     Matches,
-    Mesh,
     Module,
     NotAccept,
     Parameter,
-    PointMass,
     Production,
     RChoice,
     Regex,
     REmpty,
-    Rod,
     Role,
     RRepeat,
     RSequence,
     RSymbol,
     SemanticBlock,
-    Shape,
-    ShapeKind,
-    Solid,
     StartsWith,
     State,
     Symbol,
@@ -128,6 +133,7 @@ from grammar_lang.ir.task import (
 from grammar_lang.source import Source, Span
 
 __all__ = [
+    "LOCAL",
     "NOWHERE",
     "REST_RATE",
     "THIS",
@@ -236,6 +242,8 @@ __all__ = [
     "World",
     "leaves",
     "owners",
+    "with_expressions",
+    "with_leaves",
 ]
 
 

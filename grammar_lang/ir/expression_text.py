@@ -9,11 +9,22 @@ its unit has to be written again first.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
+from grammar_lang.ir.emissions import (
+    Effector,
+    Emission,
+    Mesh,
+    PointMass,
+    Rod,
+    Shape,
+    ShapeKind,
+    Solid,
+)
 from grammar_lang.ir.expressions import (
+    LOCAL,
     THIS,
     AttributeOf,
     Axis,
@@ -36,19 +47,7 @@ from grammar_lang.ir.expressions import (
     Vector,
     World,
 )
-from grammar_lang.ir.family import (
-    AttributeRule,
-    Effector,
-    Emission,
-    Mesh,
-    PointMass,
-    Production,
-    Rod,
-    SemanticBlock,
-    Shape,
-    ShapeKind,
-    Solid,
-)
+from grammar_lang.ir.family import AttributeRule, Production, SemanticBlock
 
 LONGEST_PLAIN = 10
 """Decimals of more characters are written with an exponent where that is shorter."""
@@ -76,7 +75,7 @@ def updates_text(production: Production, block: SemanticBlock) -> tuple[str, ...
     called = occurrence_names(production)
 
     def names(occurrence: int) -> str:
-        return "this" if occurrence == THIS else called[occurrence]
+        return called_in(occurrence, called)
 
     rules = (rule_text(rule, names) for rule in block.rules)
     return (*rules, *(emission_text(emission, names) for emission in block.emissions))
@@ -84,8 +83,21 @@ def updates_text(production: Production, block: SemanticBlock) -> tuple[str, ...
 
 def rule_text(rule: AttributeRule, names: Names) -> str:
     """``this.frame = N.frame * rot(z, JO.q)``."""
-    target = f"{names(rule.target.occurrence)}.{rule.target.name}"
-    return f"{target} = {expression_text(rule.value, names)}"
+    target = attribute_text(rule.target, names)
+    local = rule.target.occurrence == LOCAL and "." not in target
+    return f"{'let ' if local else ''}{target} = {expression_text(rule.value, names)}"
+
+
+def called_in(occurrence: int, called: Sequence[str]) -> str:
+    """What a block calls an occurrence; ``called`` are the symbols of the right side."""
+    return called[occurrence] if occurrence >= 0 else "this"
+
+
+def attribute_text(attribute: AttributeOf, names: Names) -> str:
+    """``this.frame``, ``N.frame``; of a local value its name, ``f`` or ``Elbow.out``."""
+    if attribute.occurrence == LOCAL:
+        return attribute.name
+    return f"{names(attribute.occurrence)}.{attribute.name}"
 
 
 def emission_text(emission: Emission, names: Names) -> str:
@@ -234,8 +246,8 @@ def _name(
             return "u"
         case RateOf(occurrence, name):
             return f"rate({_owned(occurrence, name, names)})"
-        case AttributeOf(occurrence, name):
-            return f"{names(occurrence)}.{name}"
+        case AttributeOf():
+            return attribute_text(expression, names)
         case ParameterOf(occurrence, name) | DofOf(occurrence, name):
             return _owned(occurrence, name, names)
         case StateOf(occurrence, name) | InputOf(occurrence, name):

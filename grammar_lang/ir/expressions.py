@@ -6,7 +6,7 @@ coordinate, a parameter or a constant, in order of first mention.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import field
 from fractions import Fraction
 from typing import Literal, TypeAlias
@@ -15,6 +15,8 @@ from grammar_lang.source import Span, node
 
 THIS = -1
 """The occurrence of the left side; others are positions on the right side, from 0."""
+LOCAL = -2
+"""The occurrence of the local values of a production, and of a module's own frames."""
 NOWHERE = Span(0, 0)
 
 Function: TypeAlias = Literal["neg", "abs", "sqrt", "sin", "cos", "tan"]
@@ -87,7 +89,11 @@ class InputOf:
 
 @node
 class AttributeOf:
-    """An attribute of a nonterminal occurrence, or of the left side (``THIS``)."""
+    """An attribute of a nonterminal occurrence or of the left side (``THIS``), or a local value.
+
+    What is ``LOCAL`` is defined in the block that reads it: ``f`` of a ``let``, or a frame of a
+    mounted module, such as ``Elbow.out``.
+    """
 
     occurrence: int
     name: str
@@ -191,6 +197,39 @@ def leaves(expression: Expr) -> Iterator[Expr]:
                 todo += [right, left]
             case _:
                 yield current
+
+
+def with_leaves(
+    expr: Expr, change: Callable[[Expr], Expr], mentions: tuple[int, ...] | None = None
+) -> Expr:
+    """An expression with each leaf changed.
+
+    Args:
+        expr: the expression.
+        change: the new leaf of an old one.
+        mentions: where given, those of all steps of frames.
+    """
+
+    def new(part: Expr) -> Expr:
+        return with_leaves(part, change, mentions)
+
+    match expr:
+        case Unary(function, operand):
+            return Unary(function, new(operand))
+        case Binary(operator, left, right):
+            return Binary(operator, new(left), new(right))
+        case Vector(x, y, z):
+            return Vector(new(x), new(y), new(z))
+        case Rot(axis, angle, own):
+            return Rot(axis, new(angle), own if mentions is None else mentions)
+        case Move(axis, distance, own):
+            return Move(axis, new(distance), own if mentions is None else mentions)
+        case Shift(vector, own):
+            return Shift(new(vector), own if mentions is None else mentions)
+        case Compose(left, right):
+            return Compose(new(left), new(right))
+        case _:
+            return change(expr)
 
 
 # --- depth and size -------------------------------------------------------------------------------

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Literal, TypeAlias
 
+from grammar_lang.ir.emissions import Emission
 from grammar_lang.ir.expressions import NOWHERE, AttributeOf, Axis, EffortOf, Expr, leaves
 from grammar_lang.source import Span, node
 
@@ -255,85 +255,6 @@ class AttributeRule:
     value: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
     mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
-
-
-@node
-class Rod:
-    """A uniform rod along an axis from the frame's origin; ``radius`` makes it a capsule."""
-
-    frame: Expr
-    axis: Axis
-    length: Expr
-    density: Expr
-    radius: Expr | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
-
-
-@node
-class PointMass:
-    """A point mass at the frame's origin."""
-
-    frame: Expr
-    mass: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
-
-
-@node
-class Solid:
-    """A rigid body; inertia about its com: one number in the plane, six (xx yy zz xy xz yz)."""
-
-    frame: Expr
-    mass: Expr
-    com: Expr
-    inertia: tuple[Expr, ...]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
-
-
-ShapeKind: TypeAlias = Literal["sphere", "capsule", "cylinder", "box", "hull"]
-
-
-@dataclass(frozen=True, slots=True)
-class Mesh:
-    """The vertices of a mesh, each once, as the file at ``path`` with that ``digest`` has them."""
-
-    path: str
-    digest: str
-    vertices: tuple[tuple[Fraction, ...], ...] = field(compare=False, repr=False)
-
-
-@node
-class Shape:
-    """What a link is in collisions; it has no mass.
-
-    A sphere has its centre, a box its middle at the frame's origin; capsules and cylinders lead
-    from there along an ``axis``.  ``sizes`` are the radius of a sphere, length and radius of
-    capsules and cylinders, the edges of a box: two in the plane, three in space.  A hull is that of
-    a ``mesh`` in the frame, whose unit is ``scale`` metres.
-    """
-
-    kind: ShapeKind
-    frame: Expr
-    axis: Axis | None
-    sizes: tuple[Expr, ...]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
-    mesh: Mesh | None = None
-    scale: Fraction = Fraction(1)
-
-
-@node
-class Effector:
-    """An effector at the frame's origin."""
-
-    frame: Expr
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
-
-
-Emission: TypeAlias = Rod | PointMass | Solid | Shape | Effector
 
 
 def owners(production: Production, emission: Emission) -> tuple[int, ...]:

@@ -27,11 +27,14 @@ Kind: TypeAlias = Literal[
     "degree of freedom",
     "state",
     "input",
+    "frame",
+    "port type",
     "grammar",
     "nonterminal",
     "production",
     "occurrence",
     "attribute",
+    "local value",
     "workspace",
     "region",
     "obstacle",
@@ -40,7 +43,14 @@ Kind: TypeAlias = Literal[
     "task",
 ]
 TERMINALS: tuple[Kind, ...] = ("module", "edge")
-MEMBERS: tuple[Kind, ...] = ("parameter", "constant", "degree of freedom", "state", "input")
+MEMBERS: tuple[Kind, ...] = (
+    "parameter",
+    "constant",
+    "degree of freedom",
+    "state",
+    "input",
+    "frame",
+)
 REGIONS: tuple[Kind, ...] = ("region", "obstacle", "target")
 
 _MEMBER_KINDS: dict[type, Kind] = {
@@ -49,6 +59,7 @@ _MEMBER_KINDS: dict[type, Kind] = {
     s.Dof: "degree of freedom",
     s.State: "state",
     s.Input: "input",
+    s.Frame: "frame",
 }
 
 
@@ -57,10 +68,11 @@ class Entity:
     """What a name stands for.
 
     ``scope`` is where the name holds: nothing for modules, edges and items; the module of a
-    parameter, constant, degree of freedom, state or input; the grammar of a nonterminal or
-    production; grammar and production of an occurrence with a name of its own; grammar and
-    nonterminal of an attribute; the workspace of a region or map.  ``span`` is the name where it is
-    first declared, ``statement`` that declaration; an attribute has neither.
+    parameter, constant, degree of freedom, state, input or frame; the grammar of a nonterminal or
+    production; grammar and production of an occurrence with a name of its own and of a local value;
+    grammar and nonterminal of an attribute; the workspace of a region or map.  ``span`` is the name
+    where it is first declared, ``statement`` that declaration; attributes and types of ports have
+    neither.
     """
 
     kind: Kind
@@ -76,10 +88,10 @@ def entity(kind: Kind, scope: tuple[str, ...], name: s.Ident, statement: Span) -
 
 
 def members(module: s.Module) -> dict[str, Entity]:
-    """The parameters, constants, degrees of freedom, states and inputs of a module, by name."""
+    """The parameters, constants, degrees of freedom, states, inputs and frames of a module."""
     found: dict[str, Entity] = {}
     for item in module.items:
-        if isinstance(item, s.Param | s.Const | s.Dof | s.State | s.Input):
+        if isinstance(item, s.Param | s.Const | s.Dof | s.State | s.Input | s.Frame):
             kind, scope = _MEMBER_KINDS[type(item)], (module.name.text,)
             found.setdefault(item.name.text, entity(kind, scope, item.name, item.span))
     return found

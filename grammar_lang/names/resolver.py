@@ -6,12 +6,13 @@ one is.  Whether an entity is of the kind that is due is for the checks to say.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.names.clause_names import condition_symbols, excepted_modules, region_names
 from grammar_lang.names.declarations import (
     Declarations,
     Entity,
@@ -27,7 +28,6 @@ from grammar_lang.names.declarations import (
 )
 from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Span
-from grammar_lang.syntax import formulas as f
 from grammar_lang.syntax import tasks as t
 from grammar_lang.syntax.expressions import readings
 
@@ -140,10 +140,17 @@ class _Resolver:
     def _module(self, module: s.Module) -> None:
         known = self.members(module.name.text)
         for item in module.items:
-            self.within = known.get(item.name.text)
-            if not isinstance(item, s.Role):
-                declares = not isinstance(item, s.Derivative | s.Torque | s.Drive)
-                self.add(self.within, item.name, declares=declares)
+            self.within = self.declared.terminals.get(module.name.text)
+            match item:
+                case s.Role() | s.Emission():
+                    pass
+                case s.Port():
+                    self.add(known.get(item.name.text), item.name)
+                    self.add(Entity("port type", (), item.type.text), item.type)
+                case _:
+                    self.within = known.get(item.name.text)
+                    declares = not isinstance(item, s.Derivative | s.Torque | s.Drive)
+                    self.add(self.within, item.name, declares=declares)
             for name in readings(s.module_expressions(item)):
                 if isinstance(name, s.Name):
                     self.add(known.get(name.ident.text), name.ident)
@@ -168,12 +175,15 @@ class _Resolver:
             match item:
                 case s.StartSymbol(name=name):
                     self.add(symbols.get(name.text), name)
+                case s.Listed(names=modules):
+                    for name in modules:
+                        self.add(symbols.get(name.text), name)
                 case s.Production():
                     self.within = names.production(item.label)
                     self._production(item, symbols)
                     self.words[item.span] = occurrences(item.right, symbols, edges)
                 case s.Accept(condition=condition):
-                    for name in _condition_symbols(condition):
+                    for name in condition_symbols(condition):
                         self.add(symbols.get(name.text), name)
             self.within = None
 
@@ -206,15 +216,21 @@ class _Resolver:
     def _block(
         self, block: s.Block, production: s.Production, symbols: Mapping[str, Entity]
     ) -> None:
+        local = local_values(self.within, block)
         for statement in block.statements:
-            if isinstance(statement, s.Rule):
-                self._member(statement.target, production, symbols, declares=True)
-                values: Iterable[s.Expr] = (statement.value,)
-            else:
-                values = [argument.value for argument in statement.arguments]
+            values: Iterable[s.Expr] = s.statement_expressions(statement)
+            match statement:
+                case s.Rule(target=target):
+                    self._member(target, production, symbols, declares=True)
+                case s.Let(name=declared):
+                    self.add(local.get(declared.text), declared, declares=True)
+                case s.Emission():
+                    pass
             for name in readings(values):
                 if isinstance(name, s.Member):
                     self._member(name, production, symbols)
+                else:
+                    self.add(local.get(name.ident.text), name.ident)
 
     def _member(
         self,
@@ -263,9 +279,9 @@ class _Resolver:
                     if module.text in declared.modules:
                         self.add(declared.terminals.get(module.text), module)
                 case _:
-                    for name in _region_names(item):
+                    for name in region_names(item):
                         self.add(known.get(name.text), name)
-            for module in _excepted(item):
+            for module in excepted_modules(item):
                 if module.text in declared.modules:
                     self.add(declared.terminals.get(module.text), module)
 
@@ -295,6 +311,16 @@ def _position(owner: str, production: s.Production, word: Occurrences) -> int | 
     return word.places.get(owner)
 
 
+def local_values(production: Entity | None, block: s.Block) -> dict[str, Entity]:
+    """The values that the block of a production gives names to, the first of each name."""
+    found: dict[str, Entity] = {}
+    for item in block.statements if production is not None else ():
+        if isinstance(item, s.Let) and production is not None:
+            scope = (*production.scope, production.name)
+            found.setdefault(item.name.text, entity("local value", scope, item.name, item.span))
+    return found
+
+
 def _alias(production: Entity | None, occurrence: s.Occurrence) -> Entity | None:
     """The occurrence of a production, by the name that is given to it there."""
     if production is None or occurrence.alias is None:
@@ -302,74 +328,6 @@ def _alias(production: Entity | None, occurrence: s.Occurrence) -> Entity | None
     alias = occurrence.alias
     statement = alias.span.to(occurrence.symbol.span)
     return entity("occurrence", (*production.scope, production.name), alias, statement)
-
-
-# --- names in parts of the syntax --------------------------------------------------------------
-
-
-def _condition_symbols(condition: s.Condition) -> Iterator[s.Ident]:
-    """The symbols that an accept condition names."""
-    match condition:
-        case s.Factor(word=word):
-            yield from word
-        case s.Count(symbol=symbol):
-            if symbol is not None:
-                yield symbol
-        case s.Matches(regex=regex):
-            yield from _regex_symbols(regex)
-        case s.Not(part=part):
-            yield from _condition_symbols(part)
-        case s.And(parts=parts) | s.Or(parts=parts):
-            for each in parts:
-                yield from _condition_symbols(each)
-
-
-def _regex_symbols(regex: s.Regex) -> Iterator[s.Ident]:
-    match regex:
-        case s.RegexSymbol(symbol=symbol):
-            yield symbol
-        case s.RegexSequence(parts=parts) | s.RegexChoice(parts=parts):
-            for each in parts:
-                yield from _regex_symbols(each)
-        case s.RegexRepeat(part=part):
-            yield from _regex_symbols(part)
-        case s.RegexEmpty():
-            pass
-
-
-def _region_names(item: t.TaskItem) -> Iterator[s.Ident]:
-    """The regions and maps that a clause of a task names."""
-    match item:
-        case t.StartIn(region=region) | t.Reach(region=region):
-            yield region
-        case t.Carry(source=source, target=target):
-            yield from (source, target)
-        case t.Avoid(regions=regions):
-            yield from regions
-        case t.Satisfy(formula=formula):
-            yield from _atoms(formula)
-        case _:
-            pass
-
-
-def _excepted(item: t.TaskItem) -> Iterator[s.Ident]:
-    """The modules that `avoid self` names."""
-    for pair in item.excepted if isinstance(item, t.Avoid) else ():
-        yield from pair
-
-
-def _atoms(formula: f.Formula) -> Iterator[s.Ident]:
-    match formula:
-        case f.Atom(region=region):
-            yield region
-        case f.Unary(operand=operand) | f.Last(operand=operand):
-            yield from _atoms(operand)
-        case f.Joined(operands=operands):
-            for operand in operands:
-                yield from _atoms(operand)
-        case f.Binary(left=left, right=right):
-            yield from _atoms(left)
-            yield from _atoms(right)
 
 
 def resolve_names(file: t.File, sink: Sink) -> NameTable:

@@ -261,6 +261,26 @@ def _habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
     return None
 
 
+_STATEMENTS = (
+    "role", "param", "const", "dof", "drive", "frame", "port", "state", "input", "der", "torque",
+)  # fmt: skip
+"""The words with which statements of a module begin, beside its bodies."""
+
+
+def _misspelt(tokens: Tokens, item: RawItem, here: int, sink: Sink) -> bool:
+    """Report a word at the beginning of a statement of a module that is no body, if it is one."""
+    begins = here >= 2 and tokens.at(here - 2) in {"{", "}", ";"}
+    if tokens.at(item.first) != "module" or not begins or not _WORD.fullmatch(tokens.at(here - 1)):
+        return False
+    word = _shortened(tokens.at(here - 1))
+    close = nearest(word, _STATEMENTS) if len(word) <= MAX_SHOWN else None
+    known = f"{', '.join(f'`{name}`' for name in _STATEMENTS)}, or a body such as `rod(…)`"
+    hint = f"it is one of {known}" if close is None else f"did you mean `{close}`?"
+    message = f"no statement of a module begins with `{word}`"
+    sink.error(Code.SYNTAX, message, tokens.span(here - 1), hint)
+    return True
+
+
 def _wrong(tokens: Tokens, here: int, expected: frozenset[str], sink: Sink) -> None:
     """Report a token that does not fit."""
     word, wanted = _shortened(tokens.at(here)), _wanted(expected)
@@ -288,7 +308,7 @@ def explain(tokens: Tokens, item: RawItem, here: int, expected: frozenset[str], 
         _unfinished(tokens, item, expected, sink)
     elif tokens.kinds[here] == BAD:
         _character(tokens, here, sink)
-    else:
+    elif expected != {"("} or not _misspelt(tokens, item, here, sink):
         _wrong(tokens, here, expected, sink)
 
 

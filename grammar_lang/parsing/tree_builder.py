@@ -118,14 +118,21 @@ _MODULES: dict[str, Builder] = {
     "input": lambda c, span: s.Input(_ident(c[0]), c[1], span),
     "derivative": lambda c, span: s.Derivative(_ident(c[0]), c[1], span),
     "torque": lambda c, span: s.Torque(_ident(c[0]), c[1], span),
+    "frame": lambda c, span: s.Frame(_ident(c[0]), c[1], span),
+    "port": lambda c, span: s.Port(_ident(c[0]), _ident(c[1]), c[2], span),
+    "gender": lambda c, _: c[0].text,
     "edges": lambda c, span: s.Edges(tuple(c), span),
-    "include": lambda c, span: t.Include(_ident(c[0]), span),
+    "include": lambda c, span: t.Include(_ident(c[1]), span, std=c[0] is not None),
+    "std": lambda _, span: span,
 }
 
 _GRAMMARS: dict[str, Builder] = {
-    "grammar": lambda c, span: s.Grammar(_ident(c[0]), tuple(c[1:]), span),
+    "grammar": lambda c, span: s.Grammar(_ident(c[0]), tuple(c[2:]), span, c[1] is not None),
+    "ports": lambda _, span: span,
     "start_symbol": lambda c, span: s.StartSymbol(_ident(c[0]), span),
-    "production": lambda c, span: s.Production(_ident(c[0]), _ident(c[1]), c[2], span),
+    "listed": lambda c, span: s.Listed(tuple(map(_ident, c)), span),
+    "production": lambda c, span: s.Production(c[0], _ident(c[1]), c[2], span),
+    "label": lambda c, _: _ident(c[0]),
     "right": lambda c, _: tuple(c),
     "occurrence": lambda c, _: s.Occurrence(_optional(c[0]), c[1]),
     "accept": lambda c, span: s.Accept(c[0], span),
@@ -149,6 +156,7 @@ _GRAMMARS: dict[str, Builder] = {
     "rule": lambda c, span: s.Rule(
         s.Member(c[0], _ident(c[1]), c[0].span.to(_ident(c[1]).span)), c[2], span
     ),
+    "let": lambda c, span: s.Let(_ident(c[0]), c[1], span),
     "emission": lambda c, span: s.Emission(_ident(c[0]), tuple(_present(c[1:])), span),
 }
 

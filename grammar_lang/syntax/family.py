@@ -118,7 +118,36 @@ class Torque:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-ModuleItem: TypeAlias = Role | Param | Const | Dof | Drive | State | Input | Derivative | Torque
+@node
+class Frame:
+    """``frame NAME = expr;``."""
+
+    name: Ident
+    value: Expr
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Port:
+    """``port NAME: TYPE gender;``."""
+
+    name: Ident
+    type: Ident
+    gender: Literal["male", "female"] | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Emission:
+    """``kind(argument: expr, …);``."""
+
+    kind: Ident
+    arguments: tuple[Argument, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+Dynamics: TypeAlias = Drive | State | Input | Derivative | Torque
+ModuleItem: TypeAlias = Role | Param | Const | Dof | Dynamics | Frame | Port | Emission
 
 
 def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
@@ -128,6 +157,10 @@ def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
             return bounds(domain)
         case Const(value=value) | Derivative(value=value) | Torque(value=value):
             return (value,)
+        case Frame(value=value):
+            return (value,)
+        case Emission(arguments=arguments):
+            return tuple(argument.value for argument in arguments)
         case Dof(range=ranged, rate=rate, accel=accel, effort=effort):
             largest = tuple(bound for bound in (accel, effort) if bound is not None)
             return (*bounds(ranged), *bounds(rate), *largest)
@@ -135,7 +168,7 @@ def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
             return tuple(part.value for part in parts)
         case State(initial=initial):
             return () if initial is None else (initial,)
-        case Role():
+        case Role() | Port():
             return ()
 
 
@@ -279,16 +312,25 @@ class Accept:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-GrammarItem: TypeAlias = StartSymbol | Production | Accept
+@node
+class Listed:
+    """``with NAME, …;``: the modules of a grammar from ports."""
+
+    names: tuple[Ident, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+GrammarItem: TypeAlias = StartSymbol | Listed | Production | Accept
 
 
 @node
 class Grammar:
-    """``grammar NAME { … }``."""
+    """``grammar NAME { … }``, or ``grammar NAME from ports { … }``."""
 
     name: Ident
     items: tuple[GrammarItem, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    from_ports: bool = False
 
 
 # --- semantics ---------------------------------------------------------------------------------
@@ -304,12 +346,21 @@ class Rule:
 
 
 @node
-class Emission:
-    """``kind(argument: expr, …);``."""
+class Let:
+    """``let NAME = expr;``."""
 
-    kind: Ident
-    arguments: tuple[Argument, ...]
+    name: Ident
+    value: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+def statement_expressions(statement: Rule | Emission | Let) -> tuple[Expr, ...]:
+    """The expressions of a statement of a block."""
+    match statement:
+        case Rule(value=value) | Let(value=value):
+            return (value,)
+        case Emission(arguments=arguments):
+            return tuple(argument.value for argument in arguments)
 
 
 @node
@@ -317,7 +368,7 @@ class Block:
     """``label { … }``."""
 
     label: Ident
-    statements: tuple[Rule | Emission, ...]
+    statements: tuple[Rule | Emission | Let, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -350,10 +350,11 @@ class Task:
 
 @node
 class Include:
-    """``include "path";``."""
+    """``include "path";``, or ``include std "path";`` of the library."""
 
     path: Ident
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    std: bool = False
 
 
 Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Include

@@ -37,6 +37,7 @@ GROUPS = {
         "new": ("new", "Write a commented spec to start from."),
         "check": ("check", "Find the mistakes in a spec."),
         "fmt": ("fmt", "Write a spec in canonical form."),
+        "expand": ("expand", "Print what grammars from ports stand for."),
         "synth": ("synth", "Find a robot and prove it, or prove that there is none."),
         "verify": ("verify", "Check a result independently of the search."),
     },

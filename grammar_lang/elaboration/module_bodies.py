@@ -1,0 +1,212 @@
+"""Modules that own their bodies: frames from ``in`` on, ports, and what they emit there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.elaboration.emissions import Emissions
+from grammar_lang.elaboration.module_scope import foreign_member
+from grammar_lang.elaboration.modules import INPUT, ModuleBody, ModuleInfo
+from grammar_lang.elaboration.sorts import (
+    UNKNOWN,
+    ZERO,
+    DimensionUse,
+    Sort,
+    Typed,
+    require_frame,
+)
+from grammar_lang.elaboration.typecheck import Checker, plain_name
+from grammar_lang.ir.expressions import children, too_large
+from grammar_lang.names.declarations import duplicate, members
+from grammar_lang.source import Span
+
+
+@dataclass(slots=True)
+class _BodyScope:
+    """What names mean in the frames and emissions of a module.
+
+    ``kinds`` says what each name that the module declares is; ``frames`` are those so far.
+    """
+
+    info: ModuleInfo
+    kinds: Mapping[str, str]
+    frames: dict[str, Typed] = field(default_factory=dict[str, Typed])
+    uses: list[DimensionUse] = field(default_factory=list[DimensionUse])
+    used: dict[str, list[Span]] = field(default_factory=dict[str, list[Span]])
+
+    def __post_init__(self) -> None:
+        self.add(INPUT)
+
+    def add(self, name: str) -> None:
+        """A frame that may be read from here on."""
+        self.frames[name] = Typed(ir.AttributeOf(ir.LOCAL, name), Sort.FRAME, None)
+
+    def name(self, ident: s.Ident, sink: Sink) -> Typed:
+        """A frame, a parameter, a constant, ``pi``, or an error."""
+        name, kind = ident.text, self.kinds.get(ident.text)
+        if name in self.frames:
+            return self.frames[name]
+        if name in self.info.members:
+            return self._member(ident)
+        match kind:
+            case None:
+                return plain_name(ident, (*self.frames, *self.info.members), sink)
+            case "degree of freedom":
+                dof = self.info.dofs[name]
+                self.used.setdefault(name, []).append(ident.span)
+                place = "rot" if dof.kind == "revolute" else "move"
+                message = f"the degree of freedom `{name}` does not stand alone"
+                hint = f"write it alone: `{place}({dof.axis}, {name})`"
+                sink.error(Code.BAD_DOF_USE, message, ident.span, hint)
+            case "frame":
+                message = f"the frame `{name}` is declared further down"
+                hint = "frames are declared before they are used"
+                sink.error(Code.UNKNOWN_NAME, message, ident.span, hint)
+            case _:
+                message = f"the {kind} `{name}` cannot be read in a frame or a body"
+                hint = "frames and bodies depend on parameters and degrees of freedom alone"
+                sink.error(Code.WRONG_KIND, message, ident.span, hint)
+        return UNKNOWN
+
+    def _member(self, ident: s.Ident) -> Typed:
+        value = self.info.members[ident.text]
+        if isinstance(value.expr, ir.Vector) and value.expr.z != ZERO:
+            self.uses.append(DimensionUse(3, ident.span, "this vector leaves the plane"))
+        return value
+
+    def member(self, member: s.Member, sink: Sink) -> Typed:
+        """Always an error."""
+        return foreign_member(member, sink)
+
+    def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
+        """The degree of freedom of that name."""
+        return self.info.dofs.get(name.ident.text) if isinstance(name, s.Name) else None
+
+    def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
+        """Take note of a legitimate use."""
+        ident = name.ident if isinstance(name, s.Name) else name.name
+        self.used.setdefault(ident.text, []).append(ident.span)
+        return ir.DofOf(ir.THIS, ident.text)
+
+    def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
+        """None: the module is named where it is mounted."""
+        del expressions
+        return ()
+
+
+# --- frames --------------------------------------------------------------------------------------
+
+
+def _has_world(expr: ir.Expr) -> bool:
+    stack = [expr]
+    while stack:
+        current = stack.pop()
+        if isinstance(current, ir.World):
+            return True
+        stack.extend(children(current))
+    return False
+
+
+def _frame(item: s.Frame, scope: _BodyScope, sink: Sink) -> ir.AttributeRule:
+    at = item.value.span
+    value = require_frame(Checker(scope, sink).elaborate(item.value), at, sink)
+    if _has_world(value):
+        message = "`world` has no meaning inside a module"
+        hint = "begin with `in`: that is where the module is mounted, the world for the first one"
+        sink.error(Code.WRONG_KIND, message, at, hint)
+    if too_large(value):
+        message = "this expression is too large"
+        sink.error(Code.TOO_DEEP, message, at, "give a part of it to another frame")
+        value = ir.World()
+    return ir.AttributeRule(ir.AttributeOf(ir.LOCAL, item.name.text), value, item.span)
+
+
+def _frames(
+    module: s.Module, scope: _BodyScope, first: Mapping[str, Span], sink: Sink
+) -> dict[str, ir.AttributeRule]:
+    """The frames by name; of several of a name, or with the name of something else, none."""
+    found: dict[str, ir.AttributeRule] = {}
+    for item in module.items:
+        if not isinstance(item, s.Frame) or first.get(item.name.text) != item.name.span:
+            continue
+        if item.name.text == INPUT:
+            message = "a module does not say where its frame `in` is"
+            hint = "that is where it is mounted; choose another name"
+            sink.error(Code.DUPLICATE_NAME, message, item.name.span, hint)
+            continue
+        found[item.name.text] = _frame(item, scope, sink)
+        scope.add(item.name.text)
+    return found
+
+
+# --- ports ---------------------------------------------------------------------------------------
+
+
+def _ports(
+    module: s.Module, frames: Mapping[str, object], kinds: Mapping[str, str], sink: Sink
+) -> dict[str, s.Port]:
+    """The ports by name; every output needs a frame."""
+    found: dict[str, s.Port] = {}
+    for port in module.items:
+        if not isinstance(port, s.Port):
+            continue
+        name = port.name.text
+        if name in found:
+            hint = "choose another name"
+            if name == INPUT:
+                hint = "a module is carried by one port; an output has another name, as in `out`"
+            duplicate(port.name, found[name].name.span, sink, hint)
+            continue
+        found[name] = port
+        if name != INPUT and name not in frames and kinds.get(name) != "frame":
+            message = f"the output `{name}` of module `{module.name.text}` has no frame"
+            hint = f"add `frame {name} = in * …;`: where the next module stands"
+            if name in kinds:
+                hint = f"`{name}` is a {kinds[name]} here; name the port after a frame"
+            sink.error(Code.MISSING_FRAME, message, port.name.span, hint)
+    return found
+
+
+# --- the body ------------------------------------------------------------------------------------
+
+
+def _check_dofs(scope: _BodyScope, sink: Sink) -> None:
+    """Report degrees of freedom that are used more than once."""
+    for name, places in scope.used.items():
+        for place in places[1:]:
+            message = f"`{name}` is used more than once"
+            notes = [(places[0], "first here")]
+            hint = "give the moved frame a name, and use that"
+            sink.error(Code.BAD_DOF_USE, message, place, hint, notes)
+
+
+def with_body(
+    info: ModuleInfo, module: s.Module, meshes: Mapping[Span, ir.Mesh], sink: Sink
+) -> ModuleInfo:
+    """A module with its frames, ports and emissions; whatever is wrong with them is reported.
+
+    ``meshes`` are by the span of the path that names each.
+    """
+    emitted = [item for item in module.items if isinstance(item, s.Emission)]
+    if not emitted and not any(isinstance(item, s.Frame | s.Port) for item in module.items):
+        return info
+    declared = members(module)
+    kinds = {name: each.kind for name, each in declared.items()}
+    scope = _BodyScope(info, kinds)
+    frames = _frames(module, scope, {name: e.span for name, e in declared.items()}, sink)
+    ports = _ports(module, frames, kinds, sink)
+    emissions = Emissions(scope, sink, [info], meshes)
+    lowered = [emissions.lower(each) for each in emitted]
+    _check_dofs(scope, sink)
+    body = ModuleBody(
+        frames,
+        tuple(each for each in lowered if each is not None),
+        ports,
+        {name: places[0] for name, places in scope.used.items()},
+        tuple(scope.uses),
+    )
+    return replace(info, body=body)

@@ -1,0 +1,280 @@
+"""Ports: what a grammar lists, what fits where, and whether every robot comes to an end."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.diagnostics.wording import did_you_mean, nearest
+from grammar_lang.elaboration.modules import INPUT, ModuleInfo
+from grammar_lang.elaboration.productions import Conditions
+from grammar_lang.names.declarations import duplicate, report_unknown
+from grammar_lang.names.table import NameTable
+from grammar_lang.source import Span
+
+Gender: TypeAlias = str | None
+Fit: TypeAlias = tuple[str, Gender]
+"""Type and gender of an output."""
+
+OTHER: Mapping[Gender, Gender] = {None: None, "male": "female", "female": "male"}
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A module of the grammar; ``place`` is where the grammar names it."""
+
+    info: ModuleInfo
+    place: Span
+
+    @property
+    def name(self) -> str:
+        """The name of the module."""
+        return self.info.module.name
+
+    @property
+    def outputs(self) -> tuple[s.Port, ...]:
+        """Its outputs, in the order of their declarations."""
+        return () if self.info.body is None else self.info.body.outputs
+
+    @property
+    def input(self) -> s.Port | None:
+        """The port by which another module carries it."""
+        return None if self.info.body is None else self.info.body.ports.get(INPUT)
+
+    @property
+    def stands_at(self) -> Fit | None:
+        """The type and gender of the outputs that carry it."""
+        port = self.input
+        return None if port is None else (port.type.text, OTHER[port.gender])
+
+
+def fit_of(port: s.Port) -> Fit:
+    """Type and gender of an output."""
+    return port.type.text, port.gender
+
+
+def _shown(port: s.Port, name: str) -> str:
+    gender = "" if port.gender is None else f" {port.gender}"
+    return f"port {name}: {port.type.text}{gender}"
+
+
+# --- clauses -------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class Clauses:
+    """What stands in a grammar from ports."""
+
+    grammar: s.Grammar
+    modules: Mapping[str, ModuleInfo]
+    names: NameTable
+    sink: Sink
+    start: Part | None = None
+    listed: dict[str, Part] = field(default_factory=dict[str, Part])
+    accepts: list[ir.Accept] = field(default_factory=list[ir.Accept])
+
+    def read(self) -> None:
+        """All clauses; whatever is wrong with one is reported."""
+        first: s.StartSymbol | None = None
+        for item in self.grammar.items:
+            match item:
+                case s.StartSymbol(name=name):
+                    if first is not None:
+                        message, hint = "a second start module", "a grammar has one start"
+                        notes = [(first.span, "first here")]
+                        self.sink.error(Code.REPEATED_CLAUSE, message, item.span, hint, notes)
+                    first = first or item
+                    self.start = self.start or self._part(name)
+                case s.Listed(names=names):
+                    for name in names:
+                        self._list(name)
+                case s.Accept(condition=condition):
+                    self.accepts.append(Conditions(self.names, self.sink).lower(condition))
+                case s.Production():
+                    message = "a grammar from ports has no productions: the ports say what fits"
+                    hint = "list the modules, as in `with Elbow, Hand;`, or remove `from ports`"
+                    self.sink.error(Code.OTHER_GRAMMAR, message, item.span, hint)
+        if first is None:
+            message = f"grammar `{self.grammar.name.text}` has no start module"
+            hint = f"add `start {next(iter(self.listed), 'Base')};`: the module on the world"
+            self.sink.error(Code.MISSING_START, message, self.grammar.name.span, hint)
+
+    def _part(self, name: s.Ident) -> Part | None:
+        if name.text in self.modules:
+            return Part(self.modules[name.text], name.span)
+        report_unknown(name, "a module", self.modules, self.names.declared, self.sink)
+        return None
+
+    def _list(self, name: s.Ident) -> None:
+        if name.text in self.listed:
+            hint = "a module may stand at any number of places all the same"
+            duplicate(name, self.listed[name.text].place, self.sink, hint)
+            return
+        part = self._part(name)
+        if part is None:
+            return
+        self.listed[name.text] = part
+        if part.input is None:
+            start = self.start is not None and self.start.name == part.name
+            message = f"module `{name.text}` has no `port in`: no other one can carry it"
+            hint = "add `port in: TYPE;` to the module, of the type of an output"
+            if start:
+                hint = "`start` names it already: remove it here"
+            self.sink.error(Code.NO_INPUT, message, name.span, hint)
+
+
+# --- what can be built ---------------------------------------------------------------------------
+
+
+def _ending(parts: Iterable[Part]) -> dict[str, Part]:
+    """The modules with which some robot comes to an end, by name."""
+    found: dict[str, Part] = {}
+    filled: set[Fit] = set()
+    waiting = list(parts)
+    more = True
+    while more:
+        ended = [p for p in waiting if all(fit_of(port) in filled for port in p.outputs)]
+        waiting = [part for part in waiting if part not in ended]
+        found |= {part.name: part for part in ended}
+        filled |= {part.stands_at for part in ended if part.stands_at is not None}
+        more = bool(ended)
+    return found
+
+
+def _carried(start: Part, listed: Collection[Part]) -> dict[str, Part]:
+    """The listed modules that stand in some robot or would, if it came to an end."""
+    found: dict[str, Part] = {}
+    due = {fit_of(port) for port in start.outputs}
+    more = True
+    while more:
+        new = [p for p in listed if p.name not in found and p.stands_at in due]
+        found |= {part.name: part for part in new}
+        due |= {fit_of(port) for part in new for port in part.outputs}
+        more = bool(new)
+    return {part.name: part for part in listed if part.name in found}
+
+
+@dataclass(frozen=True, slots=True)
+class Checks:
+    """Whether every output is filled, every module is carried, and robots come to an end."""
+
+    clauses: Clauses
+    start: Part
+
+    def run(self) -> list[Part]:
+        """The listed modules that stand in robots, in their order."""
+        listed = self.clauses.listed
+        carried = _carried(self.start, listed.values())
+        open_ones = [
+            port
+            for part in (self.start, *carried.values())
+            for port in dict.fromkeys(part.outputs)
+            if self._is_open(port, part)
+        ]
+        self._check_dofs([self.start, *listed.values()])
+        for part in listed.values():
+            if part.name not in carried and part.input is not None:
+                self._idle(part, carried)
+        ending = _ending([self.start, *carried.values()])
+        if not open_ones:
+            self._check_end(carried, ending)
+        return [part for name, part in carried.items() if name in ending]
+
+    def _is_open(self, port: s.Port, part: Part) -> bool:
+        """Whether no listed module fits an output, which is reported."""
+        listed, sink = self.clauses.listed.values(), self.clauses.sink
+        if any(each.stands_at == fit_of(port) for each in listed):
+            return False
+        wanted = s.Port(port.name, port.type, _as_gender(OTHER[port.gender]))
+        message = (
+            f"nothing fits the output `{port.name.text}` of module `{part.name}`: "
+            f"no listed module has `{_shown(wanted, INPUT)}`"
+        )
+        at, notes = port.type.span, [(part.place, "listed here")]
+        if at.file != part.place.file:
+            at, notes = part.place, [(port.type.span, "the output")]
+        sink.error(Code.OPEN_OUTPUT, message, at, self._fitting(port), notes)
+        return True
+
+    def _fitting(self, port: s.Port) -> str:
+        """A hint: what might fit an output."""
+        parts = [Part(info, port.span) for info in self.clauses.modules.values()]
+        known = [part for part in parts if part.stands_at == fit_of(port)]
+        if known:
+            return f"list `{known[0].name}` in `with`, which fits"
+        same = [p for p in parts if p.input is not None and p.input.type.text == port.type.text]
+        if same and same[0].input is not None:
+            meant = _shown(same[0].input, INPUT)
+            return f"`{same[0].name}` has `{meant}`: male fits female, and none fits none"
+        types = {p.input.type.text: None for p in parts if p.input is not None}
+        close = nearest(port.type.text, types, self.clauses.sink)
+        if close is not None:
+            return f"did you mean the type `{close}`?"
+        return "list a module that ends it, such as a hand, or a cap: a module with `port in` alone"
+
+    def _idle(self, part: Part, carried: Mapping[str, Part]) -> None:
+        """Warn of a module that no other one carries."""
+        types = {
+            p.type.text: None for each in (self.start, *carried.values()) for p in each.outputs
+        }
+        port = part.input
+        if port is None:
+            return
+        message = f"no robot has a `{part.name}`: no output that can be reached carries it"
+        hint = "no module that can be reached has outputs"
+        if port.type.text in types:
+            hint = "the type is that of an output, but the gender does not fit"
+        elif types:
+            hint = did_you_mean(port.type.text, types, "type of an output", self.clauses.sink)
+        notes = [(port.type.span, "its input")]
+        self.clauses.sink.warning(Code.UNUSED_SYMBOL, message, part.place, hint, notes)
+
+    def _check_dofs(self, parts: Sequence[Part]) -> None:
+        """Report degrees of freedom that no frame of their module uses."""
+        told = {found.span for found in self.clauses.sink.found}
+        for part in {part.name: part for part in parts}.values():
+            used = {} if part.info.body is None else part.info.body.used
+            for name, dof in part.info.dofs.items():
+                if name in used or dof.span in told:
+                    continue
+                place = "rot" if dof.kind == "revolute" else "move"
+                message = f"no frame of module `{part.name}` uses `{name}`"
+                hint = f"use it once, as in `frame out = in * {place}({dof.axis}, {name});`"
+                self.clauses.sink.error(Code.BAD_DOF_USE, message, dof.span, hint)
+
+    def _check_end(self, carried: Mapping[str, Part], ending: Mapping[str, Part]) -> None:
+        """Report where no robot comes to an end, and warn of modules that are in none."""
+        sink, filled = self.clauses.sink, {part.stands_at for part in ending.values()}
+        if self.start.name not in ending:
+            port = next(port for port in self.start.outputs if fit_of(port) not in filled)
+            fitting = [f"`{p.name}`" for p in carried.values() if p.stands_at == fit_of(port)]
+            message = (
+                f"no robot of grammar `{self.clauses.grammar.name.text}` comes to an end: "
+                f"what fits `{port.name.text}` of `{self.start.name}` has outputs for ever"
+            )
+            hint = f"list a module without outputs beside {', '.join(fitting)}, such as a hand"
+            sink.error(Code.ENDLESS_PORTS, message, self.clauses.grammar.name.span, hint)
+            return
+        for part in carried.values():
+            if part.name not in ending:
+                port = next(port for port in part.outputs if fit_of(port) not in filled)
+                message = (
+                    f"no robot has a `{part.name}`: behind its `{port.name.text}` it has no end"
+                )
+                hint = "list a module without outputs that fits there, such as a cap"
+                notes = [(port.name.span, "the output")]
+                sink.warning(Code.UNPRODUCTIVE, message, part.place, hint, notes)
+
+
+def _as_gender(gender: Gender) -> Literal["male", "female"] | None:
+    match gender:
+        case "male":
+            return "male"
+        case "female":
+            return "female"
+        case _:
+            return None

@@ -1,0 +1,164 @@
+"""What grammars from ports stand for, as text: ``srgc expand``.
+
+Each is replaced by the grammar and the semantics that it is; everything else stays as it is
+written.  A file with such a grammar that is included takes the place of its ``include``, so that
+the text stands alone.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from grammar_lang import ir
+from grammar_lang import syntax as s
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.elaboration.modules import INPUT
+from grammar_lang.files.file_tree import STD
+from grammar_lang.formatting.formatter import NotFaithful, canonical
+from grammar_lang.ir.expression_text import occurrence_names
+from grammar_lang.load import Loaded
+from grammar_lang.source import Source, Span
+from grammar_lang.syntax import tasks as t
+
+# --- one grammar ---------------------------------------------------------------------------------
+
+
+def _rule(production: ir.Production) -> str:
+    symbols = (
+        symbol.name if symbol.alias is None else f"{symbol.alias}:{symbol.name}"
+        for symbol in production.right
+    )
+    return f"  {production.label}: {production.left} -> {' '.join(symbols)};"
+
+
+def _block(production: ir.Production, block: ir.SemanticBlock) -> str:
+    """The rules of a production: its module is mounted, and its outputs are handed on."""
+    called = occurrence_names(production)
+    statements: list[str] = []
+    for rule in block.rules:
+        match rule.target, rule.value:
+            case ir.AttributeOf(occurrence, name), ir.AttributeOf(_, source) if occurrence >= 0:
+                statements.append(f"{called[occurrence]}.{name} = {source};")
+            case ir.AttributeOf(_, name), ir.AttributeOf(ir.THIS, source):
+                if name == f"{called[0]}.{INPUT}":
+                    statements.append(f"{name} = this.{source};")
+            case _:
+                pass
+    return f"  {production.label} {{ {' '.join(statements)} }}"
+
+
+def _grammar(item: s.Grammar, grammar: ir.Grammar, text: str) -> str:
+    """A grammar from ports as productions, with its semantics."""
+    accepts = [
+        f"  {text[part.span.start : part.span.end]}"
+        for part in item.items
+        if isinstance(part, s.Accept)
+    ]
+    rules = [_rule(production) for production in grammar.productions]
+    blocks = [_block(p, (grammar.semantics or {})[p.label]) for p in grammar.productions]
+    head = [f"grammar {grammar.name} {{", f"  start {grammar.start};"]
+    lines = [*head, *rules, *accepts, "}", "", f"semantics {grammar.name} {{", *blocks, "}"]
+    return "\n".join(lines)
+
+
+# --- files ---------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Expansion:
+    """Puts the texts of files together; ``whole`` are those that take the place of includes."""
+
+    program: ir.Program
+    file: t.File
+    opened: Mapping[Span, int]
+    whole: set[int] = field(default_factory=set[int])
+
+    def __post_init__(self) -> None:
+        above = {number: span.file for span, number in self.opened.items()}
+        for item in self.file.items:
+            if isinstance(item, s.Grammar) and item.from_ports:
+                number = item.span.file
+                while number and number not in self.whole:
+                    self.whole.add(number)
+                    number = above[number]
+
+    def text(self, number: int) -> str:
+        """The text of a file with its replacements."""
+        source = self.program.sources[number]
+        parts: list[str] = []
+        done = 0
+        for span, new in sorted(self._replacements(number, source)):
+            parts += [source.text[done : span.start], new]
+            done = span.end
+        return "".join((*parts, source.text[done:]))
+
+    def _replacements(self, number: int, source: Source) -> Iterator[tuple[Span, str]]:
+        for item in self.file.items:
+            if item.span.file != number:
+                continue
+            match item:
+                case s.Grammar(name=name, from_ports=True):
+                    found = self.program.grammars[name.text]
+                    yield item.span, _grammar(item, found, source.text)
+                case t.Include():
+                    yield from self._include(item, source)
+                case _:
+                    for path in _paths(item) if number else ():
+                        yield path.span, f'"{_from_top(path.text, source)}"'
+
+    def _include(self, item: t.Include, source: Source) -> Iterator[tuple[Span, str]]:
+        number = self.opened.get(item.path.span)
+        if number in self.whole and number is not None:
+            yield item.span, self.text(number)
+        elif number is None:
+            yield item.span, ""  # read before
+        elif item.span.file and not item.std:
+            path = _from_top(item.path.text, source)
+            if path.startswith(f"{STD}/"):
+                yield item.span, f'include std "{path.removeprefix(f"{STD}/")}";'
+            else:
+                yield item.path.span, f'"{path}"'
+
+
+def _paths(item: t.Item) -> Iterator[s.Ident]:
+    """The files that an item names."""
+    match item:
+        case t.Workspace(items=items):
+            yield from (each.path for each in items if isinstance(each, t.ObstaclesFrom))
+        case s.Module(items=items):
+            yield from _meshes(each for each in items if isinstance(each, s.Emission))
+        case s.Semantics(blocks=blocks):
+            for block in blocks:
+                yield from _meshes(x for x in block.statements if isinstance(x, s.Emission))
+        case _:
+            pass
+
+
+def _meshes(emissions: Iterator[s.Emission]) -> Iterator[s.Ident]:
+    for emission in emissions:
+        for argument in emission.arguments:
+            if isinstance(argument.value, s.Text):
+                yield argument.value.ident
+
+
+def _from_top(written: str, source: Source) -> str:
+    """A path that stands in a file, as the main file would write it."""
+    return posixpath.normpath(posixpath.join(posixpath.dirname(source.path), written))
+
+
+def expanded(loaded: Loaded) -> str:
+    """The canonical text of a program without grammars from ports.
+
+    Raises:
+        ValueError: the program has errors.
+        NotFaithful: the text cannot be read again, which is a fault of srgc.
+    """
+    if loaded.program is None or loaded.syntax is None:
+        raise ValueError("the program has errors")
+    text = _Expansion(loaded.program, loaded.syntax, loaded.opened).text(0)
+    made = canonical(text, Sink())
+    if made is None:
+        raise NotFaithful("syntax errors")
+    return made

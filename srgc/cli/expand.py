@@ -1,0 +1,32 @@
+"""The command ``expand``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from srgc.cli.arguments import FILE, OUTPUT, DocumentedCommand
+
+
+@click.command(
+    cls=DocumentedCommand,
+    examples=["srgc expand specs/kit.srg", "srgc expand specs/kit.srg -o out/kit.srg"],
+    read_on="docs/how-to/kit.md",
+)
+@FILE
+@OUTPUT
+def expand(file: Path, output: Path | None) -> int:
+    """Print a spec with its grammars from ports as the productions and semantics that they are.
+
+    Files that are included and have such grammars are put in; everything else stays as written.
+    """
+    from srgc.paths import write_output
+    from srgc.session import expansion_of
+
+    text = expansion_of(file)
+    if output is None or output == Path("-"):
+        click.echo(text, nl=False)
+    else:
+        write_output(output, text)
+    return 0
