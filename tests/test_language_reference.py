@@ -129,7 +129,7 @@ def test_the_rules_are_read() -> None:
     assert {name for name in RULES if name.isupper() and name[0] != "%"} == {
         name for name in (t.name for t in language().terminals) if f"\n{name}" in LARK
     }
-    assert RULES["production"] == 'NAME ":" NAME "->" right ";"'
+    assert RULES["production"] == 'label ":" NAME "->" right ";"'
     assert RULES["mark"] == '"*" | "+" | "?"'
     assert RULES["factor"] == 'power | "-" factor'
 

@@ -103,7 +103,11 @@ def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
     called_by = {place: name for name, place in scope.info.names.items()}
     for position, symbol in enumerate(production.right):
         module = scope.modules.get(symbol.name)
+        body = None if module is None else module.body
+        mounted = (production.label, position) in scope.attributes.mounted
         for name in () if module is None else module.dofs:
+            if body is not None and name in body.used and not mounted:
+                continue
             places = _uses(scope, position, name)
             called = f"`{symbol.alias or called_by.get(position, symbol.name)}.{name}`"
             if not places:

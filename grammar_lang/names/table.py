@@ -95,6 +95,10 @@ class NameTable:
         """Where an entity is named."""
         return self._by_entity.get(entity, ())
 
+    def mentions_of_kind(self, kind: Kind) -> Iterator[Mention]:
+        """Where entities of a kind are named, in the order of the places."""
+        return (mention for mention in self.mentions if mention.entity.kind == kind)
+
     def declarations(self, entity: Entity) -> Sequence[Mention]:
         """Where it is declared: a nonterminal at the left of each of its productions."""
         return [mention for mention in self.mentions_of(entity) if mention.declares]
@@ -116,10 +120,10 @@ class NameTable:
 
 # --- Names that are declared and never used: the last check of a file that has no errors ----------
 #
-# Of modules: parameters and constants that no semantics reads, states and inputs on which no torque
-# depends.  Of semantics: attributes that no rule and no emission reads.  Beside the tasks of a
-# file: grammars, workspaces, regions and targets that none of them names.  What an included file
-# declares is a library's and need not be used.
+# Of modules: parameters, constants and frames that neither the semantics nor a body reads, states
+# and inputs on which no torque depends.  Of semantics: attributes and local values that nothing
+# reads.  Beside the tasks of a file: grammars, workspaces, regions and targets that none of them
+# names.  What an included file declares is a library's and need not be used.
 
 
 _HINTS: dict[str, str] = {
@@ -127,6 +131,7 @@ _HINTS: dict[str, str] = {
     "constant": "read `{module}.{name}` in the semantics, or remove it",
     "state": "read it in a `torque`, or remove it with its `der`",
     "input": "read it in a `der` or a `torque`, or remove it",
+    "frame": "use it in the module or as `{module}.{name}`, make it a `port`, or remove it",
 }
 
 
@@ -137,7 +142,10 @@ def _warn(unused: Entity, at: Span, why: str, hint: str, sink: Sink) -> None:
 
 
 def _check_attributes(names: NameTable, sink: Sink) -> None:
-    """Warn of the attributes that nothing reads, where they are first defined."""
+    """Warn of the attributes and local values that nothing reads, where they are first defined."""
+    for local in names.entities("local value"):
+        if not names.uses(local):
+            _warn(local, local.span, "is never read", "read it in a rule, or remove it", sink)
     hint = "read it in a rule or an emission, or remove its definitions"
     for attribute in names.entities("attribute"):
         if not names.uses(attribute):
@@ -149,12 +157,27 @@ def _check_attributes(names: NameTable, sink: Sink) -> None:
 
 
 def _described(names: NameTable) -> Iterator[str]:
-    """The modules in the productions to which a semantics gives a meaning."""
+    """The modules in the productions to which a semantics or their ports give a meaning."""
+    for grammar in names.declared.grammars.values():
+        if grammar.from_ports:
+            yield from _listed(grammar)
     for semantics in names.declared.semantics.values():
         grammar = names.declared.grammars[semantics.grammar.text]
         for item in grammar.items:
             if isinstance(item, s.Production):
                 yield from (each.symbol.text for each in item.right)
+
+
+def _listed(grammar: s.Grammar) -> Iterator[str]:
+    """The modules of a grammar from ports."""
+    for item in grammar.items:
+        match item:
+            case s.StartSymbol(name=name):
+                yield name.text
+            case s.Listed(names=modules):
+                yield from (name.text for name in modules)
+            case _:
+                pass
 
 
 def _made_of(names: NameTable, members: Iterable[Entity]) -> dict[Entity, set[Entity]]:
@@ -188,7 +211,8 @@ def _used_in(kind: Kind, entity: Entity, names: NameTable) -> bool:
 def _check_module(module: str, names: NameTable, sink: Sink) -> None:
     """Warn of what neither the semantics nor a degree of freedom depends on."""
     made = _made_of(names, members(names.declared.modules[module]).values())
-    read = (member for member in made if _used_in("production", member, names))
+    users: tuple[Kind, ...] = ("production", "module")
+    read = (m for m in made if any(_used_in(kind, m, names) for kind in users))
     moving = (m for m in made if m.kind == "degree of freedom")
     live = _live(made, [*read, *moving])
     for member in made:

@@ -112,7 +112,10 @@ class RawItem:
 def _starts_item(tokens: Tokens, here: int, *, inside: bool) -> bool:
     """Whether ``KEYWORD NAME {`` stands here, where a statement may begin."""
     kinds = tokens.kinds
-    if here + 2 >= len(kinds) or kinds[here] != WORD or kinds[here + 2] != "{":
+    brace = here + 2
+    if tokens.at(here) == "grammar" and kinds[brace : brace + 3] == [WORD, WORD, "{"]:
+        brace += 2  # `from ports`
+    if brace >= len(kinds) or kinds[here] != WORD or kinds[brace] != "{":
         return False
     if kinds[here + 1] != WORD or tokens.at(here) not in BLOCK_KEYWORDS:
         return False

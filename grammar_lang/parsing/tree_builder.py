@@ -82,6 +82,7 @@ _EXPRESSIONS: dict[str, Builder] = {
     "name": lambda c, _: s.Name(_ident(c[0])),
     "member": lambda c, span: s.Member(c[0], _ident(c[1]), span),
     "owner": lambda c, _: _ident(c[0]),
+    "target": lambda c, _: _ident(c[0]),
     "call": _call,
     "text": lambda c, span: s.Text(_ident(c[0]), span),
     "argument": lambda c, span: s.Argument(_optional(c[0]), c[1], span),

@@ -12,13 +12,32 @@ _TOP = {
     "workspace": "`workspace NAME { … }`: bounds, regions, obstacles and targets.",
     "task": "`task NAME { … }`: which robots are to do what, where and in what time.",
     "include": '`include "FILE";`: the items of another file, relative to this one.',
+    "std": '`include std "FILE";`: a file of the library that comes with srgc.',
+}
+_BODIES = {
+    "rod": "A uniform rod from the origin of a frame along an axis.",
+    "point": "A point mass at the origin of a frame.",
+    "solid": "A rigid body with mass, centre of mass and inertia about it.",
+    "effector": "An effector at the origin of a frame.",
+    "sphere": "A ball about the origin of a frame, which collides and has no mass.",
+    "capsule": "What is nearer than a radius to a segment along an axis; it collides.",
+    "cylinder": "A cylinder from the origin of a frame along an axis; it collides.",
+    "hull": "The convex hull of a mesh in a frame; it collides and has no mass.",
+    "box": "A box about the origin of a frame, along its axes; it collides.",
+    "rot": "`rot(axis, angle)`: turned about an axis of the local frame.",
+    "move": "`move(axis, d)` or `move((x, y, z))`: moved in the local frame.",
 }
 _MODULE = {
     "role": "`role base;` (`joint`, `link`, `effector`): what the module is for.",
     "base": "The role of the part that stands on the ground.",
     "joint": "The role of a part that moves.",
     "link": "The role of a rigid part.",
-    "effector": "The role of the part that has to be somewhere.",
+    "effector": "The role of the part that has to be somewhere; `effector(frame: f);` says where.",
+    "frame": "`frame out = in * rot(z, q) * move(x, d);`: a frame of the module, from `in` on.",
+    "in": "`in [lo, hi]`: a range; in an expression, the frame at which the module is mounted.",
+    "port": "`port in: TYPE;`, `port out: TYPE;`: where modules meet; an output has a frame.",
+    "male": "`male` fits `female` of the same type.",
+    "female": "`female` fits `male` of the same type.",
     "param": "`param NAME in [lo, hi] unit;` or `in {v1, v2} unit;`: the synthesis chooses it.",
     "const": "`const NAME = expr;`: a value with a name.",
     "dof": (
@@ -43,7 +62,7 @@ _MODULE = {
     "u": "The free input of the degree of freedom.",
 }
 _GRAMMAR = {
-    "start": "`start N;`: the nonterminal that stands for a whole robot.",
+    "start": "`start N;`: the nonterminal of a whole robot; from ports, its first module.",
     "accept": "`accept CONDITION;`: only these words are robots; several hold together.",
     "contains": "The word has these symbols, one after the other, somewhere.",
     "starts": "`starts with W`: the word begins with these symbols.",
@@ -52,21 +71,16 @@ _GRAMMAR = {
     "length": "`length <= n`: the number of symbols, edges too.",
     "matches": "`matches REGEX`: the whole word, with `|`, `*`, `+`, `?` and parentheses.",
     "empty": "The empty word.",
+    "ports": "`grammar NAME from ports { … }`: the ports of its modules say what fits where.",
+    "from": "`grammar NAME from ports { … }`: the ports of its modules say what fits where.",
+    "with": "`with M1, M2;`: the modules that others may carry.",
 }
 _SEMANTICS = {
     "this": "The left side of the production.",
     "world": "The fixed frame.",
-    "rod": "A uniform rod from the origin of a frame along an axis.",
-    "point": "A point mass at the origin of a frame.",
-    "solid": "A rigid body with mass, centre of mass and inertia about it.",
-    "effector": "An effector at the origin of a frame.",
-    "sphere": "A ball about the origin of a frame, which collides and has no mass.",
-    "capsule": "What is nearer than a radius to a segment along an axis; it collides.",
-    "cylinder": "A cylinder from the origin of a frame along an axis; it collides.",
-    "hull": "The convex hull of a mesh in a frame; it collides and has no mass.",
-    "box": "A box about the origin of a frame, along its axes; it collides.",
-    "rot": "`rot(axis, angle)`: turned about an axis of the local frame.",
-    "move": "`move(axis, d)` or `move((x, y, z))`: moved in the local frame.",
+    "let": "`let NAME = expr;`: a value with a name, within the block.",
+    "in": "`M.in = FRAME;`: mounts a module with bodies of its own.",
+    **_BODIES,
 }
 _WORKSPACE = {
     "plane": "`plane xy;`: the robot moves in the plane.",
@@ -146,7 +160,7 @@ _ANYWHERE = {
 _BY_ITEM = MappingProxyType(
     {
         "": {},
-        "module": _MODULE,
+        "module": {**_BODIES, **_MODULE},
         "grammar": _GRAMMAR,
         "semantics": _SEMANTICS,
         "workspace": _WORKSPACE,

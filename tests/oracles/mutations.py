@@ -32,6 +32,7 @@ WORDS = _listed(
     "prismatic rate base joint link xy xyz m kg N deg s N*m rad/s "
     "accel drive gear rotor viscous coulomb payload carry held aligned oriented to within except "
     "by hull ball capsule cylinder sphere radius axis length size file scale mass com inertia let "
+    "frame port male female with ports std in from "
     "0 1 2 -1 1e300 1e-300 0.1 1000000 99999999999999999999 1/0 2^200 ; { } ( ) [ ] , : = -> <= >= "
     "< > == | * + ? ^ . / - % 'a' \"b.srg\" /* */ //"
 )
@@ -56,6 +57,8 @@ ALIKE = (
     {"sphere", "capsule", "cylinder", "box", "hull"},
     {"ball", "capsule", "cylinder", "box", "polytope", "hull"},
     {"gear", "rotor", "viscous", "coulomb"},
+    {"frame", "port", "const"},
+    {"male", "female"},
     {"accel", "effort", "rate"},
     {"aligned", "oriented"},
     {"contains", "matches"},

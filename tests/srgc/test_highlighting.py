@@ -51,7 +51,11 @@ PLANAR_ARM = SPECS["specs/planar_arm.srg"]
 
 # Every keyword as a keyword, and whatever else may stand there: keywords as names, units as names.
 CONTEXTS = r"""
-include "modules.srg";
+include "modules.srg"; include std "serial.srg";
+module Fork { role joint; const male = 3; port in: in male; port port: ports female; port out: std;
+  frame frame = in * rot(z, q); frame out = frame * move((1, male) m); frame port = out * world;
+  rod(frame: in, axis: -x, length: male, density: 2 kg/m); sphere(frame: port, radius: 2 * 3 cm); }
+grammar from from ports { start from; with with, start1, ports; accept contains with; }
 /* block
    comment } ; */
 module Foot { role base; }
@@ -73,7 +77,7 @@ edge eps, '[', "]";
 grammar Tree {
   start S;
   until: S -> empty;
-  root:   S -> Foot T;
+  root:   S -> Foot T;  with: S -> T;
   branch: T -> '[' left:T ']' right:T;
   role:  T -> module;
   accept contains contains and starts with with starts or
@@ -87,6 +91,7 @@ semantics Tree {
   branch { left.at = this.at * rot(-z, 30 deg); right.at = this.at * move((1, 2, 3) m); }
   task { effector(frame: this.at); point(frame: this.at, mass: 0.2 kg);
     effector.effector = sin(pi/2) + pi.pi; }
+  let { let let = let.let * rot(z, 3 deg); let.in = let; let f = (1 + 2) m; Elbow.in = f * world; }
 }
 workspace Hall {
   plane xy; space xyz;
@@ -149,7 +154,14 @@ def meant(text: str) -> list[tuple[int, str, str]]:
     """The tokens the parser sees: offset, text, kind; UnexpectedInput if the text is wrong."""
     tree = parser().parse(text, start="file")
     tokens = tree.scan_values(lambda value: isinstance(value, Token))
-    return [(token.start_pos or 0, str(token), kind_meant(token)) for token in tokens]
+    names = {
+        token.start_pos
+        for part in tree.find_pred(lambda part: part.data in {"label", "target"})
+        for token in part.children
+        if token != "this"
+    }
+    kinds = {True: lambda _: "name", False: kind_meant}
+    return [(t.start_pos or 0, str(t), kinds[t.start_pos in names](t)) for t in tokens]
 
 
 def kind_meant(token: Token) -> str:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 from lsprotocol import types as lsp
 
+from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.source import Span
 from grammar_lang.units import UNIT_NAMES
 from srgc.language_server.completions.completion_names import EMISSIONS, FUNCTIONS, NamesDue, Offer
@@ -18,7 +19,11 @@ from srgc.language_server.keywords import explained
 
 _KINDS = lsp.CompletionItemKind
 _COMPOUND = ("N*m", "kg/m", "m/s", "m/s^2", "rad/s", "deg/s", "kg*m^2", "N*m*s/rad")
-_SUFFIXES = {"include": (".srg",), "from": (".yaml", ".yml", ".geojson", ".json")}
+_SUFFIXES = {
+    "include": (".srg",),
+    "std": (".srg",),
+    "from": (".yaml", ".yml", ".geojson", ".json"),
+}
 _MOST_PATHS = 200
 
 
@@ -44,7 +49,7 @@ def _snippets(cursor: Cursor) -> Iterator[Offer]:
     elif cursor.statement or "}" not in cursor.expected:
         return
     elif kind == "semantics":
-        forms = EMISSION_SNIPPETS if cursor.block else STATEMENTS[kind]
+        forms = STATEMENTS["block"] | EMISSION_SNIPPETS if cursor.block else {}
     else:
         forms = STATEMENTS.get(kind, {})
     for name, body in forms.items():
@@ -55,6 +60,8 @@ def _paths(cursor: Cursor, folder: Path | None) -> Iterator[Offer]:
     """Files that a string may name."""
     said = cursor.statement[-1:]
     suffixes = _SUFFIXES.get(said[0]) if said else None
+    if said == ("std",):
+        folder = Path(LIBRARY)
     if folder is None or suffixes is None:
         return
     written = (cursor.quoted or "").rpartition("/")[0]
@@ -127,7 +134,11 @@ ITEMS = MappingProxyType(
         "module": "module ${1:L} {\n  role ${2|link,joint,base,effector|};\n  $0\n}",
         "edge": "edge ${1:eps};",
         "include": 'include "${1:modules.srg}";',
+        "include std": 'include std "${1:serial.srg}";',
         "grammar": ("grammar ${1:Arm} {\n  start ${2:N};\n  ${3:base}: ${2:N} -> ${4:B};\n  $0\n}"),
+        "grammar from ports": (
+            "grammar ${1:Arm} from ports {\n  start ${2:Plate};\n  with ${3:Drive, Hand};\n  $0\n}"
+        ),
         "semantics": "semantics ${1:Arm} {\n  ${2:base} { this.frame = world; }\n  $0\n}",
         "workspace": (
             "workspace ${1:Bench} {\n  plane xy;\n  bounds box [${2:0, 5}] x [${3:0, 5}] m;\n"
@@ -139,44 +150,6 @@ ITEMS = MappingProxyType(
             "  start in ${4:S} at rest;\n  reach ${5:T};\n  effort <= ${6:10} N*m;\n"
             "  horizon ${7:40} steps of ${8:0.1} s;\n  $0\n}"
         ),
-    }
-)
-
-STATEMENTS = MappingProxyType(
-    {
-        "module": {
-            "param": "param ${1:length} in [${2:0.5}, ${3:5}] ${4:m};",
-            "const": "const ${1:density} = ${2:1} ${3:kg/m};",
-            "drive": "drive ${1:q}: gear ${2:100} rotor ${3:1e-5 kg*m^2} viscous ${4:0.1 N*m*s};",
-            "dof": "dof ${1:q}: ${2|revolute,prismatic|} ${3:z} in [${4:-180}, ${5:180}] ${6:deg};",
-            "state": "state ${1:current} ${2:A} = ${3:0};",
-            "input": "input ${1:voltage} in [${2:-24}, ${3:24}] ${4:V};",
-            "der": "der(${1:current}) = $0;",
-            "torque": "torque(${1:q}) = ${0:u};",
-        },
-        "grammar": {
-            "production": "${1:label}: ${2:N} -> ${3:N eps L};",
-            "accept": "accept ${0:contains EN};",
-        },
-        "semantics": {},
-        "workspace": {
-            "region": "region ${1:S} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
-            "obstacle": "obstacle ${1:O} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
-            "target": "target ${1:T} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
-            "obstacles": 'obstacles from "${1:map.yaml}";',
-        },
-        "task": {
-            "start": "start in ${1:S} at rest;",
-            "reach": "reach ${1:T};",
-            "avoid": "avoid ${1:O} with ${2|effector,body|};",
-            "effort": "effort <= ${1:10} ${2|N*m,N|};",
-            "horizon": "horizon ${1:40} steps of ${2:0.1} s;",
-            "satisfy": "satisfy ${0:eventually T};",
-            "repeat": "repeat;",
-            "payload": "payload ${1:0.5} kg;",
-            "carry": "carry ${1:0.5} kg from ${2:A} to ${3:B};",
-            "control": "control ${1|open loop,feedback|};",
-        },
     }
 )
 
@@ -201,6 +174,51 @@ EMISSION_SNIPPETS = MappingProxyType(
         ),
         "box": "box(frame: ${1:this.frame}, size: ${2:(10, 8, 6) cm});",
         "hull": 'hull(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
+    }
+)
+
+STATEMENTS = MappingProxyType(
+    {
+        "module": {
+            "param": "param ${1:length} in [${2:0.5}, ${3:5}] ${4:m};",
+            "const": "const ${1:density} = ${2:1} ${3:kg/m};",
+            "drive": "drive ${1:q}: gear ${2:100} rotor ${3:1e-5 kg*m^2} viscous ${4:0.1 N*m*s};",
+            "dof": "dof ${1:q}: ${2|revolute,prismatic|} ${3:z} in [${4:-180}, ${5:180}] ${6:deg};",
+            "state": "state ${1:current} ${2:A} = ${3:0};",
+            "input": "input ${1:voltage} in [${2:-24}, ${3:24}] ${4:V};",
+            "der": "der(${1:current}) = $0;",
+            "torque": "torque(${1:q}) = ${0:u};",
+            "frame": "frame ${1:out} = in * ${0:move(x, 10 cm)};",
+            "port": "port ${1|in,out|}: ${2:Flange};",
+            **{
+                name: body.replace("this.frame", "in").replace("N.frame", "in").replace("L.", "")
+                for name, body in EMISSION_SNIPPETS.items()
+            },
+        },
+        "grammar": {
+            "production": "${1:label}: ${2:N} -> ${3:N eps L};",
+            "accept": "accept ${0:contains EN};",
+            "with": "with ${0:Drive, Hand};",
+        },
+        "block": {"let": "let ${1:joint} = ${0:N.frame * rot(z, J.q)};"},
+        "workspace": {
+            "region": "region ${1:S} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
+            "obstacle": "obstacle ${1:O} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
+            "target": "target ${1:T} box [${2:0, 1}] x [${3:0, 1}] ${4:m};",
+            "obstacles": 'obstacles from "${1:map.yaml}";',
+        },
+        "task": {
+            "start": "start in ${1:S} at rest;",
+            "reach": "reach ${1:T};",
+            "avoid": "avoid ${1:O} with ${2|effector,body|};",
+            "effort": "effort <= ${1:10} ${2|N*m,N|};",
+            "horizon": "horizon ${1:40} steps of ${2:0.1} s;",
+            "satisfy": "satisfy ${0:eventually T};",
+            "repeat": "repeat;",
+            "payload": "payload ${1:0.5} kg;",
+            "carry": "carry ${1:0.5} kg from ${2:A} to ${3:B};",
+            "control": "control ${1|open loop,feedback|};",
+        },
     }
 )
 

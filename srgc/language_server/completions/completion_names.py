@@ -25,6 +25,7 @@ from srgc.language_server.documents.analysis import Analysis
 
 
 _KINDS = lsp.CompletionItemKind
+_OF_BODIES = (s.Frame, s.Port, s.Emission)
 _ROLES = ("base", "joint", "link", "effector")
 _MEMBERS: dict[Kind, lsp.CompletionItemKind] = {
     "parameter": _KINDS.Property,
@@ -32,6 +33,7 @@ _MEMBERS: dict[Kind, lsp.CompletionItemKind] = {
     "degree of freedom": _KINDS.Variable,
     "state": _KINDS.Variable,
     "input": _KINDS.Variable,
+    "frame": _KINDS.Field,
 }
 
 
@@ -109,20 +111,52 @@ class NamesDue:
         elif self._said[-2:] in {("der", "("), ("torque", "("), ("rate", "(")}:
             due = "state" if self._said[-2] == "der" else "degree of freedom"
             yield from (o for o in self._members(name, semantics=False) if o.detail == due)
+        elif self._said[:1] == ("port",) and self._last == ":":
+            yield from self._port_types()
+        elif self._said == ("port",):
+            yield Offer("in", _KINDS.Field, "where another module carries this one")
+            yield from (o for o in self._members(name, semantics=False) if o.detail == "frame")
+        elif (left := self._arguments_left()) is not None:
+            yield from left
         elif self._value:
             own = self._said[:1] in {("der",), ("torque",)}
             yield from self._members(name, semantics=False)
             if own:
                 yield Offer("u", _KINDS.Variable, "the free input")
-            functions = ("sin", "cos", "tan", "sqrt", "abs")
-            yield from self._functions((*functions, "rate") if own else functions)
+            functions = ["sin", "cos", "tan", "sqrt", "abs"]
+            if own:
+                functions.append("rate")
+            elif self._said[:1] == ("frame",) or open_call(self._said) is not None:
+                yield Offer("in", _KINDS.Field, "where the module is mounted")
+                functions += ["rot", "move"]
+            yield from self._functions(functions)
+
+    def _port_types(self) -> Iterator[Offer]:
+        found = {m.entity.name: None for m in self._analysis.names.mentions_of_kind("port type")}
+        yield from _named(found, _KINDS.Interface, "type of ports")
+
+    def _arguments_left(self) -> list[Offer] | None:
+        """The arguments of an emission that are not given yet, where one may begin."""
+        call = open_call(self._said)
+        if call is None or call.name not in EMISSIONS or self._last not in {"(", ","}:
+            return None
+        return [
+            Offer(name, _KINDS.Property, means, f"{name}: $0")
+            for name, means in EMISSIONS[call.name].parameters
+            if name not in call.named
+        ]
 
     def _grammar(self) -> Iterator[Offer]:
         if self._said[:1] == ("accept",):
             if not self._value:
                 yield from self._symbols()
         elif self._said == ("start",):
+            if "ports" in self._cursor.before[:4]:
+                yield from _named(self._declared.modules, _KINDS.Class, "module")
             yield from self._nonterminals()
+        elif self._said[:1] == ("with",):
+            fitting = (name for name in self._declared.modules if name not in self._said)
+            yield from _named(fitting, _KINDS.Class, "module")
         elif "->" in self._said:
             yield from self._nonterminals()
             if self._last != ":" or self._said.count(":") > 1:
@@ -133,7 +167,11 @@ class NamesDue:
     def _semantics(self) -> Iterator[Offer]:
         declared = self._declared
         if self._cursor.before == ("semantics",):
-            free = [name for name in declared.grammars if name not in declared.semantics]
+            free = [
+                name
+                for name, grammar in declared.grammars.items()
+                if name not in declared.semantics and not grammar.from_ports
+            ]
             yield from _named(free, _KINDS.Module, "grammar")
             return
         grammar = declared.grammars.get(self._cursor.item[1])
@@ -152,18 +190,19 @@ class NamesDue:
     def _in_block(self, grammar: s.Grammar, production: s.Production) -> Iterator[Offer]:
         own = nonterminals(grammar)
         places = occurrences(production.right, {*self._declared.terminals, *own}).places
-        call = open_call(self._said)
+        left = self._arguments_left()
         if self._last == ".":
             owner = self._said[-2] if len(self._said) > 1 else ""
             symbol = production.left.text
             if owner in places:
                 symbol = production.right[places[owner]].symbol.text
             yield from self._members(symbol, semantics=True)
+            module = self._declared.modules.get(symbol)
+            if module is not None and any(isinstance(i, _OF_BODIES) for i in module.items):
+                yield Offer("in", _KINDS.Field, "where the module is mounted")
             yield from self._attributes(grammar.name.text, symbol)
-        elif call is not None and call.name in EMISSIONS and self._last in {"(", ","}:
-            for name, means in EMISSIONS[call.name].parameters:
-                if name not in call.named:
-                    yield Offer(name, _KINDS.Property, means, f"{name}: $0")
+        elif left is not None:
+            yield from left
         else:
             aliases = {each.alias.text for each in production.right if each.alias is not None}
             for name, place in sorted(places.items(), key=lambda at: (at[0] in aliases, at[1])):
@@ -171,6 +210,9 @@ class NamesDue:
                 if symbol in own or symbol in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {symbol}")
             if self._value:
+                scope = (grammar.name.text, production.label.text)
+                local = self._analysis.names.entities("local value", scope=scope)
+                yield from _named([each.name for each in local], _KINDS.Field, "local value")
                 yield from self._functions(n for n in FUNCTIONS if n != "rate")
 
     def _attributes(self, grammar: str, nonterminal: str) -> Iterator[Offer]:

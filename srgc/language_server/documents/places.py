@@ -64,6 +64,8 @@ def described(entity: Entity) -> str:
     """What an entity is, for a message: ``module `L```."""
     if entity.kind in MEMBERS:
         return f"`{entity.name}` of module `{entity.scope[0]}`"
+    if entity.kind == "port type":
+        return f"port type `{entity.name}`"
     if entity.kind == "attribute":
         return f"attribute `{entity.name}` of `{entity.scope[1]}`"
     return f"{_WHAT.get(entity.kind, entity.kind)} `{entity.name}`"

@@ -7,12 +7,13 @@ every name stands for the same thing as before and no finding is new.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from lsprotocol import types as lsp
 
 from grammar_lang.diagnostics.diagnostic import Severity
+from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.names.declarations import MEMBERS, REGIONS, TERMINALS, Entity
 from grammar_lang.names.table import Mention
 from grammar_lang.parsing.lalr import RESERVED
@@ -71,6 +72,8 @@ def _checked_name(analysis: Analysis, entity: Entity, new: str) -> None:
 def _rivals(analysis: Analysis, entity: Entity) -> list[Entity]:
     """The entities whose names must differ from that of an entity."""
     names = analysis.names
+    if entity.kind == "port type":
+        return list({mention.entity: None for mention in names.mentions_of_kind("port type")})
     for kinds in (MEMBERS, REGIONS):
         if entity.kind in kinds:
             return names.entities(*kinds, scope=entity.scope)
@@ -165,6 +168,17 @@ def _refuse_other_meaning(before: Analysis, after: Analysis, old: str, new: str)
         raise RenameRefused(f"with the name `{new}` other names would mean something else")
 
 
+def _refuse_library(analysis: Analysis, files: Iterable[int], name: str) -> None:
+    """Refuse to change the library of the package.
+
+    Raises:
+        RenameRefused: a file of it would be.
+    """
+    for file in files:
+        if analysis.place(file).startswith(LIBRARY):
+            raise RenameRefused(f"`{name}` is a name of the library, which is not changed here")
+
+
 def rename(
     analyses: Sequence[Analysis],
     place: str,
@@ -195,6 +209,7 @@ def rename(
             continue
         _checked_name(analysis, mention.entity, new)
         edits = _edits(analysis, mention.entity, new)
+        _refuse_library(analysis, edits, found.name)
         after = _again(analysis, edits, open_files)
         _refuse_other_meaning(analysis, after, found.name, new)
         for file, each in edits.items():

@@ -20,6 +20,9 @@ from srgc.language_server.hovers.production_physics import (
     rounded,
 )
 
+_MOST_PRODUCTIONS = 24
+"""So many productions of a grammar from ports are shown."""
+
 
 def _code(text: str) -> str:
     return f"```srg\n{text}\n```"
@@ -44,6 +47,8 @@ def hover_name(analysis: Analysis, entity: Entity) -> str:
         "production": _production,
         "occurrence": _occurrence,
         "attribute": _attribute,
+        "port type": _port_type,
+        "local value": _local_value,
         "grammar": _grammar,
         "workspace": _workspace,
         "map": _map,
@@ -95,6 +100,8 @@ def _member_detail(analysis: Analysis, module: ir.Module, entity: Entity) -> str
         case "input":
             given = next((each for each in module.inputs if each.name == name), None)
             return "" if given is None else f"An input in {domain_text(given.domain, given.unit)}."
+        case "frame":
+            return "A frame, which is counted from `in`."
         case _:
             return "A constant."
 
@@ -182,6 +189,20 @@ def _attribute(analysis: Analysis, entity: Entity) -> str:
     return f"{rules}\n\nAn attribute of `{nonterminal}` in `{grammar}`, {uses}."
 
 
+def _port_type(analysis: Analysis, entity: Entity) -> str:
+    """The ports of a type, by module."""
+    lines: list[str] = []
+    for name, module in analysis.declared.modules.items():
+        ports = (p for p in module.items if isinstance(p, s.Port) and p.type.text == entity.name)
+        lines += [f"{name}: {written(port.span, analysis.sources)}" for port in ports]
+    return f"{_code(chr(10).join(lines))}\n\nA type of ports."
+
+
+def _local_value(analysis: Analysis, entity: Entity) -> str:
+    about = f"A local value of `{entity.scope[1]}`, {_uses(analysis, entity)}."
+    return f"{_statement(analysis, entity)}\n\n{about}"
+
+
 def _production(analysis: Analysis, entity: Entity) -> str:
     grammar = entity.scope[0]
     text = f"{_statement(analysis, entity)}\n\nA production of `{grammar}`."
@@ -207,12 +228,29 @@ def _dimension(program: ir.Program, grammar: str) -> int | None:
 
 def _grammar(analysis: Analysis, entity: Entity) -> str:
     grammar = analysis.declared.grammars[entity.name]
+    if grammar.from_ports:
+        return _port_grammar(analysis, grammar)
     productions = sum(isinstance(item, s.Production) for item in grammar.items)
     start = next((i.name.text for i in grammar.items if isinstance(i, s.StartSymbol)), "?")
     accepts = [i for i in grammar.items if isinstance(i, s.Accept)]
     lines = [f"{written(item.span, analysis.sources)};" for item in accepts]
     known = "with" if entity.name in analysis.declared.semantics else "without"
     text = f"A grammar of {productions} productions from `{start}`, {known} semantics."
+    return f"{_code(chr(10).join(lines))}\n\n{text}" if lines else text
+
+
+def _port_grammar(analysis: Analysis, grammar: s.Grammar) -> str:
+    """What a grammar from ports stands for."""
+    name, program = grammar.name.text, analysis.program
+    lowered = None if program is None else program.grammars.get(name)
+    productions = () if lowered is None else lowered.productions
+    lines = [
+        f"{each.label}: {each.left} -> {' '.join(symbol.name for symbol in each.right)};"
+        for each in productions[:_MOST_PRODUCTIONS]
+    ]
+    if len(productions) > len(lines):
+        lines.append(f"// {len(productions) - len(lines)} more")
+    text = "A grammar from ports; `srgc expand` prints what it stands for."
     return f"{_code(chr(10).join(lines))}\n\n{text}" if lines else text
 
 

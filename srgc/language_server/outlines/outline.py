@@ -28,6 +28,8 @@ _MEMBERS: dict[type, lsp.SymbolKind] = {
     s.Dof: _KINDS.Variable,
     s.State: _KINDS.Variable,
     s.Input: _KINDS.Variable,
+    s.Frame: _KINDS.Field,
+    s.Port: _KINDS.Interface,
 }
 
 
@@ -81,7 +83,7 @@ class _Outline:
 
     def _members(self, module: s.Module) -> Iterator[lsp.DocumentSymbol]:
         for item in module.items:
-            if isinstance(item, s.Param | s.Const | s.Dof | s.State | s.Input):
+            if type(item) in _MEMBERS and not isinstance(item, s.Role | s.Emission):
                 detail = written(item.span, self._analysis.sources)
                 yield self.symbol(item.name, _MEMBERS[type(item)], item.span, detail)
 

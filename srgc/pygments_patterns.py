@@ -1,0 +1,40 @@
+"""The patterns and the chains of states of which the lexer for Pygments is made."""
+
+from __future__ import annotations
+
+from pygments.lexer import default, include, words
+from pygments.token import Punctuation
+
+from grammar_lang.units import UNIT_NAMES
+
+FUNCTIONS = ("rot", "move", "sin", "cos", "tan", "sqrt", "abs", "rate")
+EMISSIONS = ("rod", "point", "solid", "effector", "sphere", "capsule", "cylinder", "box", "hull")
+ROLES = ("base", "joint", "link", "effector")
+ITEMS = "module|grammar|semantics|workspace|task"
+END = r"(?![A-Za-z0-9_])"
+NAME = rf"(?!(?:and|or|not|empty|this|world|start|accept|x|y|z){END})[A-Za-z_][A-Za-z0-9_]*"
+GAP = r"(?:[ \t\r\n\f\v]++|//[^\n]*+|/\*(?:[^*]++|\*(?!/))*+\*/)*+"
+NUMBER = r"[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?"
+_ONE_UNIT = rf"(?:{'|'.join(sorted(UNIT_NAMES, key=len, reverse=True))})(?:\^-?[0-9]+)?"
+UNIT = rf"{_ONE_UNIT}(?:[*/]{_ONE_UNIT})*(?![A-Za-z0-9_.(])"
+COMPARISON = "<=|>=|==|<|>"
+
+
+def word_of(*choices: str) -> words:
+    """Any of some words, and not a part of a longer one."""
+    return words(choices, suffix=END)
+
+
+def separated(state: str, closing: str) -> list[object]:
+    """What follows the first of several things, each read in ``state``, up to a bracket."""
+    return [
+        include("gap"),
+        (",", Punctuation, state),
+        (closing, Punctuation, "#pop"),
+        default("#pop"),
+    ]
+
+
+def heading(kind: object) -> list[object]:
+    """The name of an item."""
+    return [include("gap"), include("next item"), (NAME, kind, "#pop"), default("#pop")]
