@@ -75,6 +75,7 @@ def _unused_symbols(program: ir.Program, sink: Sink) -> None:
         for symbol in production.right
         if symbol.kind != "nonterminal"
     }
+    used |= {name for grammar in program.grammars.values() for name in grammar.listed}
     for name in program.terminals:
         # An included file is a library, of which nobody uses everything.
         if name not in used and program.terminal_spans.get(name, ir.NOWHERE).file == 0:
@@ -83,7 +84,7 @@ def _unused_symbols(program: ir.Program, sink: Sink) -> None:
                 f"{'module' if program.is_module(name) else 'edge'} `{name}` is used in no "
                 "production",
                 program.terminal_spans.get(name, ir.NOWHERE),
-                hint=f"use `{name}` on a right side or remove its declaration",
+                hint=f"use `{name}` on a right side, or in `with`, or remove its declaration",
             )
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
@@ -109,4 +109,5 @@ def lower_port_grammar(
             blocks[part.name] = _block(part)
     uses = (use for part in (first, *listed) if part.info.body for use in part.info.body.uses)
     found = grammar_of(grammar, start, productions, clauses.accepts)
+    found = replace(found, listed=frozenset({first.name, *clauses.listed}))
     return GrammarInfo(found, {}), SemanticsInfo(blocks, tuple(dict.fromkeys(uses)))

@@ -280,7 +280,8 @@ class SemanticBlock:
 class Grammar:
     """An SRG (Definition 3) with its accept condition and, where given, its semantics (FRG).
 
-    ``nonterminals`` is in order of first appearance, the start symbol first.
+    ``nonterminals`` is in order of first appearance, the start symbol first.  ``listed`` are the
+    modules that a grammar from ports names, whether they stand in a robot or not.
     """
 
     name: str
@@ -290,3 +291,4 @@ class Grammar:
     accept: Accept
     semantics: Mapping[str, SemanticBlock] | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    listed: frozenset[str] = field(default=frozenset(), compare=False, repr=False)

@@ -146,7 +146,8 @@ class _Resolver:
                     pass
                 case s.Port():
                     self.add(known.get(item.name.text), item.name)
-                    self.add(Entity("port type", (), item.type.text), item.type)
+                    kind = Entity("port type", (), item.type.text)
+                    self.add(kind, item.type, declares=True)
                 case _:
                     self.within = known.get(item.name.text)
                     declares = not isinstance(item, s.Derivative | s.Torque | s.Drive)

@@ -95,10 +95,6 @@ class NameTable:
         """Where an entity is named."""
         return self._by_entity.get(entity, ())
 
-    def mentions_of_kind(self, kind: Kind) -> Iterator[Mention]:
-        """Where entities of a kind are named, in the order of the places."""
-        return (mention for mention in self.mentions if mention.entity.kind == kind)
-
     def declarations(self, entity: Entity) -> Sequence[Mention]:
         """Where it is declared: a nonterminal at the left of each of its productions."""
         return [mention for mention in self.mentions_of(entity) if mention.declares]

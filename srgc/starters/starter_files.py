@@ -17,6 +17,7 @@ STARTERS: Mapping[str, str] = MappingProxyType(
         "planar": "an arm in the plane, around a tilted obstacle; explains the language",
         "branching": "two arms and two hands on a torso, a task for either hand",
         "space": "a crane in space, against gravity",
+        "kit": "an arm of drives, tubes and a gripper with ports, in space",
     }
 )
 """The kinds, and what the file of each is about."""

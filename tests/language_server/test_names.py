@@ -50,6 +50,14 @@ task <28:T> { robot <11:Arm>; workspace <23:W>; start in <24:S> at rest; avoid <
   from <1:B> <9:eps> <2:J> '<10:[>' <5:L> <9:eps> <5:L> <9:eps> <8:E> fixed <5:L>1.<6:len> = 1 m; }
 task <29:U> { robot <17:Other>; workspace <26:V>; start in <27:S>; reach <27:S>;
   effort <= 1 N*m; horizon 4 steps of 1 s; }
+module <31:Rod> { role link; param <32:l> in [1, 2] m; port in: <33:F>; port <34:out>: <35:Side> male;
+  frame <36:mid> = in * move(x, <32:l>); frame <34:out> = <36:mid> * rot(z, 1 rad); point(frame: <36:mid>, mass: 1 kg); }
+module <37:Tip> { role effector; port in: <35:Side> female; effector(frame: in); }
+module <38:Foot> { role base; port <39:up>: <33:F>; frame <39:up> = in; }
+grammar <40:Kit> from ports { start <38:Foot>; with <31:Rod>, <37:Tip>; accept contains <31:Rod>; }
+grammar <41:Hung> { start <42:M>; <43:all>: <42:M> -> <38:Foot> <31:Rod> <37:Tip>; }
+semantics <41:Hung> { <43:all> { let <44:f> = <38:Foot>.<39:up>; <38:Foot>.in = world; <31:Rod>.in = <44:f>;
+  <37:Tip>.in = <31:Rod>.<34:out>; } }
 """  # noqa: E501
 _MARK = re.compile(r"<(\d+):([^>]+)>")
 
@@ -130,6 +138,9 @@ def test_rename(analysis: Analysis, number: int, tmp_path: Path) -> None:
         (5, "N", "`N` is already the name of nonterminal `N`"),
         (5, "left", "`left` is already the name of occurrence `left`"),
         (12, "eps", "`eps` is already the name of edge `eps`"),
+        (33, "Side", "`Side` is already the name of port type `Side`"),
+        (36, "l", "`l` is already the name of `l` of module `Rod`"),
+        (44, "this", "`this` is a reserved word"),
         (13, "arm", "`arm` is already the name of production `arm`"),
         (6, "rho", "`rho` is already the name of `rho` of module `L`"),
         (24, "O", "`O` is already the name of region `O`"),

@@ -19,7 +19,7 @@ from tests.oracles.some_cases import some
 from tests.srgc.conftest import ROOT, Ran
 
 Run = Callable[..., Ran]
-KINDS = ("planar", "branching", "space")
+KINDS = ("planar", "branching", "space", "kit")
 TRY = re.compile(r"( *)// Try: (.*)\n")
 NUMBER = r"(-?[\d.]+)"
 
@@ -108,7 +108,7 @@ def test_unknown_kinds(srgc: Run) -> None:
     ran = srgc("new", "plane")
     assert ran.status == 2
     assert ran.err == (
-        "error: there is no starter `plane`: choose planar, branching, space; "
+        "error: there is no starter `plane`: choose planar, branching, space, kit; "
         "did you mean `planar`?\n"
     )
     assert srgc("new", "--force").status == 2
@@ -142,7 +142,7 @@ def test_a_robot_is_found_and_verified(
 def test_what_is_to_be_tried() -> None:
     """So that the next test says something."""
     assert {kind: sum(k == kind for k, _, _ in TRIED) for kind in KINDS} == {
-        "planar": 12, "branching": 8, "space": 10,
+        "planar": 12, "branching": 8, "space": 10, "kit": 4,
     }  # fmt: skip
 
 
@@ -165,6 +165,7 @@ def test_comments_name_what_is_there(kind: str) -> None:
     assert f"`srgc new {kind}` wrote this file" in text
     code = re.sub(r"//.*", "", text)
     known = {*re.findall(r"\w+", code), "srgc", "new", "Try", *STARTERS, "words", "language"}
+    known |= {"srg", "expand"}
     quoted = [
         q for comment in re.findall(r"//(.*)", text) for q in re.findall(r"`([^`]+)`", comment)
     ]

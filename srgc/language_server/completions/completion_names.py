@@ -132,8 +132,8 @@ class NamesDue:
             yield from self._functions(functions)
 
     def _port_types(self) -> Iterator[Offer]:
-        found = {m.entity.name: None for m in self._analysis.names.mentions_of_kind("port type")}
-        yield from _named(found, _KINDS.Interface, "type of ports")
+        found = self._analysis.names.entities("port type")
+        yield from _named([each.name for each in found], _KINDS.Interface, "type of ports")
 
     def _arguments_left(self) -> list[Offer] | None:
         """The arguments of an emission that are not given yet, where one may begin."""

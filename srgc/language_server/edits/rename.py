@@ -72,8 +72,6 @@ def _checked_name(analysis: Analysis, entity: Entity, new: str) -> None:
 def _rivals(analysis: Analysis, entity: Entity) -> list[Entity]:
     """The entities whose names must differ from that of an entity."""
     names = analysis.names
-    if entity.kind == "port type":
-        return list({mention.entity: None for mention in names.mentions_of_kind("port type")})
     for kinds in (MEMBERS, REGIONS):
         if entity.kind in kinds:
             return names.entities(*kinds, scope=entity.scope)

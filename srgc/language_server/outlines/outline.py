@@ -11,6 +11,7 @@ from pathlib import Path
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
+from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.names.declarations import Kind
 from grammar_lang.source import Span, written
 from grammar_lang.syntax import Ident
@@ -203,16 +204,19 @@ def include_links(analysis: Analysis, number: int, uri_of: UriOf) -> list[lsp.Do
     """The links of a document; what is no file of the program has none."""
     base = analysis.path(number)
     paths: list[Ident] = []
+    library: set[Ident] = set()
     for item in analysis.items(number):
         if isinstance(item, t.Include):
             paths.append(item.path)
+            library |= {item.path} if item.std else set()
         elif isinstance(item, t.Workspace):
             paths += [part.path for part in item.items if isinstance(part, t.ObstaclesFrom)]
     if base is None:
         return []
     links: list[lsp.DocumentLink] = []
     for path in paths:
-        target = Path(posixpath.normpath(base.parent / path.text))
+        folder = Path(LIBRARY) if path in library else base.parent
+        target = Path(posixpath.normpath(folder / path.text))
         if not path.text or not os.path.isfile(target):  # noqa: PTH113 - of any name
             continue
         inside = Span(path.span.start + 1, path.span.end - 1, path.span.file)
