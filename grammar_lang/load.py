@@ -210,12 +210,14 @@ def lower(
     declared = names.declared
     modules = _modules(file, names, read.meshes, sink)
     _check_semantics(names, sink)
+    spans = {item.span: name for name, item in declared.modules.items()}
+    broken = [spans[span] for span in file.broken if span in spans]
     grammars: dict[str, ir.Grammar] = {}
     families: dict[str, Family] = {}
     for name, grammar in declared.grammars.items():
         semantics = None
         if grammar.from_ports:
-            info, semantics = lower_port_grammar(grammar, modules, names, sink)
+            info, semantics = lower_port_grammar(grammar, modules, broken, names, sink)
         else:
             info = lower_grammar(grammar, names, sink)
         if name in declared.semantics and not grammar.from_ports:

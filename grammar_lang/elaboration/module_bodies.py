@@ -80,7 +80,13 @@ class _BodyScope:
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
         """Always an error."""
-        return foreign_member(member, sink)
+        owner, name = member.owner.text, member.name.text
+        hint = None
+        if owner == "this":
+            hint = "write `in`: the frame at which the module is mounted"
+        elif owner == self.info.module.name:
+            hint = f"write `{name}`: inside the module its names stand alone"
+        return foreign_member(member, sink, hint)
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
         """The degree of freedom of that name."""
@@ -156,10 +162,7 @@ def _ports(
             continue
         name = port.name.text
         if name in found:
-            hint = "choose another name"
-            if name == INPUT:
-                hint = "a module is carried by one port; an output has another name, as in `out`"
-            duplicate(port.name, found[name].name.span, sink, hint)
+            _second(port, found[name], module, sink)
             continue
         found[name] = port
         if name != INPUT and name not in frames and kinds.get(name) != "frame":
@@ -169,6 +172,17 @@ def _ports(
                 hint = f"`{name}` is a {kinds[name]} here; name the port after a frame"
             sink.error(Code.MISSING_FRAME, message, port.name.span, hint)
     return found
+
+
+def _second(port: s.Port, first: s.Port, module: s.Module, sink: Sink) -> None:
+    """Report a second port of a name."""
+    if port.name.text != INPUT:
+        duplicate(port.name, first.name.span, sink)
+        return
+    message = f"module `{module.name.text}` has two inputs"
+    notes = [(first.name.span, "first here")]
+    hint = "another module carries it at one of its ends; call the other one `out`, for instance"
+    sink.error(Code.DUPLICATE_NAME, message, port.name.span, hint, notes)
 
 
 # --- the body ------------------------------------------------------------------------------------

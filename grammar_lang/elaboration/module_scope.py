@@ -12,10 +12,11 @@ from grammar_lang.elaboration.sorts import UNKNOWN, DimensionUse, Typed
 from grammar_lang.elaboration.typecheck import plain_name
 
 
-def foreign_member(member: s.Member, sink: Sink) -> Typed:
+def foreign_member(member: s.Member, sink: Sink, hint: str | None = None) -> Typed:
     """Report ``owner.name`` inside a module."""
     message = f"`{member.owner.text}.{member.name.text}` has no meaning inside a module"
-    sink.error(Code.NOT_CONSTANT, message, member.span, "use the module's own names alone")
+    own = "use the module's own names alone"
+    sink.error(Code.NOT_CONSTANT, message, member.span, hint or own)
     return UNKNOWN
 
 

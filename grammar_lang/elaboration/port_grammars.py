@@ -88,10 +88,17 @@ def _block(part: Part) -> ir.SemanticBlock:
 
 
 def lower_port_grammar(
-    grammar: s.Grammar, modules: Mapping[str, ModuleInfo], names: NameTable, sink: Sink
+    grammar: s.Grammar,
+    modules: Mapping[str, ModuleInfo],
+    broken: Collection[str],
+    names: NameTable,
+    sink: Sink,
 ) -> tuple[GrammarInfo, SemanticsInfo]:
-    """A grammar from ports, and its semantics; whatever is wrong with it is reported."""
-    clauses = Clauses(grammar, modules, names, sink)
+    """A grammar from ports, and its semantics; whatever is wrong with it is reported.
+
+    ``broken`` are the modules with statements that could not be read.
+    """
+    clauses = Clauses(grammar, modules, names, sink, broken)
     clauses.read()
     if clauses.start is None:
         return GrammarInfo(grammar_of(grammar, "", (), clauses.accepts), {}), SemanticsInfo({}, ())

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 from grammar_lang import ir
 from grammar_lang import syntax as s
-from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.diagnostics.diagnostic import Code, Severity, Sink
 from grammar_lang.diagnostics.wording import did_you_mean, nearest
 from grammar_lang.elaboration.modules import INPUT, ModuleInfo
 from grammar_lang.elaboration.productions import Conditions
@@ -67,12 +67,16 @@ def _shown(port: s.Port, name: str) -> str:
 
 @dataclass(slots=True)
 class Clauses:
-    """What stands in a grammar from ports."""
+    """What stands in a grammar from ports.
+
+    ``broken`` are the modules with statements that could not be read: they may lack anything.
+    """
 
     grammar: s.Grammar
     modules: Mapping[str, ModuleInfo]
     names: NameTable
     sink: Sink
+    broken: Collection[str]
     start: Part | None = None
     listed: dict[str, Part] = field(default_factory=dict[str, Part])
     accepts: list[ir.Accept] = field(default_factory=list[ir.Accept])
@@ -100,7 +104,8 @@ class Clauses:
                     self.sink.error(Code.OTHER_GRAMMAR, message, item.span, hint)
         if first is None:
             message = f"grammar `{self.grammar.name.text}` has no start module"
-            hint = f"add `start {next(iter(self.listed), 'Base')};`: the module on the world"
+            bases = (n for n, info in self.modules.items() if info.module.role == "base")
+            hint = f"add `start {next(bases, 'Base')};`: the module that stands on the world"
             self.sink.error(Code.MISSING_START, message, self.grammar.name.span, hint)
 
     def _part(self, name: s.Ident) -> Part | None:
@@ -118,7 +123,7 @@ class Clauses:
         if part is None:
             return
         self.listed[name.text] = part
-        if part.input is None:
+        if part.input is None and name.text not in self.broken:
             start = self.start is not None and self.start.name == part.name
             message = f"module `{name.text}` has no `port in`: no other one can carry it"
             hint = "add `port in: TYPE;` to the module, of the type of an output"
@@ -171,6 +176,7 @@ class Checks:
         carried = _carried(self.start, listed.values())
         # A module that lacks its input would fill some output.
         whole = all(part.input is not None for part in listed.values())
+        whole = whole and not {self.start.name, *listed}.intersection(self.clauses.broken)
         open_ones = [
             port
             for part in (self.start, *carried.values())
@@ -238,10 +244,11 @@ class Checks:
     def _check_dofs(self, parts: Sequence[Part]) -> None:
         """Report degrees of freedom that no frame of their module uses."""
         told = {found.span for found in self.clauses.sink.found}
+        wrong = [d.span for d in self.clauses.sink.found if d.severity is Severity.ERROR]
         for part in {part.name: part for part in parts}.values():
             used = {} if part.info.body is None else part.info.body.used
             for name, dof in part.info.dofs.items():
-                if name in used or dof.span in told:
+                if name in used or dof.span in told or _inside(part.info.module.span, wrong):
                     continue
                 place = "rot" if dof.kind == "revolute" else "move"
                 message = f"no frame of module `{part.name}` uses `{name}`"
@@ -256,9 +263,10 @@ class Checks:
             fitting = [f"`{p.name}`" for p in carried.values() if p.stands_at == fit_of(port)]
             message = (
                 f"no robot of grammar `{self.clauses.grammar.name.text}` comes to an end: "
-                f"what fits `{port.name.text}` of `{self.start.name}` has outputs for ever"
+                f"all that fits `{port.name.text}` of `{self.start.name}` has outputs in turn"
             )
             hint = f"list a module without outputs beside {', '.join(fitting)}, such as a hand"
+            hint = self._ending(carried) or hint
             sink.error(Code.ENDLESS_PORTS, message, self.clauses.grammar.name.span, hint)
             return
         for part in carried.values():
@@ -270,6 +278,25 @@ class Checks:
                 hint = "list a module without outputs that fits there, such as a cap"
                 notes = [(port.name.span, "the output")]
                 sink.warning(Code.UNPRODUCTIVE, message, part.place, hint, notes)
+
+    def _ending(self, carried: Mapping[str, Part]) -> str | None:
+        """A hint: a module without outputs that is at hand."""
+        due = {fit_of(port) for part in (self.start, *carried.values()) for port in part.outputs}
+        for name, info in self.clauses.modules.items():
+            part = Part(info, info.module.span)
+            if part.input is None or part.outputs:
+                continue
+            if part.stands_at in due:
+                return f"list `{name}` in `with`, which fits and has none"
+            if name in self.clauses.listed:
+                shown = _shown(part.input, INPUT)
+                return f"`{name}` has none, but its `{shown}` fits no output"
+        return None
+
+
+def _inside(whole: Span, places: Iterable[Span]) -> bool:
+    """Whether one of some places is in a part of the text."""
+    return any(p.file == whole.file and whole.start <= p.start < whole.end for p in places)
 
 
 def _as_gender(gender: Gender) -> Literal["male", "female"] | None:

@@ -54,6 +54,8 @@ class _Reader:
     sink: Sink
     nonterminals: tuple[str, ...]
     lefts: Collection[str]
+    listed: bool = False
+    """Whether modules are listed as in a grammar from ports, which is reported."""
     starts: list[s.StartSymbol] = field(default_factory=list[s.StartSymbol])
     productions: dict[str, ProductionInfo] = field(default_factory=dict[str, ProductionInfo])
     accepts: list[ir.Accept] = field(default_factory=list[ir.Accept])
@@ -80,7 +82,7 @@ class _Reader:
             notes = [(self.starts[0].span, "first here")]
             hint = "a grammar has one start symbol"
             self.sink.error(Code.REPEATED_CLAUSE, "a second start symbol", item.span, hint, notes)
-        elif not self._is_left(item.name):
+        elif not self._is_left(item.name) and not self.listed:
             message = f"the start symbol `{item.name.text}` has no production"
             hint = did_you_mean(item.name.text, self.nonterminals, "nonterminal", self.sink)
             self.sink.error(Code.UNKNOWN_NAME, message, item.name.span, hint)
@@ -152,7 +154,8 @@ def lower_grammar(grammar: s.Grammar, names: NameTable, sink: Sink) -> GrammarIn
     lefts = nonterminals(grammar)
     _check_left_sides(lefts, names, sink)
     own = tuple(name for name in lefts if name not in names.declared.terminals)
-    reader = _Reader(names, sink, own, lefts)
+    listed = not lefts and any(isinstance(item, s.Listed) for item in grammar.items)
+    reader = _Reader(names, sink, own, lefts, listed)
     for item in grammar.items:
         reader.item(item)
     if not reader.starts:
