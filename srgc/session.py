@@ -29,6 +29,10 @@ def check_file(path: Path) -> Checked:
     Raises:
         UsageFault: the file exists but cannot be read.
     """
+    return _with_near_name(path, check_loaded(_loaded(path)))
+
+
+def _loaded(path: Path) -> Loaded:
     try:
         if path.exists() and not path.is_file():
             raise UsageFault(f"{path} is not a file")
@@ -36,7 +40,7 @@ def check_file(path: Path) -> Checked:
             path.open("rb").close()
     except OSError as error:
         raise UsageFault(f"{path}: {error.strerror}") from None
-    return _with_near_name(path, check_loaded(load(path)))
+    return load(path)
 
 
 def _with_near_name(path: Path, checked: Checked) -> Checked:
@@ -122,8 +126,9 @@ def expansion_of(path: Path) -> str:
     """
     from grammar_lang.formatting.expansion import expanded
 
-    _sound(check_file(path))
-    return expanded(load(path))
+    loaded = _loaded(path)
+    _sound(_with_near_name(path, check_loaded(loaded)))
+    return expanded(loaded)
 
 
 def _sound(checked: Checked) -> ir.Program:

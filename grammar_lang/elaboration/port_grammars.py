@@ -67,7 +67,10 @@ class _Productions:
 
 
 def _block(part: Part) -> ir.SemanticBlock:
-    """The module mounted at the frame that is handed down, and its outputs handed on."""
+    """The module mounted at the frame that is handed down, and its outputs handed on.
+
+    Nobody wrote these rules: they have no place.
+    """
     body = part.info.body
     if body is None:
         return ir.SemanticBlock((), (), part.place)
@@ -78,12 +81,11 @@ def _block(part: Part) -> ir.SemanticBlock:
         ir.AttributeRule(
             ir.AttributeOf(number, ROOT_ATTRIBUTE),
             frame_of(part.name, port.name.text),
-            port.span,
-            (0,),
+            mentions=(0,),
         )
         for number, port in enumerate(part.outputs, 1)
     )
-    rules = (ir.AttributeRule(mount, here, part.place), *frames, *carried)
+    rules = (ir.AttributeRule(mount, here), *frames, *carried)
     return ir.SemanticBlock(rules, emissions, part.place)
 
 
@@ -103,7 +105,8 @@ def lower_port_grammar(
     if clauses.start is None:
         return GrammarInfo(grammar_of(grammar, "", (), clauses.accepts), {}), SemanticsInfo({}, ())
     first = clauses.start
-    listed = Checks(clauses, first).run()
+    fitted = frozenset(part.stands_at for part in clauses.listed.values())
+    listed = Checks(clauses, first, fitted).run()
     made = _Productions(names.declared.terminals)
     start = made.name((first, *listed))
     label = _fresh(first.name, {part.name for part in listed})

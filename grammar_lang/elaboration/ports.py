@@ -16,7 +16,7 @@ from grammar_lang.names.declarations import duplicate, report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 
-Gender: TypeAlias = str | None
+Gender: TypeAlias = Literal["male", "female"] | None
 Fit: TypeAlias = tuple[str, Gender]
 """Type and gender of an output."""
 
@@ -135,31 +135,41 @@ class Clauses:
 # --- what can be built ---------------------------------------------------------------------------
 
 
-def _ending(parts: Iterable[Part]) -> dict[str, Part]:
-    """The modules with which some robot comes to an end, by name."""
+def _ending(parts: Collection[Part]) -> dict[str, Part]:
+    """The modules with which some robot comes to an end, by name.
+
+    A module ends where all its outputs take one that does.
+    """
+    missing: dict[str, set[Fit | None]] = {
+        part.name: {fit_of(port) for port in part.outputs} for part in parts
+    }
+    waiting: dict[Fit | None, list[Part]] = {}
+    for part in parts:
+        for fit in missing[part.name]:
+            waiting.setdefault(fit, []).append(part)
+    todo = [part for part in parts if not missing[part.name]]
     found: dict[str, Part] = {}
-    filled: set[Fit] = set()
-    waiting = list(parts)
-    more = True
-    while more:
-        ended = [p for p in waiting if all(fit_of(port) in filled for port in p.outputs)]
-        waiting = [part for part in waiting if part not in ended]
-        found |= {part.name: part for part in ended}
-        filled |= {part.stands_at for part in ended if part.stands_at is not None}
-        more = bool(ended)
+    while todo:
+        part = todo.pop()
+        found[part.name] = part
+        for other in waiting.pop(part.stands_at, ()):
+            missing[other.name].discard(part.stands_at)
+            if not missing[other.name]:
+                todo.append(other)
     return found
 
 
 def _carried(start: Part, listed: Collection[Part]) -> dict[str, Part]:
-    """The listed modules that stand in some robot or would, if it came to an end."""
-    found: dict[str, Part] = {}
-    due = {fit_of(port) for port in start.outputs}
-    more = True
-    while more:
-        new = [p for p in listed if p.name not in found and p.stands_at in due]
-        found |= {part.name: part for part in new}
-        due |= {fit_of(port) for part in new for port in part.outputs}
-        more = bool(new)
+    """The listed modules that outputs lead to from the start, by name."""
+    standing: dict[Fit | None, list[Part]] = {}
+    for part in listed:
+        standing.setdefault(part.stands_at, []).append(part)
+    todo, found = [start], set[str]()
+    while todo:
+        for port in todo.pop().outputs:
+            new = standing.pop(fit_of(port), ())
+            found.update(part.name for part in new)
+            todo += new
     return {part.name: part for part in listed if part.name in found}
 
 
@@ -169,6 +179,8 @@ class Checks:
 
     clauses: Clauses
     start: Part
+    filled: frozenset[Fit | None]
+    """The types and genders of outputs that some listed module fits."""
 
     def run(self) -> list[Part]:
         """The listed modules that stand in robots, in their order."""
@@ -190,14 +202,17 @@ class Checks:
         ending = _ending([self.start, *carried.values()])
         if whole and not open_ones:
             self._check_end(carried, ending)
-        return [part for name, part in carried.items() if name in ending]
+        left = _carried(self.start, [p for name, p in carried.items() if name in ending])
+        for name, part in carried.items():
+            if whole and name in ending and name not in left and self.start.name in ending:
+                self._idle(part, left)
+        return list(left.values())
 
     def _is_open(self, port: s.Port, part: Part) -> bool:
         """Whether no listed module fits an output, which is reported."""
-        listed, sink = self.clauses.listed.values(), self.clauses.sink
-        if any(each.stands_at == fit_of(port) for each in listed):
+        if fit_of(port) in self.filled:
             return False
-        wanted = s.Port(port.name, port.type, _as_gender(OTHER[port.gender]))
+        wanted = s.Port(port.name, port.type, OTHER[port.gender])
         message = (
             f"nothing fits the output `{port.name.text}` of module `{part.name}`: "
             f"no listed module has `{_shown(wanted, INPUT)}`"
@@ -205,7 +220,7 @@ class Checks:
         at, notes = port.type.span, [(part.place, "listed here")]
         if at.file != part.place.file:
             at, notes = part.place, [(port.type.span, "the output")]
-        sink.error(Code.OPEN_OUTPUT, message, at, self._fitting(port), notes)
+        self.clauses.sink.error(Code.OPEN_OUTPUT, message, at, self._fitting(port), notes)
         return True
 
     def _fitting(self, port: s.Port) -> str:
@@ -297,13 +312,3 @@ class Checks:
 def _inside(whole: Span, places: Iterable[Span]) -> bool:
     """Whether one of some places is in a part of the text."""
     return any(p.file == whole.file and whole.start <= p.start < whole.end for p in places)
-
-
-def _as_gender(gender: Gender) -> Literal["male", "female"] | None:
-    match gender:
-        case "male":
-            return "male"
-        case "female":
-            return "female"
-        case _:
-            return None

@@ -433,3 +433,25 @@ def test_the_longer_robot_at_neutral_values_has_the_same_physics(
             for graph, values in zip(graphs, (theta, moved), strict=True)
         ]
         assert np.abs(tips[0] - tips[1]).max() > 1e-3
+
+
+def test_modules_with_bodies_of_their_own() -> None:
+    """Frames of a mounted module are put in where they are read: 0 moves and turns nothing."""
+    text = """
+    module B { role base; port out: F; frame out = in; }
+    module L { role link; param length in [0, 1] m; param bend in [-1, 1] rad;
+      port in: F; port out: F;
+      frame mid = in * move(x, length); frame out = mid * rot(z, bend);
+      rod(frame: in, axis: x, length: length, density: 1 kg/m); }
+    module E { role effector; port in: F; effector(frame: in); }
+    grammar G from ports { start B; with L, E; }
+    """
+    program = load_text(text, "t").program
+    assert program is not None
+    found = {each.module: each for each in neutral_parameters(program, program.grammars["G"])}
+    assert found["L"].status == "neutral"
+    assert dict(found["L"].values) == {"length": 0, "bend": 0}
+    fixed = load_text(text.replace("rot(z, bend)", "rot(z, bend + 1)"), "t").program
+    assert fixed is not None
+    (other,) = (n for n in neutral_parameters(fixed, fixed.grammars["G"]) if n.module == "L")
+    assert dict(other.values).get("bend") != 0

@@ -122,7 +122,7 @@ def test_a_program_means_the_same_with_copies(write: Write, tmp_path: Path) -> N
     assert all(str(tmp_path) in source.name for source in again.sources)
 
 
-# --- what `srgc expand` makes of includes ----------------------------------------------------------
+# --- what `srgc expand` makes of includes ---------------------------------------------------------
 
 KIT = """
 module Plate { role base; port out: F; frame out = in; }
