@@ -281,10 +281,12 @@ def _misspelt(tokens: Tokens, item: RawItem, here: int, sink: Sink) -> bool:
     return True
 
 
-def _wrong(tokens: Tokens, here: int, expected: frozenset[str], sink: Sink) -> None:
+def _wrong(tokens: Tokens, item: RawItem, here: int, expected: frozenset[str], sink: Sink) -> None:
     """Report a token that does not fit."""
     word, wanted = _shortened(tokens.at(here)), _wanted(expected)
     hint = _keyword_hint(word, expected) if _WORD.fullmatch(word) else None
+    if word == "let" and tokens.at(item.first) == "module":
+        hint = "in a module, `const` gives a number a name, and `frame` a frame"
     if hint is None and _is_unknown_unit(tokens, here, expected):
         _unknown_unit(tokens, here, sink)
     elif ";" in expected and (tokens.on_new_line(here) or word == "}"):
@@ -309,7 +311,7 @@ def explain(tokens: Tokens, item: RawItem, here: int, expected: frozenset[str], 
     elif tokens.kinds[here] == BAD:
         _character(tokens, here, sink)
     elif expected != {"("} or not _misspelt(tokens, item, here, sink):
-        _wrong(tokens, here, expected, sink)
+        _wrong(tokens, item, here, expected, sink)
 
 
 def stray(tokens: Tokens, item: RawItem, sink: Sink) -> None:

@@ -1,0 +1,85 @@
+"""Shipped kits and what `srgc expand` prints of them: the same grammars, robots and certificates."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grammar_lang import ir
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.files.file_tree import LIBRARY
+from grammar_lang.formatting.expansion import expanded
+from grammar_lang.formatting.formatter import canonical
+from grammar_lang.load import Loaded, load
+from tests.oracles.some_cases import some
+from tests.srgc.conftest import ROOT, Ran
+
+Run = Callable[..., Ran]
+FILES = sorted([*(ROOT / "specs").glob("*.srg"), *(ROOT / "srgc" / "starters").glob("*.srg")])
+
+
+def has_ports(loaded: Loaded) -> bool:
+    return loaded.program is not None and any(
+        grammar.listed for grammar in loaded.program.grammars.values()
+    )
+
+
+KITS = [file for file in FILES if has_ports(load(file))]
+CHEAP = ("pelican_reach", "gantry_place", "scara_place")
+
+
+def bare(program: ir.Program) -> ir.Program:
+    """Without what only says how the text is spread over files."""
+    return replace(program, sources=())
+
+
+def test_there_are_kits() -> None:
+    """The starter, and a spec for at least six robots of the library."""
+    texts = [file.read_text(encoding="utf-8") for file in KITS if file.parent.name == "specs"]
+    assert len([text for text in texts if "include std" in text]) >= 6
+    assert len(KITS) > len(texts)
+    assert all("avoid self" in text for text in texts if "robot Std_" in text)
+
+
+@pytest.mark.parametrize("file", KITS, ids=lambda file: file.stem)
+def test_an_expanded_kit_is_the_kit(file: Path, tmp_path: Path, srgc: Run) -> None:
+    loaded = load(file)
+    text = expanded(loaded)
+    assert "from ports" not in text
+    assert canonical(text, Sink()) == text
+    path = tmp_path / file.name
+    path.write_text(text, encoding="utf-8")
+    again = load(path)
+    assert loaded.program is not None
+    assert again.program is not None, again.diagnostics
+    assert bare(again.program) == bare(loaded.program)
+    findings = json.loads(srgc("check", "--json", path).out)
+    assert {found["severity"] for found in findings} <= {"note"}
+
+
+def claimed(folder: Path) -> dict[str, Any]:
+    """The certificate but for what names the specification."""
+    found = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
+    return {key: value for key, value in found.items() if key not in {"spec", "digest"}}
+
+
+@pytest.mark.parametrize("stem", some(CHEAP, 1))
+def test_an_expanded_kit_has_the_same_certificate(stem: str, tmp_path: Path, srgc: Run) -> None:
+    path = ROOT / "specs" / f"{stem}.srg"
+    (tmp_path / "again.srg").write_text(expanded(load(path)), encoding="utf-8")
+    for name, file in (("first", path), ("second", tmp_path / "again.srg")):
+        assert srgc("synth", file, "-o", tmp_path / name, "-q").status == 0
+        assert srgc("verify", tmp_path / name, "-q").status == 0
+    first, second = claimed(tmp_path / "first"), claimed(tmp_path / "second")
+    assert first.keys() == second.keys()
+    assert first == second
+
+
+def test_the_library_is_in_the_package() -> None:
+    assert Path(LIBRARY).is_dir()
+    assert {file.suffix for file in Path(LIBRARY).iterdir()} == {".srg"}
