@@ -1,4 +1,4 @@
-"""Shipped kits and what `srgc expand` prints of them: the same grammars, robots and certificates."""
+"""Shipped kits and what `srgc expand` prints of them: same grammars, robots and certificates."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_there_are_kits() -> None:
     texts = [file.read_text(encoding="utf-8") for file in KITS if file.parent.name == "specs"]
     assert len([text for text in texts if "include std" in text]) >= 6
     assert len(KITS) > len(texts)
-    assert all("avoid self" in text for text in texts if "robot Std_" in text)
+    assert len([text for text in texts if "include std" in text and "avoid self" in text]) >= 6
 
 
 @pytest.mark.parametrize("file", KITS, ids=lambda file: file.stem)
@@ -65,7 +65,7 @@ def test_an_expanded_kit_is_the_kit(file: Path, tmp_path: Path, srgc: Run) -> No
 def claimed(folder: Path) -> dict[str, Any]:
     """The certificate but for what names the specification."""
     found = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
-    return {key: value for key, value in found.items() if key not in {"spec", "digest"}}
+    return {key: value for key, value in found.items() if key not in {"spec", "spec_sha256", "digest"}}
 
 
 @pytest.mark.parametrize("stem", some(CHEAP, 1))
