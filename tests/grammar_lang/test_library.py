@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.formatting.expansion import expanded
@@ -173,3 +174,14 @@ def test_a_kit_that_is_included_twice_is_put_in_once(write: Write, tmp_path: Pat
     assert again is not None
     assert loaded.program is not None
     assert again.grammars == loaded.program.grammars
+
+
+def test_the_page_names_all_robots_and_modules_of_the_kit() -> None:
+    page = (Path(__file__).parents[2] / "docs/reference/library.md").read_text(encoding="utf-8")
+    for file in FILES:
+        assert f"`{file.name}`" in page
+        syntax = load_text(file.read_text(encoding="utf-8"), "t").syntax
+        assert syntax is not None
+        kit = file.stem == "serial"
+        named = [i.name.text for i in syntax.items if isinstance(i, s.Module if kit else s.Grammar)]
+        assert [name for name in named if f"`{name}`" not in page] == []

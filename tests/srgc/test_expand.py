@@ -51,6 +51,7 @@ task Swing {
   start in Low at rest;
   reach Side at rest;
   gravity (0, -9.81) m/s^2;
+  effort <= 15 N*m;
   horizon 12 steps of 0.1 s;
 }
 """

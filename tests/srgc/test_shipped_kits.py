@@ -63,9 +63,11 @@ def test_an_expanded_kit_is_the_kit(file: Path, tmp_path: Path, srgc: Run) -> No
 
 
 def claimed(folder: Path) -> dict[str, Any]:
-    """The certificate but for what names the specification."""
+    """The certificate but for the specification."""
     found = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
-    return {key: value for key, value in found.items() if key not in {"spec", "spec_sha256", "digest"}}
+    return {
+        key: value for key, value in found.items() if key not in {"spec", "spec_sha256", "digest"}
+    }
 
 
 @pytest.mark.parametrize("stem", some(CHEAP, 1))
