@@ -1,13 +1,14 @@
 """What grammars from ports stand for, as text: ``srgc expand``.
 
 Each is replaced by the grammar and the semantics that it is; everything else stays as it is
-written.  A file with such a grammar that is included takes the place of its ``include``, so that
-the text stands alone.
+written.  A file with such a grammar that is included takes the place of its ``include``, without
+the grammars and modules that the tasks do not need.
 """
 
 from __future__ import annotations
 
 import posixpath
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -15,12 +16,16 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.elaboration.modules import INPUT
+from grammar_lang.elaboration.recovery import Spans
 from grammar_lang.files.file_tree import STD
 from grammar_lang.formatting.formatter import NotFaithful, canonical
 from grammar_lang.ir.expression_text import occurrence_names
 from grammar_lang.load import Loaded
+from grammar_lang.names.table import NameTable
 from grammar_lang.source import Source, Span
 from grammar_lang.syntax import tasks as t
+
+_COMMENTS = re.compile(r"(?:^[ \t]*//[^\n]*\n)+[ \t]*\Z", re.MULTILINE)
 
 # --- one grammar ---------------------------------------------------------------------------------
 
@@ -68,12 +73,17 @@ def _grammar(item: s.Grammar, grammar: ir.Grammar, text: str) -> str:
 
 @dataclass(slots=True)
 class _Expansion:
-    """Puts the texts of files together; ``whole`` are those that take the place of includes."""
+    """Puts the texts of files together.
+
+    ``whole`` are those that take the place of includes, ``idle`` their items that are left out.
+    """
 
     program: ir.Program
     file: t.File
+    names: NameTable
     opened: Mapping[Span, int]
     whole: set[int] = field(default_factory=set[int])
+    idle: set[Span] = field(default_factory=set[Span])
 
     def __post_init__(self) -> None:
         above = {number: span.file for span, number in self.opened.items()}
@@ -83,6 +93,24 @@ class _Expansion:
                 while number and number not in self.whole:
                     self.whole.add(number)
                     number = above[number]
+        self._find_idle()
+
+    def _find_idle(self) -> None:
+        """The grammars of included files that no task names, and modules of theirs alone."""
+        tasks = self.program.tasks.values()
+        used = {task.grammar for task in tasks} if tasks else {*self.program.grammars}
+        for item in self.file.items:
+            if isinstance(item, s.Grammar | s.Semantics) and item.span.file in self.whole:
+                name = item.name if isinstance(item, s.Grammar) else item.grammar
+                if name.text not in used:
+                    self.idle.add(item.span)
+        left = Spans(self.idle)
+        for item in self.file.items if self.idle else ():
+            if isinstance(item, s.Module) and item.span.file in self.whole:
+                module = self.names.declared.terminals[item.name.text]
+                uses = self.names.uses(module)
+                if uses and all(left.covering(use.span) for use in uses):
+                    self.idle.add(item.span)
 
     def text(self, number: int) -> str:
         """The text of a file with its replacements."""
@@ -97,6 +125,9 @@ class _Expansion:
     def _replacements(self, number: int, source: Source) -> Iterator[tuple[Span, str]]:
         for item in self.file.items:
             if item.span.file != number:
+                continue
+            if item.span in self.idle:
+                yield _with_comments(item.span, source.text), ""
                 continue
             match item:
                 case s.Grammar(name=name, from_ports=True):
@@ -120,6 +151,12 @@ class _Expansion:
                 yield item.span, f'include std "{path.removeprefix(f"{STD}/")}";'
             else:
                 yield item.path.span, f'"{path}"'
+
+
+def _with_comments(span: Span, text: str) -> Span:
+    """A part of a text with the lines of comments right above it."""
+    above = _COMMENTS.search(text, 0, span.start)
+    return span if above is None else Span(above.start(), span.end, span.file)
 
 
 def _paths(item: t.Item) -> Iterator[s.Ident]:
@@ -155,9 +192,9 @@ def expanded(loaded: Loaded) -> str:
         ValueError: the program has errors.
         NotFaithful: the text cannot be read again, which is a fault of srgc.
     """
-    if loaded.program is None or loaded.syntax is None:
+    if loaded.program is None or loaded.syntax is None or loaded.names is None:
         raise ValueError("the program has errors")
-    text = _Expansion(loaded.program, loaded.syntax, loaded.opened).text(0)
+    text = _Expansion(loaded.program, loaded.syntax, loaded.names, loaded.opened).text(0)
     made = canonical(text, Sink())
     if made is None:
         raise NotFaithful("syntax errors")

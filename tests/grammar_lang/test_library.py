@@ -185,3 +185,29 @@ def test_the_page_names_all_robots_and_modules_of_the_kit() -> None:
         kit = file.stem == "serial"
         named = [i.name.text for i in syntax.items if isinstance(i, s.Module if kit else s.Grammar)]
         assert [name for name in named if f"`{name}`" not in page] == []
+
+
+def test_what_the_tasks_do_not_need_is_left_out(write: Write) -> None:
+    """Of files that are put in; with the comments right above."""
+    kit = """
+    // The plate.
+    module Plate { role base; port out: F; frame out = in; }
+    // Never carried here.
+    module Other { role effector; port in: F; effector(frame: in); }
+    module Hand { role effector; port in: F; effector(frame: in); }
+    // Of others.
+    grammar Others from ports { start Plate; with Other; }
+    grammar Arm from ports { start Plate; with Hand; }
+    """
+    task = """
+    module Mine { role link; }
+    workspace W { plane xy; bounds box [0, 1] x [0, 1] m; region A box [0, 1] x [0, 1] m; }
+    task T { robot Arm; workspace W; start in A; reach A; horizon 1 steps of 1 s; }
+    """
+    text = expanded(load(write({"main.srg": 'include "kit.srg";' + task, "kit.srg": kit})))
+    assert "Other" not in text
+    assert "Never" not in text
+    assert "Of others" not in text
+    assert "// The plate." in text
+    assert "module Mine" in text
+    assert load_text(text, "t").program is not None
