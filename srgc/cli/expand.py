@@ -11,7 +11,10 @@ from srgc.cli.arguments import FILE, OUTPUT, DocumentedCommand
 
 @click.command(
     cls=DocumentedCommand,
-    examples=["srgc expand specs/serial_kit.srg", "srgc expand specs/serial_kit.srg -o out/kit.srg"],
+    examples=[
+        "srgc expand specs/serial_kit.srg",
+        "srgc expand specs/serial_kit.srg -o out/kit.srg",
+    ],
     read_on="docs/how-to/kit.md",
 )
 @FILE
