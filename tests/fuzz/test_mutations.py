@@ -19,6 +19,7 @@ from tests.oracles.some_cases import examples
 from tests.oracles.survival import (
     TooSlow,
     check_survives,
+    expansion_survives,
     file_survives,
     format_survives,
     load_survives,
@@ -36,7 +37,7 @@ STAGES: tuple[Callable[[str], None], ...] = (
     check_survives,
     load_survives,
     load_survives,
-    load_survives,
+    expansion_survives,
 )
 
 

@@ -12,6 +12,7 @@ from types import FrameType
 
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity, Sink
 from grammar_lang.diagnostics.render import to_json, to_text
+from grammar_lang.formatting.expansion import expanded
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir import Program
 from grammar_lang.load import load_text
@@ -79,6 +80,19 @@ def load_survives(text: str) -> None:
     """Read, resolve and type a text."""
     loaded = load_text(text, "t.srg")
     sound_findings(loaded.program, loaded.diagnostics, loaded.sources)
+
+
+def expansion_survives(text: str) -> None:
+    """What grammars from ports stand for is canonical, and means the same when it is read again."""
+    loaded = load_text(text, "t.srg")
+    if loaded.program is None:
+        return
+    made = expanded(loaded)
+    assert canonical(made, Sink()) == made
+    again = load_text(made, "t.srg")
+    assert again.program is not None, again.diagnostics
+    assert again.program.grammars == loaded.program.grammars
+    assert again.program.tasks == loaded.program.tasks
 
 
 def check_survives(text: str) -> None:
