@@ -211,13 +211,14 @@ def lower(
     modules = _modules(file, names, read.meshes, sink)
     _check_semantics(names, sink)
     spans = {item.span: name for name, item in declared.modules.items()}
-    broken = [spans[span] for span in file.broken if span in spans]
+    broken = {spans[span] for span in file.broken if span in spans}
     grammars: dict[str, ir.Grammar] = {}
     families: dict[str, Family] = {}
     for name, grammar in declared.grammars.items():
         semantics = None
         if grammar.from_ports:
-            info, semantics = lower_port_grammar(grammar, modules, broken, names, sink)
+            lost = {*modules} if grammar.span in file.broken else broken
+            info, semantics = lower_port_grammar(grammar, modules, lost, names, sink)
         else:
             info = lower_grammar(grammar, names, sink)
         if name in declared.semantics and not grammar.from_ports:

@@ -117,18 +117,23 @@ def program_of(path: Path) -> ir.Program:
     return _sound(check_file(path))
 
 
-def expansion_of(path: Path) -> str:
+def expansion_of(path: Path, output: Path | None = None) -> str:
     """The text of a file without errors, its grammars from ports written out.
 
     Raises:
         SpecErrors: the file has errors.
-        UsageFault: it cannot be read.
+        UsageFault: it cannot be read, or what it names would not be found beside the output.
     """
-    from grammar_lang.formatting.expansion import expanded
+    from grammar_lang.formatting.expansion import expanded, names_files
 
     loaded = _loaded(path)
     _sound(_with_near_name(path, check_loaded(loaded)))
-    return expanded(loaded)
+    text = expanded(loaded)
+    elsewhere = output is not None and output.parent.resolve() != path.parent.resolve()
+    if output is not None and elsewhere and names_files(text):
+        where = path.parent / output.name
+        raise UsageFault(f"the text names files beside {path}; write it there: -o {where}")
+    return text
 
 
 def _sound(checked: Checked) -> ir.Program:

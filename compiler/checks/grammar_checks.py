@@ -274,6 +274,8 @@ def _emitters(grammar: ir.Grammar) -> list[ir.Production]:
 
 
 def _finite(grammar: ir.Grammar, words: int | None, longest: int, sink: Sink) -> None:
+    if grammar.span.file:
+        return  # an included file is a library, which nobody changes
     if words is None:
         number = "finitely many words"
     elif words < EXACT_BELOW:

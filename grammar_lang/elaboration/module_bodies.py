@@ -20,7 +20,7 @@ from grammar_lang.elaboration.sorts import (
     require_frame,
 )
 from grammar_lang.elaboration.typecheck import Checker, plain_name
-from grammar_lang.ir.expressions import children, too_large
+from grammar_lang.ir.expressions import too_large
 from grammar_lang.names.declarations import duplicate, members
 from grammar_lang.source import Span
 
@@ -29,7 +29,8 @@ from grammar_lang.source import Span
 class _BodyScope:
     """What names mean in the frames and emissions of a module.
 
-    ``kinds`` says what each name that the module declares is; ``frames`` are those so far.
+    ``kinds`` says what each name that the module declares is; ``frames`` are those so far, ``own``
+    is that which is being read.
     """
 
     info: ModuleInfo
@@ -37,6 +38,7 @@ class _BodyScope:
     frames: dict[str, Typed] = field(default_factory=dict[str, Typed])
     uses: list[DimensionUse] = field(default_factory=list[DimensionUse])
     used: dict[str, list[Span]] = field(default_factory=dict[str, list[Span]])
+    own: str = ""
 
     def __post_init__(self) -> None:
         self.add(INPUT)
@@ -65,6 +67,8 @@ class _BodyScope:
             case "frame":
                 message = f"the frame `{name}` is declared further down"
                 hint = "frames are declared before they are used"
+                if name == self.own:
+                    message, hint = f"the frame `{name}` is made of itself", "begin with `in`"
                 sink.error(Code.UNKNOWN_NAME, message, ident.span, hint)
             case _:
                 message = f"the {kind} `{name}` cannot be read in a frame or a body"
@@ -107,28 +111,56 @@ class _BodyScope:
 # --- frames --------------------------------------------------------------------------------------
 
 
-def _has_world(expr: ir.Expr) -> bool:
-    stack = [expr]
-    while stack:
-        current = stack.pop()
-        if isinstance(current, ir.World):
-            return True
-        stack.extend(children(current))
-    return False
+def _factors(expr: ir.Expr) -> list[ir.Expr]:
+    """The factors of a product of frames, from the left."""
+    found: list[ir.Expr] = []
+    todo = [expr]
+    while todo:
+        current = todo.pop()
+        if isinstance(current, ir.Compose):
+            todo += [current.right, current.left]
+        else:
+            found.append(current)
+    return found
+
+
+def _check_mounted(expr: ir.Expr, at: Span, sink: Sink) -> None:
+    """Report a frame that is not counted from where the module is mounted."""
+    first, *others = _factors(expr)
+    hint = "write `in * …`: else it would stand on the world, wherever the module is mounted"
+    if any(isinstance(each, ir.World) for each in (first, *others)):
+        message = "`world` has no meaning inside a module"
+        hint = "begin with `in`: that is where the module is mounted, the world for the first one"
+    elif not isinstance(first, ir.AttributeOf):
+        message = "this does not begin with `in`, or with a frame of the module"
+    elif any(isinstance(each, ir.AttributeOf) for each in others):
+        message = "a frame stands behind another one"
+        hint = "begin with one frame; what follows are `rot` and `move`"
+    else:
+        return
+    sink.error(Code.LOOSE_FRAME, message, at, hint)
 
 
 def _frame(item: s.Frame, scope: _BodyScope, sink: Sink) -> ir.AttributeRule:
-    at = item.value.span
+    at, before = item.value.span, len(sink.found)
     value = require_frame(Checker(scope, sink).elaborate(item.value), at, sink)
-    if _has_world(value):
-        message = "`world` has no meaning inside a module"
-        hint = "begin with `in`: that is where the module is mounted, the world for the first one"
-        sink.error(Code.WRONG_KIND, message, at, hint)
+    if not Sink(sink.found[before:]).has_errors:
+        _check_mounted(value, at, sink)
     if too_large(value):
         message = "this expression is too large"
         sink.error(Code.TOO_DEEP, message, at, "give a part of it to another frame")
         value = ir.World()
     return ir.AttributeRule(ir.AttributeOf(ir.LOCAL, item.name.text), value, item.span)
+
+
+def _emission(item: s.Emission, emissions: Emissions, sink: Sink) -> ir.Emission | None:
+    """An emission at a frame of the module."""
+    before = len(sink.found)
+    found = emissions.lower(item)
+    if found is not None and not Sink(sink.found[before:]).has_errors:
+        at = next(a.value.span for a in item.arguments if a.name and a.name.text == "frame")
+        _check_mounted(found.frame, at, sink)
+    return found
 
 
 def _frames(
@@ -144,8 +176,10 @@ def _frames(
             hint = "that is where it is mounted; choose another name"
             sink.error(Code.DUPLICATE_NAME, message, item.name.span, hint)
             continue
+        scope.own = item.name.text
         found[item.name.text] = _frame(item, scope, sink)
         scope.add(item.name.text)
+    scope.own = ""
     return found
 
 
@@ -210,11 +244,15 @@ def with_body(
         return info
     declared = members(module)
     kinds = {name: each.kind for name, each in declared.items()}
+    if INPUT in declared and kinds[INPUT] != "frame":
+        message = f"a {kinds[INPUT]} cannot be called `in` in a module with a body"
+        hint = "`in` is the frame at which the module is mounted; choose another name"
+        sink.error(Code.DUPLICATE_NAME, message, declared[INPUT].span, hint)
     scope = _BodyScope(info, kinds)
     frames = _frames(module, scope, {name: e.span for name, e in declared.items()}, sink)
     ports = _ports(module, frames, kinds, sink)
     emissions = Emissions(scope, sink, [info], meshes)
-    lowered = [emissions.lower(each) for each in emitted]
+    lowered = [_emission(each, emissions, sink) for each in emitted]
     _check_dofs(scope, sink)
     body = ModuleBody(
         frames,

@@ -78,6 +78,8 @@ class Clauses:
     sink: Sink
     broken: Collection[str]
     start: Part | None = None
+    complete: bool = True
+    """Whether all names could be read; else nothing is said of what is missing."""
     listed: dict[str, Part] = field(default_factory=dict[str, Part])
     accepts: list[ir.Accept] = field(default_factory=list[ir.Accept])
 
@@ -112,6 +114,7 @@ class Clauses:
         if name.text in self.modules:
             return Part(self.modules[name.text], name.span)
         report_unknown(name, "a module", self.modules, self.names.declared, self.sink)
+        self.complete = False
         return None
 
     def _list(self, name: s.Ident) -> None:
@@ -189,6 +192,7 @@ class Checks:
         # A module that lacks its input would fill some output.
         whole = all(part.input is not None for part in listed.values())
         whole = whole and not {self.start.name, *listed}.intersection(self.clauses.broken)
+        whole = whole and self.clauses.complete
         open_ones = [
             port
             for part in (self.start, *carried.values())
@@ -196,16 +200,13 @@ class Checks:
             if whole and self._is_open(port, part)
         ]
         self._check_dofs([self.start, *listed.values()])
-        for part in listed.values():
-            if part.name not in carried and part.input is not None:
-                self._idle(part, carried)
         ending = _ending([self.start, *carried.values()])
+        left = _carried(self.start, [p for name, p in carried.items() if name in ending])
         if whole and not open_ones:
             self._check_end(carried, ending)
-        left = _carried(self.start, [p for name, p in carried.items() if name in ending])
-        for name, part in carried.items():
-            if whole and name in ending and name not in left and self.start.name in ending:
-                self._idle(part, left)
+            for name, part in listed.items() if self.start.name in ending else ():
+                if name not in left and (name not in carried or name in ending):
+                    self._idle(part, left)
         return list(left.values())
 
     def _is_open(self, port: s.Port, part: Part) -> bool:
@@ -249,7 +250,10 @@ class Checks:
             return
         message = f"no robot has a `{part.name}`: no output that can be reached carries it"
         hint = "no module that can be reached has outputs"
-        if port.type.text in types:
+        if part.name == self.start.name:
+            message = f"nothing carries a `{part.name}`, which `start` names already"
+            hint = "remove it here"
+        elif port.type.text in types:
             hint = "the type is that of an output, but the gender does not fit"
         elif types:
             hint = did_you_mean(port.type.text, types, "type of an output", self.clauses.sink)

@@ -71,6 +71,7 @@ def sound_part(program: ir.Program, file: t.File, found: Iterable[Diagnostic]) -
     grammars = {
         name: _grammar(grammar, semantics, modules)
         for name, grammar in unsound.without(s.Grammar, program.grammars).items()
+        if all(module in modules for module in grammar.listed)
     }
     workspaces = unsound.without(t.Workspace, program.workspaces)
     tasks = {
@@ -95,6 +96,8 @@ _MISSING = frozenset(
         Code.BAD_DOF_USE,
         Code.UNDEFINED_ATTRIBUTE,
         Code.BAD_DYNAMICS,
+        Code.MISSING_FRAME,
+        Code.NOT_MOUNTED,
     }
 )
 _NAMED = _MISSING | {Code.UNKNOWN_NAME, Code.UNUSED_NAME, Code.UNUSED_SYMBOL, Code.UNUSED_OBSTACLE}

@@ -1,7 +1,7 @@
 """What grammars from ports stand for, as text: ``srgc expand``.
 
 Each is replaced by the grammar and the semantics that it is; everything else stays as it is
-written.  A file with such a grammar that is included takes the place of its ``include``, without
+written; comments inside of it stand before it.  A file with such a grammar that is included takes the place of its ``include``, without
 the grammars and modules that the tasks do not need.
 """
 
@@ -22,9 +22,11 @@ from grammar_lang.formatting.formatter import NotFaithful, canonical
 from grammar_lang.ir.expression_text import occurrence_names
 from grammar_lang.load import Loaded
 from grammar_lang.names.table import NameTable
+from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Source, Span
 from grammar_lang.syntax import tasks as t
 
+_COMMENT = re.compile(r"//[^\n]*|/\*(?:[^*]|\*(?!/))*\*/")
 _COMMENTS = re.compile(r"(?:^[ \t]*//[^\n]*\n)+[ \t]*\Z", re.MULTILINE)
 
 # --- one grammar ---------------------------------------------------------------------------------
@@ -63,9 +65,21 @@ def _grammar(item: s.Grammar, grammar: ir.Grammar, text: str) -> str:
     ]
     rules = [_rule(production) for production in grammar.productions]
     blocks = [_block(p, (grammar.semantics or {})[p.label]) for p in grammar.productions]
-    head = [f"grammar {grammar.name} {{", f"  start {grammar.start};"]
+    inside = (part.span for part in item.items if isinstance(part, s.Accept))
+    head = _comments_outside(item.span, sorted(inside), text)
+    head += [f"grammar {grammar.name} {{", f"  start {grammar.start};"]
     lines = [*head, *rules, *accepts, "}", "", f"semantics {grammar.name} {{", *blocks, "}"]
     return "\n".join(lines)
+
+
+def _comments_outside(whole: Span, kept: list[Span], text: str) -> list[str]:
+    """The comments in a part of a text, but for those in some parts of it."""
+    found: list[str] = []
+    start = whole.start
+    for span in (*kept, Span(whole.end, whole.end)):
+        found += _COMMENT.findall(text, start, span.start)
+        start = span.end
+    return found
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -185,8 +199,18 @@ def _from_top(written: str, source: Source) -> str:
     return posixpath.normpath(posixpath.join(posixpath.dirname(source.path), written))
 
 
+def names_files(text: str) -> bool:
+    """Whether a text names files that are looked for beside it."""
+    file = parse(text, Sink())
+    return any(
+        (isinstance(item, t.Include) and not item.std) or any(_paths(item)) for item in file.items
+    )
+
+
 def expanded(loaded: Loaded) -> str:
     """The canonical text of a program without grammars from ports.
+
+    Paths in it are relative to the folder of the main file.
 
     Raises:
         ValueError: the program has errors.

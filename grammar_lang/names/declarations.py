@@ -373,6 +373,8 @@ def report_unknown(
     """
     what = due.split(" ", 1)[1]
     hint = did_you_mean(name.text, known, what, sink)
+    if name.text.startswith("Std_") and hint.startswith(("known", "no ")):
+        hint = 'names of the library begin so: `include std "serial.srg";`, for instance'
     other = declared.by_name.get(name.text)
     if other is not None:
         message = f"`{name.text}` is {_described(other)}, not {due}"

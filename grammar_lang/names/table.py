@@ -206,6 +206,8 @@ def _used_in(kind: Kind, entity: Entity, names: NameTable) -> bool:
 
 def _check_module(module: str, names: NameTable, sink: Sink) -> None:
     """Warn of what neither the semantics nor a degree of freedom depends on."""
+    items = names.declared.modules[module].items
+    owns = any(isinstance(item, s.Frame | s.Port | s.Emission) for item in items)
     made = _made_of(names, members(names.declared.modules[module]).values())
     users: tuple[Kind, ...] = ("production", "module")
     read = (m for m in made if any(_used_in(kind, m, names) for kind in users))
@@ -215,6 +217,8 @@ def _check_module(module: str, names: NameTable, sink: Sink) -> None:
         if member in live:
             continue
         hint = _HINTS[member.kind].format(module=module, name=member.name)
+        if owns and member.kind in {"parameter", "constant"}:
+            hint = "use it in a frame or a body of the module, or remove it"
         readers = [reader for reader, parts in made.items() if member in parts and reader != member]
         if readers:
             hint = f"only `{readers[-1].name}` reads it, which is not used either"

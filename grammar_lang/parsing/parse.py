@@ -268,15 +268,19 @@ _STATEMENTS = (
 
 
 def _misspelt(tokens: Tokens, item: RawItem, here: int, sink: Sink) -> bool:
-    """Report a word at the beginning of a statement of a module that is no body, if it is one."""
+    """Report a word at the beginning of a statement that is none, where one is nearly meant."""
     begins = here >= 2 and tokens.at(here - 2) in {"{", "}", ";"}
-    if tokens.at(item.first) != "module" or not begins or not _WORD.fullmatch(tokens.at(here - 1)):
+    known = {"module": _STATEMENTS, "semantics": ("let",)}.get(tokens.at(item.first), ())
+    if not known or not begins or not _WORD.fullmatch(tokens.at(here - 1)):
         return False
     word = _shortened(tokens.at(here - 1))
-    close = nearest(word, _STATEMENTS) if len(word) <= MAX_SHOWN else None
-    known = f"{', '.join(f'`{name}`' for name in _STATEMENTS)}, or a body such as `rod(…)`"
-    hint = f"it is one of {known}" if close is None else f"did you mean `{close}`?"
-    message = f"no statement of a module begins with `{word}`"
+    close = nearest(word, known) if len(word) <= MAX_SHOWN else None
+    if close is None and len(known) == 1:
+        return False
+    words = ", ".join(f"`{name}`" for name in _STATEMENTS)
+    hint = f"it is one of {words}, or a body such as `rod(…)`"
+    hint = hint if close is None else f"did you mean `{close}`?"
+    message = f"no statement of a {tokens.at(item.first)} begins with `{word}`"
     sink.error(Code.SYNTAX, message, tokens.span(here - 1), hint)
     return True
 
@@ -310,7 +314,7 @@ def explain(tokens: Tokens, item: RawItem, here: int, expected: frozenset[str], 
         _unfinished(tokens, item, expected, sink)
     elif tokens.kinds[here] == BAD:
         _character(tokens, here, sink)
-    elif expected != {"("} or not _misspelt(tokens, item, here, sink):
+    elif not expected <= {"(", "."} or not _misspelt(tokens, item, here, sink):
         _wrong(tokens, item, here, expected, sink)
 
 

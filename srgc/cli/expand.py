@@ -22,14 +22,14 @@ from srgc.cli.arguments import FILE, OUTPUT, DocumentedCommand
 def expand(file: Path, output: Path | None) -> int:
     """Print a spec with its grammars from ports as the productions and semantics that they are.
 
-    Files that are included and have such grammars are put in; everything else stays as written.
+    Files that are included and have such grammars are put in; everything else stays as written,
+    relative to the same folder.
     """
     from srgc.paths import write_output
     from srgc.session import expansion_of
 
-    text = expansion_of(file)
     if output is None or output == Path("-"):
-        click.echo(text, nl=False)
+        click.echo(expansion_of(file), nl=False)
     else:
-        write_output(output, text)
+        write_output(output, expansion_of(file, output))
     return 0

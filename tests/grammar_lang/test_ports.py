@@ -18,6 +18,7 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.formatting.expansion import expanded
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.load import load_text
+from srgc.session import check_loaded
 from tests.oracles.brute_force_grammar import words_of
 from tests.oracles.random_kits import RandomKit
 
@@ -193,7 +194,22 @@ def test_genders(output: str, input_: str, fits: bool) -> None:
         ("rot(y, q)", "rot(z, q)", Code.BAD_DOF_USE, "q"),
         ("rot(y, q)", "rot(y, Drive.q)", Code.NOT_CONSTANT, "Drive.q"),
         ("rot(y, q)", "rot(y, 2 * q)", Code.BAD_DOF_USE, "q"),
-        ("in * rot(y, q)", "world * rot(y, q)", Code.WRONG_KIND, None),
+        ("in * rot(y, q)", "world * rot(y, q)", Code.LOOSE_FRAME, None),
+        ("in * rot(y, q)", "rot(y, q)", Code.LOOSE_FRAME, "rot(y, q) * move(z, 20 cm)"),
+        ("in * rot(y, q)", "rot(y, q) * in", Code.LOOSE_FRAME, None),
+        ("in * rot(y, q)", "in * rot(y, q) * in", Code.LOOSE_FRAME, None),
+        ("in * move(z, 5 cm)", "move(z, 5 cm)", Code.LOOSE_FRAME, "move(z, 5 cm)"),
+        ("effector(frame: in)", "effector(frame: move(z, 1 m))", Code.LOOSE_FRAME, "move(z, 1 m)"),
+        ("effector(frame: in)", "effector(frame: world)", Code.LOOSE_FRAME, "world"),
+        ("point(frame: out", "point(frame: world * move(z, 1 m)", Code.LOOSE_FRAME, None),
+        ("point(frame: out", "point(frame: in * out", Code.LOOSE_FRAME, "in * out"),
+        ("frame left = in", "frame left = left", Code.UNKNOWN_NAME, "left"),
+        (
+            "role link;\n  port in: F;",
+            "role link; const in = 3;\n  port in: F;",
+            Code.DUPLICATE_NAME,
+            "in",
+        ),
         ("in * rot(y, q)", "this.in * rot(y, q)", Code.NOT_CONSTANT, "this.in"),
         ("role effector; port in: F;", "role effector;", Code.NO_INPUT, "Hand"),
         ("start Plate;", "", Code.MISSING_START, "Arm"),
@@ -311,3 +327,21 @@ def test_two_of_a_kind_are_mounted_apart() -> None:
         language(program.grammars["M"], program.terminals, program.modules), 5
     )
     assert len(evaluate(derivation, program.modules, semantics, 3).dofs) == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("start Plate; with Drive", "start Plate; with Drvie"),
+        ("port left: F;", "port left: F femal;"),
+        ("port out: F; frame out = in * move(z, 5 cm);", "port out: f; frame out = in;"),
+        ("frame left = in * rot(x, 30 deg);", "frame left = ;"),
+        ("with Drive, Fork, Hand, Cap;", "with Drive, Fork Hand, Cap;"),
+        ("with Drive, Fork, Hand, Cap;", "with ;"),
+    ],
+)
+def test_one_mistake_is_told_once(old: str, new: str) -> None:
+    """Through all checks: no word of nonterminals that nobody wrote, or of what only follows."""
+    assert KIT.count(old) == 1
+    found = check_loaded(load_text(KIT.replace(old, new), "t")).diagnostics
+    assert len(found) == 1, found

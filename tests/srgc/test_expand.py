@@ -24,6 +24,7 @@ EXPANDED = """\
 module Plate { role base; port out: F; frame out = in; }
 module Hand { role effector; port in: F; effector(frame: in); }
 
+// and nothing else
 grammar Arm {
   start Robot;
   Plate: Robot -> Plate F;
@@ -72,6 +73,21 @@ def test_it_is_written_where_asked(srgc: Run, spec: Callable[[str], Path], tmp_p
     ran = srgc("expand", spec(KIT), "-o", tmp_path / "out.srg")
     assert (ran.status, ran.out) == (0, "")
     assert (tmp_path / "out.srg").read_text(encoding="utf-8") == EXPANDED
+
+
+def test_what_names_files_stays_beside_them(
+    srgc: Run, spec: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """Paths are relative to the folder of the file."""
+    path = spec(f'include "more.srg";\n{KIT}')
+    (path.parent / "more.srg").write_text("module More { role link; }\n", encoding="utf-8")
+    (tmp_path / "other").mkdir()
+    ran = srgc("expand", path, "-o", tmp_path / "other" / "out.srg")
+    assert ran.status == 2
+    assert f"write it there: -o {path.parent / 'out.srg'}" in ran.err
+    assert not list((tmp_path / "other").iterdir())
+    assert srgc("expand", path, "-o", path.parent / "out.srg").status == 0
+    assert srgc("check", path.parent / "out.srg").status == 0
 
 
 def test_a_file_with_errors_is_not_expanded(srgc: Run, spec: Callable[[str], Path]) -> None:
