@@ -36,6 +36,7 @@ COMMANDS = {
     "new": ["new"],
     "check": ["check", ARM],
     "fmt": ["fmt", "--check", ARM],
+    "expand": ["expand", "specs/serial_kit.srg"],
     "synth": ["synth", ARM, "-o", "{scratch}", "--force", "--quiet"],
     "verify": ["verify", DEMO],
     "words": ["words", ARM],

@@ -51,12 +51,16 @@ def loaded(text: str) -> Loaded:
 
 
 def again(text: str, program: ir.Program) -> ir.Program:
-    """The program of the text with every block of semantics written anew from the program."""
+    """The program of the text with every block of semantics written anew from the program.
+
+    What a mounted module brings along stands in the module, and in no block.
+    """
     blocks = [
         (block.span, production.label, updates_text(production, block))
         for grammar in program.grammars.values()
         for production in grammar.productions
         for block in [(grammar.semantics or {})[production.label]]
+        if not any("." in rule.target.name for rule in block.rules)
     ]
     for span, label, updates in sorted(blocks, key=lambda found: -found[0].start):
         assert span.file == 0

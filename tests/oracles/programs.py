@@ -18,7 +18,7 @@ from grammar_lang.parsing.table_generator import parser
 from tests.oracles.sentences import Sentences
 
 NAMES = (
-    "N", "m", "s", "kg", "A", "B1", "L", "JO", "eps", "frame", "length_of_the_upper_arm", "_", "e3",
+    "N", "m", "s", "kg", "A", "B1", "L", "JO", "eps", "at", "length_of_the_upper_arm", "_", "e3",
     "E", "N1", "xy_", "Ab", "mm", "a_rather_long_name_of_a_region_at_the_far_end_of_the_hall",
 )  # fmt: skip
 NUMBERS = ("0", "1", "2", "10", "0.5", "3.14159", "1e3", "2.5E-3", "1e+6", "00.10")
