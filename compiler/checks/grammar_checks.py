@@ -218,6 +218,9 @@ def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: 
     if grammar.semantics is not None and not _emitters(grammar):
         message = f"the semantics of grammar `{grammar.name}` emits no effector"
         hint = "add `effector(frame: …);` to the block that places the tool"
+        if grammar.listed:
+            message = f"no module of grammar `{grammar.name}` has an effector"
+            hint = "add `effector(frame: in);` to the module that is the tool"
         sink.warning(Code.NO_EFFECTOR, message, grammar.span, hint=hint)
         return
     tools_of = set(context.tools)

@@ -1,8 +1,8 @@
 """What grammars from ports stand for, as text: ``srgc expand``.
 
-Each is replaced by the grammar and the semantics that it is; everything else stays as it is
-written; comments inside of it stand before it.  A file with such a grammar that is included takes the place of its ``include``, without
-the grammars and modules that the tasks do not need.
+Each is replaced by the grammar and the semantics that it is; comments inside of it stand before it.
+Everything else stays as it is written.  A file with such a grammar that is included takes the place
+of its ``include``, without the grammars and modules that the tasks do not need.
 """
 
 from __future__ import annotations

@@ -345,3 +345,10 @@ def test_one_mistake_is_told_once(old: str, new: str) -> None:
     assert KIT.count(old) == 1
     found = check_loaded(load_text(KIT.replace(old, new), "t")).diagnostics
     assert len(found) == 1, found
+
+
+def test_a_kit_without_an_effector() -> None:
+    text = KIT.replace("effector(frame: in);", "sphere(frame: in, radius: 1 cm);")
+    (found,) = check_loaded(load_text(text, "t")).diagnostics
+    assert found.code is Code.NO_EFFECTOR
+    assert "block" not in f"{found.message} {found.hint}"

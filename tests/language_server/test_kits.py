@@ -54,7 +54,7 @@ def told(word: str, behind: str = "") -> str:
         ("module M { role link; sphere(frame: in, ", {"radius"}),
         ("module M { role link; ", {"frame", "port", "rod", "sphere"}),
         ("grammar G from ports { start ", {"Plate", "Tube", "Hand"}),
-        ("grammar G from ports { start Plate; with Hand, ", {"Plate", "Tube"}),
+        ("grammar G from ports { start Plate; with Hand, ", {"Tube"}),
         ("grammar G from ports { ", {"start", "with", "accept"}),
         ("semantics Two { all { Hand.in = Plate.", {"out", "in"}),
         ("semantics Two { all { Hand.in = ", {"Plate", "Hand", "up", "world"}),
@@ -67,6 +67,12 @@ def test_what_may_be_written(before: str, labels: set[str]) -> None:
 
 def test_a_listed_module_is_not_offered_again() -> None:
     assert "Hand" not in offered("grammar G from ports { start Plate; with Hand, ")
+
+
+def test_what_does_not_belong_in_a_grammar_from_ports_is_not_offered() -> None:
+    assert "production" not in offered("grammar G from ports { ")
+    assert "production" in offered("grammar G { ")
+    assert "Plate" not in offered("grammar G from ports { start Plate; with ")
 
 
 def test_a_grammar_from_ports_has_no_semantics() -> None:

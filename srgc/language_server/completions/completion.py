@@ -52,7 +52,12 @@ def _snippets(cursor: Cursor) -> Iterator[Offer]:
         forms = STATEMENTS["block"] | EMISSION_SNIPPETS if cursor.block else {}
     else:
         forms = STATEMENTS.get(kind, {})
+    other = ""
+    if kind == "grammar":
+        other = "production" if "ports" in cursor.before[:4] else "with"
     for name, body in forms.items():
+        if name == other:
+            continue
         yield Offer(name, _KINDS.Snippet, f"{name} …", body)
 
 

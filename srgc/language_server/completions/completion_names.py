@@ -9,6 +9,7 @@ from itertools import pairwise
 from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
+from grammar_lang.elaboration.modules import INPUT
 from grammar_lang.names.declarations import (
     REGIONS,
     Kind,
@@ -49,6 +50,10 @@ class Offer:
 
 def _named(names: Iterable[str], kind: lsp.CompletionItemKind, detail: str) -> list[Offer]:
     return [Offer(name, kind, detail) for name in names]
+
+
+def _has_input(module: s.Module) -> bool:
+    return any(isinstance(item, s.Port) and item.name.text == INPUT for item in module.items)
 
 
 class NamesDue:
@@ -155,7 +160,11 @@ class NamesDue:
                 yield from _named(self._declared.modules, _KINDS.Class, "module")
             yield from self._nonterminals()
         elif self._said[:1] == ("with",):
-            fitting = (name for name in self._declared.modules if name not in self._said)
+            fitting = (
+                name
+                for name, module in self._declared.modules.items()
+                if name not in self._said and _has_input(module)
+            )
             yield from _named(fitting, _KINDS.Class, "module")
         elif "->" in self._said:
             yield from self._nonterminals()
