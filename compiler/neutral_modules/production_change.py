@@ -104,7 +104,7 @@ class ProductionChange:
         self, expression: ir.Expr, source: ir.AttributeOf | None, *, necessary: bool
     ) -> Iterator[Equation]:
         """That a frame is ``source``, or where that is None, any frame that is copied."""
-        steps = [step for step in _steps(expression) if not isinstance(step, ir.World)]
+        steps = [step for step in ir.factors(expression) if not isinstance(step, ir.World)]
         place = _origin(steps, source)
         for part in (steps[:place], steps[place + 1 :]):
             for equation in self._identity(part):
@@ -289,19 +289,6 @@ def _origin(steps: Sequence[ir.Expr], source: ir.AttributeOf | None) -> int:
     if found != source:
         raise NotCopied(f"the attribute `{source.name}` comes from another one, `{found.name}`")
     return place
-
-
-def _steps(expression: ir.Expr) -> list[ir.Expr]:
-    """The factors of a frame from the world outwards."""
-    found: list[ir.Expr] = []
-    todo = [expression]
-    while todo:
-        current = todo.pop()
-        if isinstance(current, ir.Compose):
-            todo += [current.right, current.left]
-        else:
-            found.append(current)
-    return found
 
 
 def roots_of(

@@ -5,7 +5,7 @@ A degree of freedom stands alone in one of them, about or along its declared axi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal, TypeAlias
 
 from grammar_lang import ir
@@ -23,6 +23,7 @@ from grammar_lang.elaboration.sorts import (
     warn_implausible_vector,
     warn_turn,
 )
+from grammar_lang.source import Span
 from grammar_lang.syntax.expressions import readings
 from grammar_lang.units import LENGTH, ONE
 
@@ -74,6 +75,20 @@ def _check_dof(
         message = f"{called} has the axis {dof.axis}, not {axis}"
         hint = f"write `{function}({dof.axis}, {name})`"
         sink.error(Code.BAD_DOF_USE, message, at.span, hint, notes)
+
+
+def report_reuse(called: str, places: Sequence[Span], instead: str, sink: Sink) -> None:
+    """Report all uses of a degree of freedom but the first.
+
+    Args:
+        called: its name, as the text has it.
+        places: where it is used.
+        instead: what to do with the moved frame.
+        sink: takes the errors.
+    """
+    for place in places[1:]:
+        message, hint = f"`{called}` is used more than once", f"{instead}, and use that"
+        sink.error(Code.BAD_DOF_USE, message, place, hint, [(places[0], "first here")])
 
 
 def _amount(

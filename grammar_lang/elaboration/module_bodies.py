@@ -9,6 +9,7 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.emissions import Emissions
+from grammar_lang.elaboration.frames import report_reuse
 from grammar_lang.elaboration.module_scope import foreign_member
 from grammar_lang.elaboration.modules import INPUT, ModuleBody, ModuleInfo
 from grammar_lang.elaboration.sorts import (
@@ -111,22 +112,9 @@ class _BodyScope:
 # --- frames --------------------------------------------------------------------------------------
 
 
-def _factors(expr: ir.Expr) -> list[ir.Expr]:
-    """The factors of a product of frames, from the left."""
-    found: list[ir.Expr] = []
-    todo = [expr]
-    while todo:
-        current = todo.pop()
-        if isinstance(current, ir.Compose):
-            todo += [current.right, current.left]
-        else:
-            found.append(current)
-    return found
-
-
 def _check_mounted(expr: ir.Expr, at: Span, sink: Sink) -> None:
     """Report a frame that is not counted from where the module is mounted."""
-    first, *others = _factors(expr)
+    first, *others = ir.factors(expr)
     hint = "write `in * …`: else it would stand on the world, wherever the module is mounted"
     if any(isinstance(each, ir.World) for each in (first, *others)):
         message = "`world` has no meaning inside a module"
@@ -222,16 +210,6 @@ def _second(port: s.Port, first: s.Port, module: s.Module, sink: Sink) -> None:
 # --- the body ------------------------------------------------------------------------------------
 
 
-def _check_dofs(scope: _BodyScope, sink: Sink) -> None:
-    """Report degrees of freedom that are used more than once."""
-    for name, places in scope.used.items():
-        for place in places[1:]:
-            message = f"`{name}` is used more than once"
-            notes = [(places[0], "first here")]
-            hint = "give the moved frame a name, and use that"
-            sink.error(Code.BAD_DOF_USE, message, place, hint, notes)
-
-
 def with_body(
     info: ModuleInfo, module: s.Module, meshes: Mapping[Span, ir.Mesh], sink: Sink
 ) -> ModuleInfo:
@@ -239,9 +217,9 @@ def with_body(
 
     ``meshes`` are by the span of the path that names each.
     """
-    emitted = [item for item in module.items if isinstance(item, s.Emission)]
-    if not emitted and not any(isinstance(item, s.Frame | s.Port) for item in module.items):
+    if not s.owns_body(module):
         return info
+    emitted = [item for item in module.items if isinstance(item, s.Emission)]
     declared = members(module)
     kinds = {name: each.kind for name, each in declared.items()}
     if INPUT in declared and kinds[INPUT] != "frame":
@@ -253,7 +231,8 @@ def with_body(
     ports = _ports(module, frames, kinds, sink)
     emissions = Emissions(scope, sink, [info], meshes)
     lowered = [_emission(each, emissions, sink) for each in emitted]
-    _check_dofs(scope, sink)
+    for name, places in scope.used.items():
+        report_reuse(name, places, "give the moved frame a name", sink)
     body = ModuleBody(
         frames,
         tuple(each for each in lowered if each is not None),

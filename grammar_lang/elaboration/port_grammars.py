@@ -105,8 +105,7 @@ def lower_port_grammar(
     if clauses.start is None:
         return GrammarInfo(grammar_of(grammar, "", (), clauses.accepts), {}), SemanticsInfo({}, ())
     first = clauses.start
-    fitted = frozenset(part.stands_at for part in clauses.listed.values())
-    listed = Checks(clauses, first, fitted).run()
+    listed = Checks(clauses, first).run()
     made = _Productions(names.declared.terminals)
     start = made.name((first, *listed))
     label = _fresh(first.name, {part.name for part in listed})

@@ -182,8 +182,6 @@ class Checks:
 
     clauses: Clauses
     start: Part
-    filled: frozenset[Fit | None]
-    """The types and genders of outputs that some listed module fits."""
 
     def run(self) -> list[Part]:
         """The listed modules that stand in robots, in their order."""
@@ -193,12 +191,15 @@ class Checks:
         whole = all(part.input is not None for part in listed.values())
         whole = whole and not {self.start.name, *listed}.intersection(self.clauses.broken)
         whole = whole and self.clauses.complete
+        filled = {part.stands_at for part in listed.values()}
         open_ones = [
-            port
+            (port, part)
             for part in (self.start, *carried.values())
             for port in part.outputs
-            if whole and self._is_open(port, part)
+            if whole and fit_of(port) not in filled
         ]
+        for port, part in open_ones:
+            self._open(port, part)
         self._check_dofs([self.start, *listed.values()])
         ending = _ending([self.start, *carried.values()])
         left = _carried(self.start, [p for name, p in carried.items() if name in ending])
@@ -209,10 +210,8 @@ class Checks:
                     self._idle(part, left)
         return list(left.values())
 
-    def _is_open(self, port: s.Port, part: Part) -> bool:
-        """Whether no listed module fits an output, which is reported."""
-        if fit_of(port) in self.filled:
-            return False
+    def _open(self, port: s.Port, part: Part) -> None:
+        """Report an output that no listed module fits."""
         wanted = s.Port(port.name, port.type, OTHER[port.gender])
         message = (
             f"nothing fits the output `{port.name.text}` of module `{part.name}`: "
@@ -222,7 +221,6 @@ class Checks:
         if at.file != part.place.file:
             at, notes = part.place, [(port.type.span, "the output")]
         self.clauses.sink.error(Code.OPEN_OUTPUT, message, at, self._fitting(port), notes)
-        return True
 
     def _fitting(self, port: s.Port) -> str:
         """A hint: what might fit an output."""

@@ -18,6 +18,7 @@ from grammar_lang.elaboration.attributes import (
 )
 from grammar_lang.elaboration.circularity import cycle
 from grammar_lang.elaboration.emissions import Emissions
+from grammar_lang.elaboration.frames import report_reuse
 from grammar_lang.elaboration.modules import ModuleInfo
 from grammar_lang.elaboration.productions import GrammarInfo
 from grammar_lang.elaboration.sorts import (
@@ -109,16 +110,12 @@ def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
             if body is not None and name in body.used and not mounted:
                 continue
             places = _uses(scope, position, name)
-            called = f"`{symbol.alias or called_by.get(position, symbol.name)}.{name}`"
+            called = f"{symbol.alias or called_by.get(position, symbol.name)}.{name}"
             if not places:
-                message = f"production `{production.label}` does not use {called}"
-                hint = f"use {called} once, in a `rot` or `move`"
+                message = f"production `{production.label}` does not use `{called}`"
+                hint = f"use `{called}` once, in a `rot` or `move`"
                 sink.error(Code.BAD_DOF_USE, message, block.label.span, hint)
-            for place in places[1:]:
-                message = f"{called} is used more than once"
-                notes = [(places[0], "first here")]
-                hint = "give the moved frame to an attribute, and use that"
-                sink.error(Code.BAD_DOF_USE, message, place, hint, notes)
+            report_reuse(called, places, "give the moved frame to an attribute", sink)
 
 
 def _block(

@@ -46,6 +46,7 @@ from grammar_lang.ir.expressions import (
     Unary,
     Vector,
     World,
+    factors,
     leaves,
     with_leaves,
 )
@@ -240,6 +241,7 @@ __all__ = [
     "Window",
     "Workspace",
     "World",
+    "factors",
     "leaves",
     "owners",
     "with_expressions",

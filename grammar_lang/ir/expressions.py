@@ -199,6 +199,17 @@ def leaves(expression: Expr) -> Iterator[Expr]:
                 yield current
 
 
+def factors(expr: Expr) -> Iterator[Expr]:
+    """The factors of a product of frames, from the left; of any other expression itself."""
+    todo = [expr]
+    while todo:
+        current = todo.pop()
+        if isinstance(current, Compose):
+            todo += [current.right, current.left]
+        else:
+            yield current
+
+
 def with_leaves(
     expr: Expr, change: Callable[[Expr], Expr], mentions: tuple[int, ...] | None = None
 ) -> Expr:

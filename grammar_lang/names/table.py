@@ -206,8 +206,7 @@ def _used_in(kind: Kind, entity: Entity, names: NameTable) -> bool:
 
 def _check_module(module: str, names: NameTable, sink: Sink) -> None:
     """Warn of what neither the semantics nor a degree of freedom depends on."""
-    items = names.declared.modules[module].items
-    owns = any(isinstance(item, s.Frame | s.Port | s.Emission) for item in items)
+    owns = s.owns_body(names.declared.modules[module])
     made = _made_of(names, members(names.declared.modules[module]).values())
     users: tuple[Kind, ...] = ("production", "module")
     read = (m for m in made if any(_used_in(kind, m, names) for kind in users))

@@ -69,6 +69,7 @@ from grammar_lang.syntax.family import (
     State,
     Torque,
     module_expressions,
+    owns_body,
     statement_expressions,
 )
 
@@ -133,5 +134,6 @@ __all__ = [
     "Tuple",
     "WorldName",
     "module_expressions",
+    "owns_body",
     "statement_expressions",
 ]

@@ -181,6 +181,11 @@ class Module:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
+def owns_body(module: Module) -> bool:
+    """Whether a module has frames, ports or bodies of its own."""
+    return any(isinstance(item, Frame | Port | Emission) for item in module.items)
+
+
 @node
 class Edges:
     """``edge a, '[';``."""

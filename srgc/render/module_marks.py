@@ -8,7 +8,7 @@ nobody.  The bodies stay as they are and belong likewise.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
@@ -75,7 +75,7 @@ class _Block:
 
     def follow(self, value: ir.Expr) -> None:
         """Mark a frame expression step by step."""
-        factors = list(_factors(value))
+        factors = list(ir.factors(value))
         so_far: ir.Expr = ir.World()
         if factors and isinstance(factors[0], ir.AttributeOf | ir.World):
             so_far = factors.pop(0)
@@ -110,16 +110,6 @@ class _Block:
     def own(self) -> list[int]:
         """The modules of the production."""
         return [i for i, symbol in enumerate(self.production.right) if symbol.name in self.modules]
-
-
-def _factors(expression: ir.Expr) -> Iterator[ir.Expr]:
-    todo = [expression]
-    while todo:
-        current = todo.pop()
-        if isinstance(current, ir.Compose):
-            todo += [current.right, current.left]
-        else:
-            yield current
 
 
 def _mentioned(expression: ir.Expr) -> list[int]:

@@ -26,7 +26,6 @@ from srgc.language_server.documents.analysis import Analysis
 
 
 _KINDS = lsp.CompletionItemKind
-_OF_BODIES = (s.Frame, s.Port, s.Emission)
 _ROLES = ("base", "joint", "link", "effector")
 _MEMBERS: dict[Kind, lsp.CompletionItemKind] = {
     "parameter": _KINDS.Property,
@@ -207,7 +206,7 @@ class NamesDue:
                 symbol = production.right[places[owner]].symbol.text
             yield from self._members(symbol, semantics=True)
             module = self._declared.modules.get(symbol)
-            if module is not None and any(isinstance(i, _OF_BODIES) for i in module.items):
+            if module is not None and s.owns_body(module):
                 yield Offer("in", _KINDS.Field, "where the module is mounted")
             yield from self._attributes(grammar.name.text, symbol)
         elif left is not None:
