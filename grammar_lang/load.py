@@ -12,9 +12,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.disturbances import check_ownership
-from grammar_lang.elaboration.module_bodies import with_body
 from grammar_lang.elaboration.modules import ModuleInfo, lower_module
-from grammar_lang.elaboration.port_grammars import lower_port_grammar
 from grammar_lang.elaboration.productions import GrammarInfo, lower_grammar
 from grammar_lang.elaboration.recovery import sound_part, without_followers
 from grammar_lang.elaboration.semantics import SemanticsInfo, lower_semantics
@@ -157,7 +155,11 @@ def _modules(
     found: dict[str, ModuleInfo] = {}
     for item in file.items:
         if isinstance(item, s.Module):
-            info = with_body(lower_module(item, sink), item, meshes, sink)
+            info = lower_module(item, sink)
+            if s.owns_body(item):
+                from grammar_lang.elaboration.module_bodies import with_body
+
+                info = with_body(info, item, meshes, sink)
             if names.declared.is_first(item):
                 found[item.name.text] = info
     return found
@@ -217,6 +219,8 @@ def lower(
     for name, grammar in declared.grammars.items():
         semantics = None
         if grammar.from_ports:
+            from grammar_lang.elaboration.port_grammars import lower_port_grammar
+
             lost = {*modules} if grammar.span in file.broken else broken
             info, semantics = lower_port_grammar(grammar, modules, lost, names, sink)
         else:

@@ -217,8 +217,6 @@ def with_body(
 
     ``meshes`` are by the span of the path that names each.
     """
-    if not s.owns_body(module):
-        return info
     emitted = [item for item in module.items if isinstance(item, s.Emission)]
     declared = members(module)
     kinds = {name: each.kind for name, each in declared.items()}

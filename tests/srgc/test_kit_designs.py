@@ -101,6 +101,38 @@ def test_the_robots_of_the_kit(kit: Path, srgc: Run) -> None:
     assert set(printed) == {word for word in due if len(word.split()) <= 7}
 
 
+SMALLEST = ["Torso", "Motor", "Hand", "Motor", "Hand"]
+VIEWS = [
+    *(["graph", "{}", "--of", kind] for kind in ("sra", "dfa", "dpda", "words", "grammar")),
+    ["graph", "{}", "--of", "robot", "--word", " ".join(SMALLEST)],
+    ["language", "{}"],
+    ["accepts", "{}", "--trace", "--", *SMALLEST],
+    ["words", "{}", "--count", "--max-length", "12"],
+    ["model", "{}", "--task", "Both", "--word", " ".join(SMALLEST)],
+    ["compare", "{}", "Arms", "Arms"],
+    ["plan", "{}"],
+]
+
+
+@pytest.mark.parametrize("view", VIEWS, ids=lambda view: " ".join(view[:4]))
+def test_all_views_are_those_of_the_grammar_it_stands_for(
+    view: list[str], kit: Path, srgc: Run, tmp_path: Path
+) -> None:
+    text = expanded(load(kit))
+    assert "from ports" not in text
+    (tmp_path / "again.srg").write_text(text, encoding="utf-8")
+    first, second = (
+        srgc(*(part.format(path) for part in view)) for path in (kit, tmp_path / "again.srg")
+    )
+    assert (first.status, first.out) == (second.status, second.out)
+    assert first.status == 0
+    assert first.out
+
+
+def test_it_is_not_ambiguous(kit: Path, srgc: Run) -> None:
+    assert "ambiguous:          no" in srgc("language", kit).out
+
+
 @pytest.mark.parametrize("as_text", some(["kit", "expanded"], 1))
 def test_a_design_is_found_and_proved(as_text: str, kit: Path, srgc: Run, tmp_path: Path) -> None:
     if as_text == "expanded":
