@@ -208,8 +208,12 @@ class FileTree:
         _written(written)
         folder = STD if std else posixpath.dirname(base)
         path = posixpath.normpath(posixpath.join(folder, written))
-        if std or path.startswith(f"{STD}/"):
-            return self._in_library(path, written)
+        if std and not path.startswith(f"{STD}/"):
+            message = f"{shown(written)} is outside the library"
+            hint = 'write a file of it: `include std "ur5.srg";`'
+            raise Refusal(Code.OUTSIDE_TREE, message, hint)
+        if path.startswith(f"{STD}/") and self._is_of_package(path):
+            return Place(path, posixpath.join(LIBRARY, path.removeprefix(f"{STD}/")))
         if path == ".." or path.startswith("../"):
             message = f"{shown(written)} is outside the folder of {shown(self.main)}"
             hint = f"move it into that folder, or put {shown(self.main)} further up"
@@ -222,18 +226,10 @@ class FileTree:
             raise Refusal(Code.OUTSIDE_TREE, message, "put a copy of the file into that folder")
         return Place(path, real)
 
-    def _in_library(self, path: str, written: str) -> Place:
-        """The copy in the tree, if there is one, else the file of the package."""
-        if not path.startswith(f"{STD}/"):
-            message = f"{shown(written)} is outside the library"
-            raise Refusal(
-                Code.OUTSIDE_TREE, message, 'write a file of it: `include std "ur5.srg";`'
-            )
-        copy = os.path.realpath(posixpath.join(self.top, path))
-        inside = copy.startswith(posixpath.join(self.top, ""))
-        if inside and (os.path.lexists(copy) or copy in self.open_files):
-            return Place(path, copy)
-        return Place(path, posixpath.join(LIBRARY, path.removeprefix(f"{STD}/")))
+    def _is_of_package(self, path: str) -> bool:
+        """Whether a file of the library has no copy in the tree."""
+        copy = posixpath.join(self.top, path)
+        return not os.path.lexists(copy) and os.path.realpath(copy) not in self.open_files
 
     def read(self, place: Place, written: str, limit: int, suffixes: tuple[str, ...]) -> bytes:
         """The bytes of a file of the tree.
