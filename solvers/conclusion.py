@@ -7,12 +7,14 @@ finite language, was refuted; everything else is ``unknown``, with what was trie
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from compiler.robots.normal_form import RobotFamily
 from compiler.words.budget import WordsTooLongError
 from grammar_lang import ir
+from grammar_lang.diagnostics.wording import counted
+from solvers.lemma import DistanceLemma
 from solvers.verdict import NotFound
 
 DEFAULT_MODULES = 12
@@ -24,6 +26,9 @@ DEFAULT_ROBOTS = 1000
 DEFAULT_DESIGNS = 20
 """Robots that are designed where all are asked for and nothing bounds their number."""
 
+LEMMAS_NAMED = 3
+"""So many lemmas are named in a reason."""
+
 StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "same"]
 
 
@@ -31,7 +36,8 @@ StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "sa
 class StructureRecord:
     """What became of one structure.
 
-    ``script`` is its refutation in SMT-LIB 2, ``boxes`` one by a covering.
+    ``script`` is its refutation in SMT-LIB 2, ``boxes`` one by a covering; ``lemma`` is the number,
+    from 0, of one that its word satisfies.
     """
 
     word: tuple[str, ...]
@@ -41,6 +47,44 @@ class StructureRecord:
     script: str | None = None
     same_robot_as: int | None = None
     boxes: str | None = None
+    lemma: int | None = None
+
+
+def with_lemmas(
+    records: Sequence[StructureRecord], lemmas: Sequence[DistanceLemma]
+) -> tuple[StructureRecord, ...]:
+    """The records, of which those that lemmas are about rest on these and on nothing else.
+
+    Where they are the same robot as others, the first of those has the evidence.
+    """
+    found: list[StructureRecord] = []
+    heirs: dict[int, int] = {}
+    for number, record in enumerate(records):
+        about = next((k for k, lemma in enumerate(lemmas) if lemma.is_about(record.word)), None)
+        if record.verdict == "found":
+            about = None
+        first = record.same_robot_as
+        if about is not None:
+            found.append(
+                replace(
+                    record,
+                    verdict="refuted",
+                    reason=lemmas[about].text,
+                    lemma=about,
+                    script=None,
+                    same_robot_as=None,
+                    boxes=None,
+                )
+            )
+        elif first is None or found[first].lemma is None:
+            found.append(record)
+        elif first in heirs:
+            found.append(replace(record, same_robot_as=heirs[first]))
+        else:
+            heirs[first] = number
+            before = records[first]
+            found.append(replace(before, word=record.word, derivation=record.derivation))
+    return tuple(found)
 
 
 def module_bound(family: RobotFamily, task: ir.Task) -> int:
@@ -62,7 +106,10 @@ def robot_limit(family: RobotFamily, task: ir.Task) -> int | None:
 def conclude(
     records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, stopped: str | None
 ) -> tuple[NotFound, str]:
-    """The verdict without a design; ``stopped`` is the limit that ended the search, if one did."""
+    """The verdict without a design; ``stopped`` is the limit that ended the search, if one did.
+
+    ``family`` has the robots that no lemma is about.
+    """
     tried = len(records)
     open_ones = [r for r in records if r.verdict in ("unresolved", "inadmissible")]
     parts = []
@@ -76,30 +123,46 @@ def conclude(
         parts.append(stopped)
     if parts:
         return "unknown", "; ".join(parts)
-    return _all_refuted(tried, family, task)
+    return _all_refuted(records, family, task)
 
 
-def _all_refuted(tried: int, family: RobotFamily, task: ir.Task) -> tuple[NotFound, str]:
+def _all_refuted(
+    records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task
+) -> tuple[NotFound, str]:
     """Every structure that was tried is refuted: the verdict depends on what bounds them."""
     if task.modules is not None:
         within = f"of at most {task.modules} modules"
-        if not tried:
+        if not records:
             return "impossible", f"the family has no robot {within}"
-        return "impossible", f"{_all(tried)} {within} {_are(tried)} refuted"
+        return "impossible", _refuted(records, within)
     if _longest(family) is not None:
-        if not tried:
+        if not records:
             return "impossible", "the family has no robot"
-        return "impossible", f"{_all(tried)} of the family {_are(tried)} refuted"
+        return "impossible", _refuted(records, "of the family")
     within = f"of at most {DEFAULT_MODULES} modules, the default search bound"
-    if not tried:
+    if not records:
         return "unknown", (
             f"the family has no robot {within}: say `modules <= n` in the task, "
             f"with n from {family.language.fewest_modules()} on"
         )
     return "unknown", (
-        f"{_all(tried)} {within}, {_are(tried)} refuted; "
-        "say `modules <= n` in the task to ask about a bound"
+        f"{_refuted(records, within + ',')}; say `modules <= n` in the task to ask about a bound"
     )
+
+
+def _refuted(records: Sequence[StructureRecord], which: str) -> str:
+    """That all structures of a kind are refuted, and by which lemmas."""
+    learnt = list(dict.fromkeys(r.reason for r in records if r.lemma is not None))
+    if not learnt:
+        count = len(records)
+        subject = "the only structure" if count == 1 else f"all {count} structures"
+        return f"{subject} {which} {'is' if count == 1 else 'are'} refuted"
+    alone = sum(record.lemma is None for record in records)
+    rest = f"; {counted(alone, 'structure')} one by one" if alone else ""
+    shown = "; ".join(learnt[:LEMMAS_NAMED])
+    more = len(learnt) - LEMMAS_NAMED
+    shown += f"; and {counted(more, 'more lemma')}" if more > 0 else ""
+    return f"all structures {which} are refuted: {shown}{rest}"
 
 
 def _longest(family: RobotFamily) -> int | None:
@@ -111,11 +174,3 @@ def _longest(family: RobotFamily) -> int | None:
         return family.language.longest()
     except WordsTooLongError:
         return None
-
-
-def _all(structures: int) -> str:
-    return "the only structure" if structures == 1 else f"all {structures} structures"
-
-
-def _are(structures: int) -> str:
-    return "is" if structures == 1 else "are"

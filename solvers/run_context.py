@@ -88,7 +88,8 @@ class RunContext:
     Nothing here may change its result but the seed, the parameter ``search``, the limit of time,
     the budgets and the ``solver`` of convex programs, by its name in cvxpy (None: our own).  For a
     structure at most so many ``paths`` are tried, and half as many after a cell was cut; for a path
-    so many ``evaluations`` of parameters are made.  ``out_of_time`` is asked between steps, as
+    so many ``evaluations`` of parameters are made.  With ``lemmas`` one refutation may be about
+    many structures.  ``out_of_time`` is asked between steps, as
     often each time; loops within them ask ``compiler.time_limits``.
     """
 
@@ -101,6 +102,7 @@ class RunContext:
     out_of_time: Callable[[], bool] = lambda: False
     paths: int = PATHS
     evaluations: int = EVALUATIONS
+    lemmas: bool = True
 
     def check_time(self) -> None:
         """Raise OutOfTimeError once the limit is reached."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TypeAlias
@@ -49,7 +49,14 @@ def candidates(family: RobotFamily, modules: int, origin: ir.Origin | None) -> I
     if origin is None:
         return _robots(family, structures(language, modules), None)
     nearest = words_by_distance(language, origin.word, modules)
-    return _robots(family, structures_of(language, nearest), origin)
+    return candidates_of(family, nearest, origin)
+
+
+def candidates_of(
+    family: RobotFamily, words: Iterable[tuple[str, ...]], origin: ir.Origin | None
+) -> Iterator[Candidate]:
+    """All structures of some words of a family, in the order of the words."""
+    return _robots(family, structures_of(family.language, words), origin)
 
 
 def _robots(

@@ -10,11 +10,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.candidate import Candidate, robot_in_task
 from compiler.robots.normal_form import RobotFamily
+from compiler.robots.robot import RobotModel
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
-from solvers.conclusion import StructureRecord, module_bound
+from solvers.conclusion import StructureRecord
 from solvers.impossibility.box_search import WITH_PROOF, BoxRefutation, box_refutation
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.run_context import RunContext
@@ -33,14 +34,15 @@ def covered(
     """
     found, failed = list(records), 0
     try:
-        for candidate in candidates(family, module_bound(family, task), task.origin):
-            number = candidate.number
-            if number >= len(found) or failed == WITHOUT_SUCCESS:
+        for number, record in enumerate(records):
+            if failed == WITHOUT_SUCCESS:
                 break
-            if found[number].verdict != "refuted" or found[number].boxes is not None:
+            if record.verdict != "refuted" or record.boxes is not None or record.lemma is not None:
                 continue
             context.check_time()
-            boxes = _boxes(candidate, family.program, task, context)
+            derivation = family.replay(record.derivation)
+            model = robot_in_task(family, task.origin, derivation)
+            boxes = _boxes(number, model, family.program, task, context)
             failed += boxes is None
             found[number] = replace(found[number], boxes=boxes)
     except OutOfTimeError as late:
@@ -68,17 +70,15 @@ def out_of_reach_of_drives(
 
 
 def _boxes(
-    candidate: Candidate, program: ir.Program, task: ir.Task, context: RunContext
+    number: int, model: RobotModel, program: ir.Program, task: ir.Task, context: RunContext
 ) -> str | None:
-    """The covering of a structure; the journal is asked first."""
-    key = f"boxes|{candidate.number}"
+    """The covering of a structure, by its number; the journal is asked first."""
+    key = f"boxes|{number}"
     known = context.journal.recall(key)
     if not isinstance(known, str):
-        known = NONE_FOUND
-        if candidate.model is not None:
-            workspace = program.workspaces[task.workspace]
-            graph = robot_graph(candidate.model, task.gravity)
-            answer = box_refutation(candidate.model, graph, workspace, task, WITH_PROOF)
-            known = NONE_FOUND if answer is None else answer.boxes
+        workspace = program.workspaces[task.workspace]
+        graph = robot_graph(model, task.gravity)
+        answer = box_refutation(model, graph, workspace, task, WITH_PROOF)
+        known = NONE_FOUND if answer is None else answer.boxes
         context.journal.record(key, known)
     return known or None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
@@ -17,17 +17,19 @@ from solvers.conclusion import (
     MOTION_SEARCHES,
     StructureRecord,
     StructureVerdict,
-    module_bound,
     robot_limit,
+    with_lemmas,
 )
 from solvers.impossibility.box_evidence import out_of_reach_of_drives
 from solvers.impossibility.structure_refutation import Refutation
+from solvers.lemma import DistanceLemma
 from solvers.run_context import RunContext
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design
 from solvers.search.prefetch import Prefetch
 from solvers.search.search_queue import SearchQueue, StructureUnderWay
 from solvers.search.structure_search import StructureSearch
+from solvers.search.structures_left import StructuresLeft
 
 NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
 
@@ -45,6 +47,7 @@ class Proved:
 class FamilySearch:
     """The search of a family in progress; ``every``: it goes on after a design.
 
+    ``family`` has the robots that are left: what ``lemmas`` are about is taken from it.
     ``told`` is called with the search when a design was proved.
     """
 
@@ -63,25 +66,27 @@ class FamilySearch:
     searched: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
     """The structures that were searched, as they ended."""
     stopped: str | None = None
+    lemmas: list[DistanceLemma] = field(default_factory=list[DistanceLemma])
 
     def __post_init__(self) -> None:
         self.queue = SearchQueue(self.every)
 
     def structures(self) -> None:
         """Let structures have their turns until one is proved, unless all are due."""
-        bound = module_bound(self.family, self.task)
-        drawn = candidates(self.family, bound, self.task.origin)
-        ahead = Prefetch(drawn, self.program, self.task, self.context)
-        left = iter(ahead)
-        following = next(left, None)
-        while following is not None or self.queue.under_way:
+        left = StructuresLeft(self.program, self.task, self.context, self.family, self.lemmas)
+        while left.following is not None or self.queue.under_way:
             self.context.check_time()
-            if following is not None and self.may_enter():
+            if left.following is not None and self.may_enter():
                 if self.at_limit():
-                    following = None
+                    left.stop()
                     continue
-                self.enter(ahead, following)
-                following = next(left, None)
+                candidate = left.taken()
+                self.enter(left.ahead, candidate)
+                left.go_on()
+                record = self.records.get(candidate.number)
+                if record is not None and record.verdict == "refuted":
+                    left.learn(candidate)
+                    self.family = left.family
                 continue
             structure = self.queue.turn()
             if structure.state.design is not None:
@@ -235,12 +240,13 @@ class FamilySearch:
                 continue
             reason = f"{each.state.tried} when {why}{each.state.obstacle}"
             found[each.number] = record_of(each.candidate, "unresolved", reason)
-        return tuple(
+        shared = (
             record
             if record.same_robot_as is None
             else replace(record, reason=found[record.same_robot_as].reason)
             for _, record in sorted(found.items())
         )
+        return with_lemmas(list(shared), self.lemmas)
 
 
 def record_of(candidate: Candidate, verdict: StructureVerdict, reason: str) -> StructureRecord:

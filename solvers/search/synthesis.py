@@ -21,6 +21,7 @@ from grammar_lang import ir
 from solvers.conclusion import StructureRecord, conclude
 from solvers.impossibility.box_evidence import covered
 from solvers.impossibility.disconnection import disconnected, separation_text
+from solvers.lemma import DistanceLemma
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
@@ -45,7 +46,8 @@ class Synthesis:
     are more than one only where all were asked for; ``ended`` says what kept the search from
     trying all structures then.  ``nearest`` is, of an unknown task, the motion that came nearest to
     a design without being proved.  ``unfinished``: the time limit was reached, and another run can
-    go on; ``last_step`` is what then took so long, if that could not be interrupted.
+    go on; ``last_step`` is what then took so long, if that could not be interrupted.  ``lemmas``
+    are about structures that were not tried, too.
     """
 
     verdict: Verdict
@@ -62,6 +64,7 @@ class Synthesis:
     ended: str | None = None
     unfinished: bool = False
     last_step: str = ""
+    lemmas: tuple[DistanceLemma, ...] = ()
 
 
 def synthesise(
@@ -109,7 +112,7 @@ def synthesise(
             check_time()
             return _result(run, "found", None, cells)
         records: Sequence[StructureRecord] = run.all_records(PUT_OFF)
-        verdict, reason = conclude(records, family, task, run.stopped)
+        verdict, reason = conclude(records, run.family, task, run.stopped)
     except OutOfTimeError as late:
         reason = OUT_OF_TIME + _under_way(run.queue.current)
         return _result(run, "unknown", reason, cells, late)
@@ -162,4 +165,5 @@ def _result(
         ended=(run.stopped if late is None else OUT_OF_TIME) if run.every else None,
         unfinished=late is not None,
         last_step="" if late is None else late.step,
+        lemmas=tuple(run.lemmas),
     )

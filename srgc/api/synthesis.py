@@ -35,6 +35,7 @@ def synthesize(
     every: bool = False,
     solver: str | None = None,
     search: str | None = None,
+    lemmas: bool = True,
     force: bool = False,
 ) -> Result:
     """Search a task for a robot that is proved to do it, or for a proof that there is none.
@@ -52,6 +53,7 @@ def synthesize(
         every: go on after the first robot, and compare all of them.
         solver: of convex programs; our own by default, or one of cvxpy's.
         search: of parameters; gp-acb by default.
+        lemmas: let one refutation be about many structures, where it can be.
         force: replace the results of another synthesis in the folder.
 
     Returns:
@@ -72,7 +74,7 @@ def synthesize(
     place = Path(folder) if folder is not None else keeper.path if keeper is not None else Path()
     options = SynthesisOptions(
         place, seed, jobs, limit, force, quiet=True, cells=cells, every=every,
-        solver=named_solver(solver), search=named_search(search),
+        solver=named_solver(solver), search=named_search(search), lemmas=lemmas,
     )  # fmt: skip
     run_synthesis(Path(program.name), program.ir, chosen_task, options)
     return opened(place, keeper)

@@ -45,6 +45,9 @@ from srgc.time_limit import TimeLimit
 )
 @click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
 @click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default) or nelder-mead.")
+@click.option(
+    "--no-lemmas", is_flag=True, help="Refute every structure on its own, by evidence of its own."
+)
 @QUIET
 @click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
 @click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
@@ -62,6 +65,7 @@ def synth(
     evaluations: int | None,
     solver: str | None,
     search: str | None,
+    no_lemmas: bool,  # noqa: FBT001
     quiet: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
     force: bool,  # noqa: FBT001
@@ -91,6 +95,7 @@ def synth(
     options = SynthesisOptions(
         folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster, every,
         named_solver(solver), named_search(search), paths, evaluations,
+        not no_lemmas,
     )  # fmt: skip
     result = run_synthesis(file, program, chosen_task, options)
     table = ""

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from math import isfinite
 from pathlib import Path
@@ -21,6 +22,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
+from solvers.lemma import DistanceLemma
 from solvers.search.configuration_search import PathSamples, Sample
 from solvers.search.path_task import Design
 from solvers.search.search_state import BlockedPrefix
@@ -123,12 +125,23 @@ def certificate_text(
     if separation is not None:
         return to_text(ImpossibleClaim(task.name, spec, spec_sha256, None, (), separation))
     if result.verdict == "impossible":
-        claims = tuple(
-            StructureClaim(r.word, r.derivation, *_evidence(result, i))
-            for i, r in enumerate(result.records)
-        )
-        return to_text(ImpossibleClaim(task.name, spec, spec_sha256, modules, claims))
+        lemmas = tuple(lemma.claim() for lemma in result.lemmas)
+        claims = _structure_claims(result)
+        return to_text(ImpossibleClaim(task.name, spec, spec_sha256, modules, claims, None, lemmas))
     return None
+
+
+def _structure_claims(result: Synthesis) -> tuple[StructureClaim, ...]:
+    """The structures that no lemma is about; what is the same robot is numbered among them."""
+    alone = [i for i, record in enumerate(result.records) if record.lemma is None]
+    place = {index: number for number, index in enumerate(alone)}
+    found: list[StructureClaim] = []
+    for index in alone:
+        script, same, boxes = _evidence(result, index)
+        record = result.records[index]
+        first = None if same is None else place[same]
+        found.append(StructureClaim(record.word, record.derivation, script, first, boxes))
+    return tuple(found)
 
 
 def _evidence(result: Synthesis, index: int) -> tuple[str | None, int | None, str | None]:
@@ -144,6 +157,7 @@ def _evidence(result: Synthesis, index: int) -> tuple[str | None, int | None, st
 def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[str, Any]:
     first = result.records[record.same_robot_as] if record.same_robot_as is not None else record
     script, same, boxes = _evidence(result, index)
+    about = {} if record.lemma is None else {"lemma": record.lemma}
     return {
         "word": list(record.word),
         "derivation": list(record.derivation),
@@ -152,7 +166,15 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
         "same_robot_as": same,
         "boxes": boxes,
         "reason": first.reason,
+        **about,
     }
+
+
+def _lemma(lemma: DistanceLemma) -> dict[str, Any]:
+    """A lemma as the certificate states it, and in words."""
+    content = asdict(lemma.claim()) | {"reason": lemma.text}
+    del content["kind"]
+    return content
 
 
 def _counterexample(blocked: BlockedPrefix, task: ir.Task) -> dict[str, Any]:
@@ -231,6 +253,12 @@ def design_text(
         }
         if design.loop is not None:
             content["loop"] = design.loop.first
+    if not identity.lemmas:
+        content["one_by_one"] = True
+    if identity.smt is not None:
+        content["smt"] = identity.smt
+    if result.lemmas:
+        content["lemmas"] = [_lemma(lemma) for lemma in result.lemmas]
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 

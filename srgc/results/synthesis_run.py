@@ -64,6 +64,8 @@ class SynthesisOptions:
     search: str | None = None
     paths: int | None = None
     evaluations: int | None = None
+    lemmas: bool = True
+    smt: str | None = None
 
 
 def run_synthesis(
@@ -88,7 +90,7 @@ def _run(
     identity = Identity(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
         options.solver, options.search, unusual(options.paths, PATHS),
-        unusual(options.evaluations, EVALUATIONS),
+        unusual(options.evaluations, EVALUATIONS), options.lemmas, options.smt,
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,
@@ -153,6 +155,7 @@ def _searched(
             out_of_time=limit.reached,
             paths=options.paths or PATHS,
             evaluations=options.evaluations or EVALUATIONS,
+            lemmas=options.lemmas,
         )
         with limit.holds():
             result = synthesise(

@@ -17,7 +17,7 @@ from compiler.robots.robot import PointBody, RobotModel, RodBody, SolidBody
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
-from solvers.verifier.refutations.impossibility_check import run_z3_subprocess
+from solvers.verifier.refutations.solver_process import run_z3_subprocess
 from tests.compiler.test_reachability_soundness import pinned
 from tests.oracles.arms import ArmBuilder, effector_positions, planar_arm
 from tests.oracles.planar_bodies import bodies_of, depth, random_polygon, two_link_poses

@@ -8,7 +8,7 @@ import pytest
 
 from compiler.robots.normal_form import family_of
 from grammar_lang.load import load
-from solvers.verifier.refutations.impossibility_check import refutation_scripts
+from solvers.verifier.refutations.structure_evidence import refutation_scripts
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.coverings import covering
@@ -48,7 +48,7 @@ def structure(number, **changes):
 
 
 def test_no_solver_is_believed(folder, capsys, monkeypatch):
-    module = "solvers.verifier.refutations.impossibility_check.run_z3_subprocess"
+    module = "solvers.verifier.refutations.structure_evidence.run_z3_subprocess"
     monkeypatch.setattr(module, lambda _script: pytest.fail("a solver was asked"))
     report = verify_directory(folder)
     assert (report.outcome, report.verdict) == (Outcome.VALID, "impossible")

@@ -17,7 +17,7 @@ import pytest
 import z3
 from pysat.solvers import Cadical195
 
-import solvers.verifier.refutations.impossibility_check
+import solvers.verifier.refutations.solver_process
 from grammar_lang.load import load
 from solvers.backends.conic import Status
 from solvers.execution.process_pool import ProcessPool
@@ -288,7 +288,7 @@ def test_boxes_need_no_z3(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_a_z3_process_that_fails_verifies_nothing(process: str, result, monkeypatch) -> None:
     command = [sys.executable, "-c", f"import os, signal, sys; sys.stdin.read(); {process}"]
     monkeypatch.setattr(
-        solvers.verifier.refutations.impossibility_check, "z3_command", lambda *_a: command
+        solvers.verifier.refutations.solver_process, "z3_command", lambda *_a: command
     )
     folder = result("beyond_reach")
     without_boxes(folder)

@@ -7,7 +7,7 @@ import pytest
 
 from solvers.verdict import Reason, Unknown
 from solvers.verifier.proofs.scene import Watch
-from solvers.verifier.refutations import impossibility_check
+from solvers.verifier.refutations import impossibility_check, structure_evidence
 from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import result_files
 from tests.oracles.result_files import alter, alter_spec, read
@@ -70,7 +70,7 @@ def test_what_z3_does_not_decide_is_neither_valid_nor_refuted(srgc_run, result, 
     folder = result("beyond_reach")
     without_boxes(folder)
     unanswered = Unknown(Reason.RESOURCE_LIMIT, "within 1 z3 resource units")
-    monkeypatch.setattr(impossibility_check, "run_z3_subprocess", lambda _script: unanswered)
+    monkeypatch.setattr(structure_evidence, "run_z3_subprocess", lambda _script: unanswered)
     status, out = srgc_run("verify", folder, "--trust", "z3")
     assert status == 4
     assert out.startswith("undecided: z3 does not decide the script of structure 0: within 1 z3 ")
@@ -292,7 +292,7 @@ def test_a_design_that_says_something_else(result):
 def test_a_finite_family_needs_no_bound(srgc_run, tmp_path, accept):
     path = tmp_path / "finite.srg"
     path.write_text(replaced(SLIDER, "matches B eps P eps M eps EN", accept), encoding="utf-8")
-    status, _ = srgc_run("synth", path, "-o", tmp_path / "out")
+    status, _ = srgc_run("synth", path, "-o", tmp_path / "out", "--no-lemmas")
     assert status == 3
     assert read(tmp_path / "out")["modules"] is None
     assert srgc_run("verify", tmp_path / "out")[0] == 0

@@ -8,8 +8,8 @@ import pytest
 from compiler.encodings.reachability_smt import refutation_script
 from solvers.backends.smt import solve_script
 from solvers.verdict import Fails, Holds, Reason, Unknown
-from solvers.verifier.refutations import impossibility_check as z3_process
-from solvers.verifier.refutations.impossibility_check import run_z3_subprocess, z3_command
+from solvers.verifier.refutations import solver_process as z3_process
+from solvers.verifier.refutations.solver_process import run_z3_subprocess, z3_command
 from tests.oracles.arms import planar_arm
 from tests.oracles.questions import question, random_robot
 
@@ -82,7 +82,7 @@ def test_the_verifier_loads_no_solver():
     program = """
 import sys
 from compiler.encodings.reachability_smt import refutation_script
-from solvers.verifier.refutations.impossibility_check import run_z3_subprocess
+from solvers.verifier.refutations.solver_process import run_z3_subprocess
 from compiler.encodings.pose_questions import PoseQuestion
 from tests.oracles.arms import planar_arm
 from tests.oracles.planes import box_rows

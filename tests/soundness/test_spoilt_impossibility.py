@@ -204,7 +204,7 @@ def right_scripts(folder: Path) -> list[tuple[Path, str]]:
     """The first script of every structure, for the spec in the folder."""
     from compiler.robots.normal_form import family_of
     from grammar_lang.load import load
-    from solvers.verifier.refutations.impossibility_check import refutation_scripts
+    from solvers.verifier.refutations.structure_evidence import refutation_scripts
 
     content = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
     program = load(folder / "spec" / content["spec"]).program

@@ -147,11 +147,20 @@ def _claimed(claim: ImpossibleClaim) -> list[list[Any]]:
 
 
 def _tried(design: Mapping[str, Any]) -> list[list[Any]]:
+    """The structures that no lemma is about, numbered among themselves."""
     tried = design.get("structures_tried")
     if not isinstance(tried, list):
         return []
     keys = ("word", "derivation", "verdict", "evidence", "same_robot_as", "boxes")
-    return [[s.get(key) for key in keys] if isinstance(s, dict) else [] for s in tried]
+    alone = [i for i, s in enumerate(tried) if not (isinstance(s, dict) and "lemma" in s)]
+    place = {index: number for number, index in enumerate(alone)}
+    found: list[list[Any]] = []
+    for structure in (tried[index] for index in alone):
+        entry = [structure.get(key) for key in keys] if isinstance(structure, dict) else []
+        if entry and type(entry[4]) is int:
+            entry[4] = place.get(entry[4])
+        found.append(entry)
+    return found
 
 
 # --- What ``design.json`` says of the formulas of a found robot's task ----------------------------

@@ -29,6 +29,7 @@ from solvers.verifier.claims.further_claims import (
     further_claims,
 )
 from solvers.verifier.claims.json_fields import expect_keys, number, objects, rows, text, texts
+from solvers.verifier.claims.lemma_claims import LemmaClaim
 
 FORMAT, WITH_CLAIMS = 3, 4
 """2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes; 4: a
@@ -125,7 +126,8 @@ class SeparationClaim:
 class ImpossibleClaim:
     """No structure with at most ``modules`` modules (None: none at all) can do the task.
 
-    With a ``separation``, no robot whatever can, and no structures are listed.
+    With a ``separation``, no robot whatever can, and no structures are listed.  Structures whose
+    words satisfy a lemma among the ``claims`` are not listed.
     """
 
     task: str
@@ -135,6 +137,11 @@ class ImpossibleClaim:
     structures: tuple[StructureClaim, ...]
     separation: SeparationClaim | None = None
     claims: tuple[FurtherClaim, ...] = ()
+
+    @property
+    def lemmas(self) -> tuple[LemmaClaim, ...]:
+        """The lemmas, in their order."""
+        return tuple(claim for claim in self.claims if isinstance(claim, LemmaClaim))
 
 
 Claim = FoundClaim | ImpossibleClaim

@@ -1,4 +1,4 @@
-"""What a certificate of format 4 claims besides: a controller, a loop; kinds not known here."""
+"""What a certificate of format 4 claims besides: a controller, a loop, lemmas; unknown kinds."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from compiler.expressions.exact_numbers import exact_number
 from solvers.verifier.claims.json_fields import number, objects, rows, text, texts
+from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.loop_set import Loop
@@ -81,11 +82,11 @@ def exact_loop(claim: LoopClaim) -> Loop:
     )
 
 
-FurtherClaim: TypeAlias = ControllerClaim | LoopClaim | UnknownClaim
+FurtherClaim: TypeAlias = ControllerClaim | LoopClaim | LemmaClaim | UnknownClaim
 
 
 def further_claims(items: object) -> tuple[FurtherClaim, ...]:
-    """Further claims; of each known kind one at most.
+    """Further claims; of each known kind one at most, but as many lemmas as are needed.
 
     Raises:
         TypeError, KeyError, ValueError: they are malformed.
@@ -99,6 +100,8 @@ def further_claims(items: object) -> tuple[FurtherClaim, ...]:
                 found.append(_controller(item))
             case "loop":
                 found.append(_loop(item))
+            case "lemma":
+                found.append(lemma_claim(item))
             case kind:
                 found.append(UnknownClaim(kind, item))
     for kind in ("controller", "loop"):

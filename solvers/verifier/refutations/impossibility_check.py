@@ -8,51 +8,37 @@ other, the cells are computed again, and no solver is believed.
 
 from __future__ import annotations
 
-import subprocess
-import sys
-import sysconfig
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from compiler.encodings.body_smt import body_script, body_scripts
-from compiler.encodings.pose_questions import body_conditions, pose_questions
-from compiler.encodings.reachability_smt import refutation_script
-from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.candidate import Candidate, candidates, candidates_of
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.words.structures import InfiniteAmbiguityError
 from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
-from grammar_lang.files.file_tree import visible
-from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
-from solvers.verifier.claims.spec_copy import evidence_bytes
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
-from solvers.verifier.refutations.box_check import why_not
+from solvers.verifier.refutations.lemma_check import check_covered, checked_condition, without
 from solvers.verifier.refutations.separation_check import misstated_separation
-from solvers.verifier.report import Outcome, Refused
+from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
 
-MOST_SHOWN = 80
-"""Characters of a name in a message."""
 AT_ONCE = 8
 """So many structures are checked in one go."""
-
-
-class FalseClaim(Exception):
-    """The claim is false, or its evidence is not what it says."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impossibility:
     """How an impossibility is proved: ``by_boxes`` of all ``structures``, the rest by scripts.
 
-    A separation is about all robots, and there are no structures.
+    A separation is about all robots, and there are no structures; ``lemmas`` are about all of some.
     """
 
     structures: int
     by_boxes: int
+    lemmas: int = 0
 
     @property
     def complete(self) -> bool:
@@ -76,11 +62,11 @@ def check_impossible(
         return _separation(claim, claim.separation, program, task) or Impossibility(0, 0)
     family = family_of(program, task)
     try:
-        bound = _bound(claim, family, task)
-        proved = _structures(Evidence(folder, program, task, trust), claim, family, bound, watch)
+        due = _due(claim, family, task)
+        proved = _structures(Evidence(folder, program, task, trust), claim, due, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         return str(error)
-    return Impossibility(len(proved), sum(proved))
+    return Impossibility(len(proved), sum(proved), len(claim.lemmas))
 
 
 def _separation(
@@ -91,6 +77,26 @@ def _separation(
         return "the claim has a separation, which is about all robots, and structures or a bound"
     cells = abstract(program.workspaces[task.workspace])
     return misstated_separation(program, task, cells, separation)
+
+
+def _due(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> Iterator[Candidate]:
+    """The structures that have to be refuted one by one, in their order.
+
+    Without lemmas all of the family, up to the bound.  With lemmas, all of the words that the claim
+    lists and no lemma is about; those words and those of the lemmas are all there are.
+    """
+    if not claim.lemmas:
+        return candidates(family, _bound(claim, family, task), task.origin)
+    if claim.modules != task.modules:
+        raise FalseClaim("the bound on modules is not the task's")
+    conditions = [
+        checked_condition(number, lemma, family, task)
+        for number, lemma in enumerate(claim.lemmas, 1)
+    ]
+    words = tuple(dict.fromkeys(structure.word for structure in claim.structures))
+    check_covered(family, task, conditions, words)
+    left = without(family, conditions)
+    return candidates_of(left, [w for w in words if left.language.accepts(w)], task.origin)
 
 
 def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
@@ -109,12 +115,11 @@ def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
 def _structures(
     evidence: Evidence,
     claim: ImpossibleClaim,
-    family: RobotFamily,
-    bound: int,
+    due: Iterator[Candidate],
     watch: Watch,
 ) -> list[bool]:
     """For each structure whether it is refuted by boxes."""
-    listed = _Listed(evidence, claim, candidates(family, bound, evidence.task.origin))
+    listed = _Listed(evidence, claim, due)
     proved: list[bool] = []
 
     def add(by_boxes: bool) -> None:  # noqa: FBT001
@@ -222,157 +227,3 @@ def _same(number: int, claim: ImpossibleClaim, keys: list[str]) -> int:
     if (claimed.evidence, claimed.boxes) != (earlier.evidence, earlier.boxes):
         raise FalseClaim(f"structure {number} does not name the evidence of structure {first}")
     return first
-
-
-@dataclass(frozen=True, slots=True)
-class Evidence:
-    """The evidence in a folder; ``program`` and ``task`` are without maps."""
-
-    folder: Path
-    program: ir.Program
-    task: ir.Task
-    trust: str | None
-
-    @property
-    def workspace(self) -> ir.Workspace:
-        """The workspace of the task."""
-        return self.program.workspaces[self.task.workspace]
-
-    def refutes(self, number: int, claimed: StructureClaim, model: RobotModel) -> bool:
-        """Whether boxes refute a structure; else its script does, if a solver is to be believed.
-
-        Raises:
-            FalseClaim: there is no evidence, or it is not what it says.
-        """
-        if claimed.evidence is None and claimed.boxes is None:
-            raise FalseClaim(f"structure {number} has no evidence")
-        if claimed.boxes is not None:
-            self._covered(number, claimed.boxes, model)
-        if claimed.evidence is not None:
-            script = self._script(number, claimed.evidence, model)
-            if claimed.boxes is None and self.trust == "z3":
-                self._unsatisfiable(number, script)
-        return claimed.boxes is not None
-
-    def _covered(self, number: int, name: str, model: RobotModel) -> None:
-        """The boxes prove that the robot does not do the task."""
-        try:
-            covering = self._content(name).decode("ascii")
-        except UnicodeDecodeError:
-            raise FalseClaim(f"{name} is not ASCII") from None
-        reason = why_not(covering, model, self.workspace, self.task)
-        if reason is not None:
-            raise FalseClaim(f"{name} does not refute structure {number}: {reason}")
-
-    def _script(self, number: int, name: str, model: RobotModel) -> str:
-        """The script is one of this structure and task."""
-        content = self._content(name)
-        for script in refutation_scripts(model, self.workspace, self.task):
-            if script.encode() == content:
-                return script
-        raise FalseClaim(f"{name} is not the script of structure {number}")
-
-    def _unsatisfiable(self, number: int, script: str) -> None:
-        match run_z3_subprocess(script):
-            case Fails():
-                return
-            case Holds():
-                raise FalseClaim(f"z3 does not refute structure {number}: its script has a model")
-            case unanswered:
-                raise Refused(
-                    f"z3 does not decide the script of structure {number}: "
-                    f"{unanswered.detail or unanswered.reason.value}",
-                    Outcome.UNDECIDED,
-                )
-
-    def _content(self, name: str) -> bytes:
-        try:
-            return evidence_bytes(self.folder, name)
-        except FileNotFoundError:
-            raise FalseClaim(f"the evidence {_shown(name)} is missing") from None
-        except OSError as error:
-            raise FalseClaim(f"the evidence {_shown(name)}: {error.strerror}") from None
-
-
-def _shown(name: str) -> str:
-    """A name of a file as a message has it: a certificate may name anything."""
-    return visible(name[:MOST_SHOWN]) or "``"
-
-
-# --- z3 on the text of an SMT-LIB 2 script in a process of its own --------------------------------
-#
-# For the verifier, which loads no solver: importing this module does not import z3.
-
-
-# As much again as the searchers spend, so that what they decided is decided here too.
-RESOURCES = 2_000_000
-
-# Without the executable, the Python package does the same; -P keeps the working directory out of
-# the module path.
-_PROGRAM = """\
-import sys, z3
-solver = z3.SolverFor("QF_NRA")
-solver.set("rlimit", int(sys.argv[1]))
-solver.from_string(sys.stdin.read())
-print(solver.check())
-"""
-
-
-def z3_command(resources: int = RESOURCES) -> list[str]:
-    """The command that reads a script on standard input: z3 as installed beside this Python."""
-    name = "z3.exe" if sys.platform == "win32" else "z3"
-    for folder in (Path(sys.executable).parent, Path(sysconfig.get_path("scripts"))):
-        if (folder / name).is_file():
-            return [str(folder / name), "-smt2", "-in", f"rlimit={resources}"]
-    return [sys.executable, "-P", "-c", _PROGRAM, str(resources)]
-
-
-def run_z3_subprocess(
-    script: str, *, resources: int = RESOURCES, command: list[str] | None = None
-) -> Answer[None, None]:
-    """Decide a QF_NRA script elsewhere: ``Holds`` is sat, ``Fails`` is unsat.
-
-    An answer is exactly one word; any other output, an error among them, is ``Unknown``.
-
-    Raises:
-        ValueError: ``resources`` is not positive.
-    """
-    if resources < 1:
-        raise ValueError("a budget is at least one unit")
-    try:
-        finished = subprocess.run(  # noqa: S603 (the command is our own)
-            z3_command(resources) if command is None else command,
-            input=script,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            check=False,
-        )
-    except OSError as error:
-        return Unknown(Reason.INCOMPLETE, f"z3 does not start: {error}")
-    match finished.returncode, finished.stdout.strip():
-        case 0, "unsat":
-            return Fails(None)
-        case 0, "sat":
-            return Holds(None)
-        case 0, "unknown":
-            return Unknown(Reason.RESOURCE_LIMIT, f"within {resources} z3 resource units")
-        case code, output:
-            message = " ".join((output or finished.stderr).split())[:200]
-            return Unknown(Reason.INCOMPLETE, f"z3 ended with status {code}: {message}")
-
-
-# --- Every script that refutes a robot for a task: without its body first, then with it -----------
-
-
-def refutation_scripts(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Iterator[str]:
-    """The scripts in a fixed order, made one by one; any of them that is ``unsat`` refutes."""
-    demands = body_conditions(workspace, task)
-    for question in pose_questions(workspace, task):
-        yield refutation_script(model, question)
-        if demands is None:
-            continue
-        for poses in body_scripts(question):
-            script = body_script(model, question, demands, poses)
-            if script is not None:
-                yield script

@@ -1,0 +1,107 @@
+r"""Half-spaces that no effector leaves and balls that none enters, for all words of a condition.
+
+A region outside of such a half-space, or within such a ball, is reached by no robot of any
+derivation of any of the words, whatever its parameters, joints and drives:
+
+.. math:: \max_p n \cdot p \le h < \min_{x \in R} n \cdot x,
+   \qquad \min_p |p - c| \ge d > \max_{x \in R} |x - c|,
+
+with p over where :mod:`effector_placements` says that effectors may be.  A word whose derivations
+define no robot has none that does the task, either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from compiler.expressions.evaluators.balls import ball, working_precision
+from compiler.lemmas.conditioned_derivations import conditioned_derivations
+from compiler.lemmas.effector_placements import effector_placements
+from compiler.lemmas.frame_placement import Placement
+from compiler.robots.normal_form import RobotFamily
+from compiler.words.acceptance import accept_dfa
+from compiler.words.finite_automaton import intersection
+from compiler.workspaces.polytope import Polytope, refuting_polytope
+from grammar_lang import ir
+
+PRECISION = 128
+"""Bits of all numbers that are not exact."""
+
+
+@dataclass(frozen=True, slots=True)
+class HalfSpaceBound:
+    """No effector is farther than ``reach`` along ``normal``, (d,)."""
+
+    normal: tuple[Fraction, ...]
+    reach: Fraction
+
+    def encloses(self, placements: Sequence[Placement]) -> bool:
+        """Whether all effectors keep to it."""
+        reach = ball(self.reach)
+        return all(
+            p.known.furthest(self.normal) <= reach or p.based.furthest(self.normal) <= reach
+            for p in placements
+        )
+
+    def excludes(self, region: Polytope) -> bool:
+        """Whether a bounded region is outside, its boundary included."""
+        return all(_dot(self.normal, vertex) > self.reach for vertex in region.vertices)
+
+
+@dataclass(frozen=True, slots=True)
+class BallBound:
+    """No effector is nearer than ``distance`` to ``centre``, (d,), in metres."""
+
+    centre: tuple[Fraction, ...]
+    distance: Fraction
+
+    def encloses(self, placements: Sequence[Placement]) -> bool:
+        """Whether all effectors keep to it."""
+        distance = ball(self.distance)
+        return all(
+            p.known.nearest(self.centre) >= distance or p.based.nearest(self.centre) >= distance
+            for p in placements
+        )
+
+    def excludes(self, region: Polytope) -> bool:
+        """Whether a bounded region is inside the ball, which is open."""
+        return all(
+            sum((x - c) ** 2 for x, c in zip(vertex, self.centre, strict=True)) < self.distance**2
+            for vertex in region.vertices
+        )
+
+
+EffectorBound: TypeAlias = HalfSpaceBound | BallBound
+
+
+def _dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
+    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+
+
+def placements_of(family: RobotFamily, condition: ir.Accept) -> tuple[Placement, ...]:
+    """Where the effectors are of all robots of the family whose words satisfy a condition.
+
+    Raises:
+        ValueError: that cannot be told, or takes too much.
+    """
+    language = family.language
+    dfa = intersection(language.accept, accept_dfa(condition, language.srg.terminals))
+    derivations = conditioned_derivations(language.srg.cfg, dfa)
+    with working_precision(PRECISION):
+        return effector_placements(family.program.modules, family.grammar, derivations)
+
+
+def place_of(workspace: ir.Workspace, region: str) -> Polytope:
+    """What a region and the bounds have in common: where an effector has to be that visits it."""
+    shapes = (workspace.region(region).shape, workspace.bounds.shape)
+    one, other = (refuting_polytope(shape, workspace.dimension) for shape in shapes)
+    return one.intersection(other)
+
+
+def keep_to(bound: EffectorBound, placements: Sequence[Placement]) -> bool:
+    """Whether all effectors at some placements keep to a bound: proved in ball arithmetic."""
+    with working_precision(PRECISION):
+        return bound.encloses(placements)

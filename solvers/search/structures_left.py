@@ -1,0 +1,109 @@
+"""The structures that are left to be tried: in order, without those that lemmas are about.
+
+A lemma narrows the language of the family; what is left is enumerated anew, and what was tried
+before is passed over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice
+
+from compiler.robots.candidate import Candidate, candidates
+from compiler.robots.normal_form import RobotFamily
+from compiler.words.finite_automaton import AutomatonTooLargeError
+from grammar_lang import ir
+from solvers.conclusion import module_bound
+from solvers.impossibility.distance_lemmas import distance_lemma
+from solvers.lemma import DistanceLemma
+from solvers.run_context import RunContext
+from solvers.search.prefetch import Prefetch
+
+
+@dataclass(slots=True)
+class StructuresLeft:
+    """The structures of ``family`` that are left; ``following`` is the next one, None after all."""
+
+    program: ir.Program
+    task: ir.Task
+    context: RunContext
+    family: RobotFamily
+    lemmas: list[DistanceLemma] = field(default_factory=list[DistanceLemma])
+    tried: set[tuple[str, ...]] = field(default_factory=set[tuple[str, ...]])
+    ahead: Prefetch = field(init=False)
+    following: Candidate | None = field(init=False, default=None)
+    _drawn: Iterator[Candidate] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._draw()
+
+    def taken(self) -> Candidate:
+        """The following structure, which counts as tried.
+
+        Raises:
+            ValueError: there is none.
+        """
+        candidate = self.following
+        if candidate is None:
+            raise ValueError("no structure is left")
+        self.tried.add(candidate.derivation.labels)
+        return candidate
+
+    def go_on(self) -> None:
+        """The one after it follows."""
+        self.following = next(self._drawn, None)
+
+    def stop(self) -> None:
+        """No structure follows."""
+        self.following = None
+
+    def learn(self, refuted: Candidate) -> None:
+        """Narrow what is left by what a refuted structure teaches, if that is more than itself."""
+        if self.following is None or not self.context.lemmas:
+            return
+        lemma = distance_lemma(self.family, self.task, refuted.derivation.word)
+        if lemma is None:
+            return
+        try:
+            narrowed = _without(self.family, lemma.condition)
+            if not self._is_wider(lemma, refuted.derivation.word):
+                return
+        except AutomatonTooLargeError:
+            return
+        self.lemmas[:] = [each for each in self.lemmas if not lemma.covers(each)] + [lemma]
+        self.family = narrowed
+        self.context.reporter.note(lemma.text)
+        self._draw()
+
+    def _is_wider(self, lemma: DistanceLemma, word: Sequence[str]) -> bool:
+        """Whether a lemma is about words that are left besides one."""
+        about = replace(
+            self.family,
+            grammar=replace(
+                self.family.grammar,
+                accept=ir.AllOf((self.family.grammar.accept, lemma.condition)),
+            ),
+        )
+        words = about.language.words(max_modules=module_bound(self.family, self.task))
+        return any(other != tuple(word) for other in islice(words, 2))
+
+    def _draw(self) -> None:
+        self.ahead = Prefetch(self._left(), self.program, self.task, self.context)
+        self._drawn = iter(self.ahead)
+        self.following = next(self._drawn, None)
+
+    def _left(self) -> Iterator[Candidate]:
+        """What was not tried, numbered on."""
+        number = len(self.tried)
+        bound = module_bound(self.family, self.task)
+        for candidate in candidates(self.family, bound, self.task.origin):
+            if candidate.derivation.labels not in self.tried:
+                yield replace(candidate, number=number)
+                number += 1
+
+
+def _without(family: RobotFamily, condition: ir.Accept) -> RobotFamily:
+    """The robots of a family whose words do not satisfy a condition."""
+    accept = ir.AllOf((family.grammar.accept, ir.NotAccept(condition)))
+    return replace(family, grammar=replace(family.grammar, accept=accept))

@@ -1,0 +1,118 @@
+"""What a result folder has to show that one robot cannot do a task: a covering, or a script."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from compiler.encodings.body_smt import body_script, body_scripts
+from compiler.encodings.pose_questions import body_conditions, pose_questions
+from compiler.encodings.reachability_smt import refutation_script
+from compiler.robots.robot import RobotModel
+from grammar_lang import ir
+from grammar_lang.files.file_tree import visible
+from solvers.verdict import Fails, Holds
+from solvers.verifier.claims.certificate import StructureClaim
+from solvers.verifier.claims.spec_copy import evidence_bytes
+from solvers.verifier.refutations.box_check import why_not
+from solvers.verifier.refutations.solver_process import run_z3_subprocess
+from solvers.verifier.report import Outcome, Refused
+
+MOST_SHOWN = 80
+"""Characters of a name in a message."""
+
+
+class FalseClaim(Exception):
+    """The claim is false, or its evidence is not what it says."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """The evidence in a folder; ``program`` and ``task`` are without maps."""
+
+    folder: Path
+    program: ir.Program
+    task: ir.Task
+    trust: str | None
+
+    @property
+    def workspace(self) -> ir.Workspace:
+        """The workspace of the task."""
+        return self.program.workspaces[self.task.workspace]
+
+    def refutes(self, number: int, claimed: StructureClaim, model: RobotModel) -> bool:
+        """Whether boxes refute a structure; else its script does, if a solver is to be believed.
+
+        Raises:
+            FalseClaim: there is no evidence, or it is not what it says.
+        """
+        if claimed.evidence is None and claimed.boxes is None:
+            raise FalseClaim(f"structure {number} has no evidence")
+        if claimed.boxes is not None:
+            self._covered(number, claimed.boxes, model)
+        if claimed.evidence is not None:
+            script = self._script(number, claimed.evidence, model)
+            if claimed.boxes is None and self.trust == "z3":
+                self._unsatisfiable(number, script)
+        return claimed.boxes is not None
+
+    def _covered(self, number: int, name: str, model: RobotModel) -> None:
+        """The boxes prove that the robot does not do the task."""
+        try:
+            covering = self._content(name).decode("ascii")
+        except UnicodeDecodeError:
+            raise FalseClaim(f"{name} is not ASCII") from None
+        reason = why_not(covering, model, self.workspace, self.task)
+        if reason is not None:
+            raise FalseClaim(f"{name} does not refute structure {number}: {reason}")
+
+    def _script(self, number: int, name: str, model: RobotModel) -> str:
+        """The script is one of this structure and task."""
+        content = self._content(name)
+        for script in refutation_scripts(model, self.workspace, self.task):
+            if script.encode() == content:
+                return script
+        raise FalseClaim(f"{name} is not the script of structure {number}")
+
+    def _unsatisfiable(self, number: int, script: str) -> None:
+        match run_z3_subprocess(script):
+            case Fails():
+                return
+            case Holds():
+                raise FalseClaim(f"z3 does not refute structure {number}: its script has a model")
+            case unanswered:
+                raise Refused(
+                    f"z3 does not decide the script of structure {number}: "
+                    f"{unanswered.detail or unanswered.reason.value}",
+                    Outcome.UNDECIDED,
+                )
+
+    def _content(self, name: str) -> bytes:
+        try:
+            return evidence_bytes(self.folder, name)
+        except FileNotFoundError:
+            raise FalseClaim(f"the evidence {_shown(name)} is missing") from None
+        except OSError as error:
+            raise FalseClaim(f"the evidence {_shown(name)}: {error.strerror}") from None
+
+
+def _shown(name: str) -> str:
+    """A name of a file as a message has it: a certificate may name anything."""
+    return visible(name[:MOST_SHOWN]) or "``"
+
+
+# --- Every script that refutes a robot for a task: without its body first, then with it -----------
+
+
+def refutation_scripts(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Iterator[str]:
+    """The scripts in a fixed order, made one by one; any of them that is ``unsat`` refutes."""
+    demands = body_conditions(workspace, task)
+    for question in pose_questions(workspace, task):
+        yield refutation_script(model, question)
+        if demands is None:
+            continue
+        for poses in body_scripts(question):
+            script = body_script(model, question, demands, poses)
+            if script is not None:
+                yield script
