@@ -82,14 +82,15 @@ class _Placing:
             for root in self.derivations.roots:
                 self.values[root, ROOT_ATTRIBUTE] = WORLD
         self._close()
-        found: dict[Placement, None] = {}
+        found: list[Placement] = []  # infinity has no hash
         for number, application in enumerate(self.derivations.applications):
             for emission in self._block(application).emissions:
                 if isinstance(emission, ir.Effector):
                     frame = _Reading(self, number, application).frame(emission.frame)
                     if frame is None:
                         raise NotPlaced(application.rule)
-                    found[frame] = None
+                    if frame not in found:
+                        found.append(frame)
         return tuple(found)
 
     def _close(self) -> None:

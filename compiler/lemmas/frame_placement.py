@@ -54,25 +54,37 @@ def total(value: Ends) -> Ends:
 
 @dataclass(frozen=True, slots=True)
 class Around:
-    """The points of a box (metres), each displaced by a vector of a length within ``off``."""
+    """The points of a box (metres), each displaced by a vector of a length within ``off``.
+
+    The vector is orthogonal to the unit vector ``across``, if that is given.
+    """
 
     box: Box
     off: Ends
+    across: Box | None = None
 
     def joined(self, other: Around) -> Around:
         """Both."""
-        return Around(_hull_of(self.box, other.box), hull(self.off, other.off))
+        across = _common_normal(self, other)
+        return Around(_hull_of(self.box, other.box), hull(self.off, other.off), across)
 
     def widened(self, other: Around) -> Around:
         """Both, with no end that moves on for ever."""
         x, y, z = (widened(a, b) for a, b in zip(self.box, other.box, strict=True))
         off = widened(self.off, other.off)
-        return Around((x, y, z), Ends(off.low if off.low > 0 else ZERO, off.high))
+        across = _common_normal(self, other)
+        return Around((x, y, z), Ends(off.low if off.low > 0 else ZERO, off.high), across)
 
     def furthest(self, normal: Sequence[Fraction]) -> arb:
         """An upper bound of ``normal`` . p over all points p."""
-        length = sum((ball(a * a) for a in normal), ZERO).sqrt()
-        found = self.off.high * length if self.off.high > 0 else ZERO
+        square = Ends(ZERO, sum((ball(a * a) for a in normal), ZERO).upper())
+        if self.across is not None:
+            upright = NOTHING
+            for a, entry in zip(normal, self.across, strict=False):
+                upright = INTERVALS.add(upright, INTERVALS.mul(_ends(a), entry))
+            square = INTERVALS.sub(square, INTERVALS.sq(upright))
+        length = square.high.sqrt() if square.high > 0 else ZERO
+        found = self.off.high * length if self.off.high > 0 and length > 0 else ZERO
         for a, side in zip(normal, self.box, strict=False):
             if a:
                 found += ball(a) * (side.high if a > 0 else side.low)
@@ -116,20 +128,31 @@ class Placement:
     def then(self, step: Placement) -> Placement:
         """The frame ``step``, which is placed in this one, in the world."""
         known, unknown = _divided(self.axes, step.known.box)
-        aside = _sum(norm(unknown), step.known.off)
-        way = _common(_size(step.known), _size(step.based))
+        aside = self._aside(step, unknown)
         x, y, z = (self._axis(column) for column in step.axes)
         return Placement(
-            Around(_plus(self.known.box, known), _sum(self.known.off, aside)),
-            self._based(step, known, unknown, way),
+            Around(
+                _plus(self.known.box, known),
+                _sum(self.known.off, aside.off),
+                _common_normal(self.known, aside),
+            ),
+            self._based(step),
             (x, y, z),
         )
 
-    def _based(self, step: Placement, known: Box, unknown: Sequence[Ends], way: Ends) -> Around:
-        """The second description: a place that is known goes to the box, the rest to the length."""
-        fixed = self.based.off == NOTHING and step.known.off == NOTHING and not unknown
-        if fixed and all(_is_thin(side) for side in known):
-            return Around(_plus(self.based.box, known), NOTHING)
+    def _aside(self, step: Placement, unknown: Sequence[Ends]) -> Around:
+        """The vector that a step adds in directions that are not known, from the origin."""
+        known = [axis for axis in self.axes if axis is not None]
+        own = Around(ORIGIN, norm(unknown), known[0] if len(known) == 1 else None)
+        behind = Around(ORIGIN, step.known.off, self._axis(step.known.across))
+        return Around(ORIGIN, _sum(own.off, behind.off), _common_normal(own, behind))
+
+    def _based(self, step: Placement) -> Around:
+        """The second description: it begins where that of the step does, unless something turns."""
+        known, unknown = _divided(self.axes, step.based.box)
+        if self.based.off == NOTHING and not unknown:
+            return Around(_plus(self.based.box, known), step.based.off)
+        way = _common(_size(step.known), _size(step.based))
         return Around(self.based.box, _sum(self.based.off, way))
 
     def _axis(self, column: Box | None) -> Box | None:
@@ -182,6 +205,13 @@ def freely_turned(axis: int) -> Placement:
 
 
 # --- Lengths and boxes ----------------------------------------------------------------------------
+
+
+def _common_normal(a: Around, b: Around) -> Box | None:
+    """A direction that the vectors of both are orthogonal to."""
+    if a.off == NOTHING:
+        return b.across
+    return a.across if b.off == NOTHING or a.across == b.across else None
 
 
 def hull(a: Ends, b: Ends) -> Ends:

@@ -183,8 +183,11 @@ def _based(placement: Placement) -> Around:
 
 def _corners(around: Around, dimension: int) -> Array:
     """The corners (2^d, d) of a box."""
-    sides = [(float(side.low), float(side.high)) for side in around.box[:dimension]]
-    return np.array(list(product(*sides)))
+    ends = [
+        (float(side.low), float(side.high)) if side.finite else (-np.inf, np.inf)
+        for side in around.box[:dimension]
+    ]
+    return np.array(list(product(*ends)))
 
 
 def _beyond(normal: Array, around: Sequence[Around], vertices: Array) -> HalfSpaceBound:
