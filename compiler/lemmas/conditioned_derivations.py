@@ -15,7 +15,7 @@ from compiler.time_limits.time_limit import check_time
 from compiler.words.finite_automaton import Dfa
 from compiler.words.grammar import Cfg, rules_by_left
 
-MOST_APPLICATIONS = 20_000
+MOST_APPLICATIONS = 5_000
 """Larger graphs are not made."""
 
 

@@ -39,7 +39,7 @@ from compiler.time_limits.time_limit import check_time
 from grammar_lang import ir
 from grammar_lang.elaboration.circularity import reads
 
-UPDATES = 50
+UPDATES = 20
 """So often a value may grow before its ends are put at infinity."""
 
 Triple: TypeAlias = tuple[Ends, Ends, Ends]
@@ -223,6 +223,13 @@ def _widened(old: Value, new: Value) -> Value:
             raise NotPlaced("an attribute is of two sorts")
 
 
+def _after(frame: Placement | None, step: Placement | None) -> Placement:
+    """One frame placed in another; None is the world, or a step that changes nothing."""
+    if frame is None or step is None:
+        return frame or step or WORLD
+    return frame.then(step)
+
+
 class _Unread(Exception):
     """An attribute has no value yet."""
 
@@ -259,13 +266,15 @@ class _Reading:
 
     def _frame(self, expression: ir.Expr) -> Placement:
         """Runs of rigid steps come first: what they displace together is one vector."""
-        found, run = WORLD, WORLD
+        found: Placement | None = None
+        run: Placement | None = None
         for step, rigid in self._steps(expression):
             if rigid:
-                run = run.then(step)
-            else:
-                found, run = found.then(run).then(step), WORLD
-        return found.then(run)
+                run = _after(run, step)
+                continue
+            found = _after(_after(found, run) if found or run else None, step)
+            run = None
+        return _after(found, run)
 
     def _steps(self, expression: ir.Expr) -> Iterator[tuple[Placement, bool]]:
         """The factors of a frame, and whether they are rigid or slide."""

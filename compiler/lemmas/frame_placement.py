@@ -129,7 +129,10 @@ class Placement:
         """The frame ``step``, which is placed in this one, in the world."""
         known, unknown = _divided(self.axes, step.known.box)
         aside = self._aside(step, unknown)
-        x, y, z = (self._axis(column) for column in step.axes)
+        axes = self.axes
+        if step.axes is not UNITS:
+            x, y, z = (self._axis(column) for column in step.axes)
+            axes = x, y, z
         return Placement(
             Around(
                 _plus(self.known.box, known),
@@ -137,7 +140,7 @@ class Placement:
                 _common_normal(self.known, aside),
             ),
             self._based(step),
-            (x, y, z),
+            axes,
         )
 
     def _aside(self, step: Placement, unknown: Sequence[Ends]) -> Around:

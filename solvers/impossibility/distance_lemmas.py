@@ -31,13 +31,16 @@ from compiler.lemmas.frame_placement import Around, Placement
 from compiler.robots.normal_form import RobotFamily
 from compiler.tasks.necessary import stops
 from compiler.words.acceptance import accept_dfa
+from compiler.words.finite_automaton import intersection
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.lemma import DistanceLemma
 from solvers.trajectory.hull_distance import nearest_to_zero
 
-MOST_OF_ONE = 256
+MOST_OF_ONE = 100
 """Counts are not raised beyond."""
+MOST_STATES = 80
+"""Conditions are not weakened beyond: what is asked about takes time that grows with the square."""
 GRID = 10**6
 """Normals are multiples of one part in so many."""
 
@@ -114,8 +117,13 @@ class _Weakening:
 
     def bound(self, counts: _Counts) -> EffectorBound | None:
         """A bound that the effectors keep to and that excludes the place; None: none was found."""
+        condition = counts.condition()
+        language = self.family.language
         try:
-            placements = placements_of(self.family, counts.condition())
+            automaton = accept_dfa(condition, language.srg.terminals)
+            if intersection(language.accept, automaton).size > MOST_STATES:
+                return None
+            placements = placements_of(self.family, condition)
         except ValueError:
             return None
         for bound in _bounds(placements, self.place):

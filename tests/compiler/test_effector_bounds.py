@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fractions import Fraction as F
+from fractions import Fraction
 from itertools import islice
 
 import numpy as np
@@ -24,18 +24,21 @@ from compiler.lemmas.frame_placement import Placement
 from compiler.robots.candidate import candidates_of
 from compiler.robots.normal_form import RobotFamily, family_of
 from grammar_lang import ir
-from tests.oracles.random_kits import RandomKit
 from tests.oracles.formulas import program
+from tests.oracles.random_kits import RandomKit
 
 TASK = """
 workspace W { %s bounds box %s m; region S box %s m; target T box %s m; }
-task Go { robot G; workspace W; start in S at rest; reach T; effort <= 1 N*m; effort <= 1 N; horizon 9 steps of 0.1 s; }
+task Go {
+  robot G; workspace W; start in S at rest; reach T;
+  effort <= 1 N*m; effort <= 1 N; horizon 9 steps of 0.1 s;
+}
 """
 WORDS, POSES = 25, 40
-GRAVITY = (F(0),) * 3
+GRAVITY = (Fraction(0),) * 3
 
 
-def task_text(plane: bool) -> str:  # noqa: FBT001
+def task_text(plane: bool) -> str:
     sides = ["[-90, 90]", "[0, 1]", "[2, 3]"]
     boxes = [" x ".join([side] * (2 if plane else 3)) for side in sides]
     return TASK % ("plane xy;" if plane else "space xyz;", *boxes)
@@ -77,8 +80,8 @@ def within(placements: tuple[Placement, ...], points: Array, rng: np.random.Gene
     """By how much points keep to random bounds at least: the tightest that placements allow."""
     slack = np.inf
     for _ in range(10):
-        normal = tuple(F(x).limit_denominator(1000) for x in rng.normal(size=3))
-        centre = tuple(F(x).limit_denominator(1000) for x in rng.normal(size=3))
+        normal = tuple(Fraction(x).limit_denominator(1000) for x in rng.normal(size=3))
+        centre = tuple(Fraction(x).limit_denominator(1000) for x in rng.normal(size=3))
         with working_precision(PRECISION):
             reach = max(
                 min(_float(p.known.furthest(normal)), _float(p.based.furthest(normal)))
@@ -171,7 +174,7 @@ def counts(**most: int) -> ir.Accept:
     return ir.AllOf(tuple(ir.Count(name, "<=", count) for name, count in most.items()))
 
 
-EDGE = F(1, 10**9)
+EDGE = Fraction(1, 10**9)
 
 
 @pytest.mark.parametrize(
@@ -180,17 +183,17 @@ EDGE = F(1, 10**9)
         # Two links of 3 m and one of 11 m, in any order, beyond any joints.
         ({"L": 2, "K": 1, "P": 0}, (1, 0, 0), 17),
         # Heights are not lost where all joints turn about z: the base and two slides.
-        ({"L": 2, "K": 0, "U": 0, "P": 2}, (0, 0, 1), F(9, 2)),
-        ({"L": 2, "K": 0, "U": 0, "P": 2}, (0, 0, -1), F(-1, 2)),
+        ({"L": 2, "K": 0, "U": 0, "P": 2}, (0, 0, 1), Fraction(9, 2)),
+        ({"L": 2, "K": 0, "U": 0, "P": 2}, (0, 0, -1), Fraction(-1, 2)),
         # Before a joint about y all that stands upright does, behind it anything may.
-        ({"L": 1, "K": 0, "P": 0}, (0, 0, 1), F(7, 2)),
+        ({"L": 1, "K": 0, "P": 0}, (0, 0, 1), Fraction(7, 2)),
     ],
 )
 def test_the_farthest(
-    arm: RobotFamily, most: dict[str, int], normal: tuple[int, int, int], reach: F
+    arm: RobotFamily, most: dict[str, int], normal: tuple[int, int, int], reach: Fraction
 ) -> None:
     placements = placements_of(arm, counts(**most))
-    exact = tuple(F(x) for x in normal)
+    exact = tuple(Fraction(x) for x in normal)
     assert keep_to(HalfSpaceBound(exact, reach + EDGE), placements)
     assert not keep_to(HalfSpaceBound(exact, reach - EDGE), placements)
 
@@ -199,7 +202,7 @@ def test_the_nearest(arm: RobotFamily) -> None:
     """One long link and two short ones: 10 m less 2 times 3 m from the base."""
     one_long = ir.AllOf((counts(L=2, P=0), ir.Count("K", "==", 1)))
     placements = placements_of(arm, one_long)
-    base = (F(0), F(0), F(1, 2))
+    base = (Fraction(0), Fraction(0), Fraction(1, 2))
     assert keep_to(BallBound(base, 4 - EDGE), placements)
     assert not keep_to(BallBound(base, 4 + EDGE), placements)
     # Where the long link may be missing, or two of them are, an effector comes back to the base.
@@ -211,7 +214,7 @@ def test_an_unlimited_slide_goes_anywhere() -> None:
     found = program(ARM.replace("prismatic z in [0, 2] m", "prismatic z") + task_text(plane=False))
     (task,) = found.tasks.values()
     family = family_of(found, task)
-    up = (F(0), F(0), F(1))
-    far = HalfSpaceBound(up, F(10**9))
+    up = (Fraction(0), Fraction(0), Fraction(1))
+    far = HalfSpaceBound(up, Fraction(10**9))
     assert not keep_to(far, placements_of(family, counts(L=1, K=0, P=1)))
     assert keep_to(far, placements_of(family, counts(L=1, K=0, P=0)))
