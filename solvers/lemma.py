@@ -10,7 +10,7 @@ from compiler.lemmas.effector_bounds import EffectorBound, HalfSpaceBound
 from compiler.words.finite_automaton import Dfa, complement, intersection
 from grammar_lang import ir
 from grammar_lang.conditions import condition_text
-from solvers.verifier.claims.lemma_claims import TOO_FAR, TOO_NEAR, LemmaClaim
+from solvers.verifier.claims.lemma_claims import TOO_FAR, TOO_NEAR, LemmaClaim, lemma_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +39,7 @@ class DistanceLemma:
     @property
     def text(self) -> str:
         """The lemma in words."""
-        said = condition_text(self.condition)
-        return f"no robot with `{said}` has an effector in `{self.region}`, {self.argument} for it"
+        return lemma_text(self.claim())
 
     def claim(self) -> LemmaClaim:
         """The lemma as a certificate states it."""

@@ -42,7 +42,7 @@ SPECS = {
     "too_short": small_specs.TOO_SHORT.encode(),
     "spatial": SPATIAL.encode(),
 }
-OPTIONS = {"beyond_reach": ("--no-lemmas",)}
+OPTIONS = {"beyond_reach": ("--no-lemmas",), "too_short": ("--no-lemmas",)}
 """Of those that are made with some."""
 
 

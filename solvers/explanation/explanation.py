@@ -16,6 +16,7 @@ from solvers.explanation.conflict import (
     ConflictSearch,
     separation_conflict,
 )
+from solvers.explanation.learnt_lines import Learnt
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import MOST_RUNS, Runs, Suggestion
 from solvers.explanation.suggestions import SuggestionSearch, smallest
@@ -52,13 +53,14 @@ class Nearest:
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What a synthesis without a design has left: its refuted structures, and the nearest one."""
+    """What a synthesis without a design has left: refuted structures, the nearest one, lemmas."""
 
     verdict: NotFound
     reason: str
     refuted: tuple[tuple[str, ...], ...]
     """Derivations, one of each different robot."""
     nearest: Nearest | None = None
+    lemmas: tuple[Learnt, ...] = ()
 
 
 @dataclass(slots=True)

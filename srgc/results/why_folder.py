@@ -17,10 +17,12 @@ from compiler.robots.normal_form import family_of
 from compiler.words.derivation import BadDerivation
 from grammar_lang import ir
 from solvers.explanation.explanation import Nearest, Tried
+from solvers.explanation.learnt_lines import learnt, robots_of_lemmas
 from solvers.explanation.posed_task import PosedTask
 from solvers.run_context import EVALUATIONS, PATHS, RunContext
 from solvers.verdict import NotFound
 from solvers.verifier.claims.certificate import CertificateError
+from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_copy
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
@@ -89,11 +91,14 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
     tried = None
     if content["verdict"] != "found":
         structures = content["structures_tried"]
+        refuted = _refuted(posed, structures)
+        claims = _lemmas(content)
         tried = Tried(
             _verdict(content["verdict"]),
             str(content["reason"]),
-            _refuted(posed, structures),
+            (*refuted, *robots_of_lemmas(posed, claims, refuted)),
             _nearest(folder, structures),
+            learnt(posed, claims),
         )
     seed = int(content["seed"])
     if seed < 0:
@@ -104,6 +109,14 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
         _budget(content, "evaluations", EVALUATIONS),
     )
     return TriedFolder(posed, seed, search, solver, paths, evaluations, tried)
+
+
+def _lemmas(content: Mapping[str, Any]) -> tuple[LemmaClaim, ...]:
+    """The lemmas of a folder, in their order."""
+    items = [dict(item) for item in content.get("lemmas", [])]
+    for item in items:
+        del item["reason"]
+    return tuple(lemma_claim(item | {"kind": "lemma"}) for item in items)
 
 
 def _budget(content: Mapping[str, Any], name: str, usual: int) -> int:

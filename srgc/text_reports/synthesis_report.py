@@ -224,6 +224,7 @@ def synthesis_text(
         f"tried:   {counted(len(result.records), 'structure')}, "
         f"{counted(refuted, 'robot')} refuted, {counted(same, 'duplicate')}"
         + (f", {undecided} undecided" if undecided and design is not None else "")
+        + (f", {counted(len(result.lemmas), 'lemma')}" if result.lemmas else "")
     )
     if table:
         lines.append(f"designs: {len(result.designs)}\n{table}")

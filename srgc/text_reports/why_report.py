@@ -13,6 +13,7 @@ from grammar_lang.diagnostics.render import marked_line
 from grammar_lang.source import Source
 from solvers.explanation.conflict import Conflict
 from solvers.explanation.explanation import Explanation, foremost, quick_conflict
+from solvers.explanation.learnt_lines import Learnt, learnt
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Suggestion
 from solvers.explanation.task_line import TaskLine
@@ -26,7 +27,11 @@ MOST_CONFLICTS = 6
 def why_text(found: Explanation, *, colour: bool = False) -> str:
     """The explanation for people; ends with a line break."""
     head = f"verdict: {found.tried.verdict} ({found.tried.reason})"
-    conflicts, suggested = conflict_blocks(found, colour=colour), _suggested(found)
+    conflicts = [
+        *lemma_blocks(found.posed, found.tried.lemmas, colour=colour),
+        *conflict_blocks(found, colour=colour),
+    ]
+    suggested = _suggested(found)
     nearest = _nearest(found)
     unknown = found.tried.verdict == "unknown" and not found.all_refuted
     # Where motions were searched without success, other robots' conflicts are of less interest.
@@ -35,6 +40,19 @@ def why_text(found: Explanation, *, colour: bool = False) -> str:
     if found.ended is not None:
         blocks.append(f"not all was tried: {found.ended}")
     return "\n\n".join(blocks) + "\n"
+
+
+def lemma_blocks(
+    posed: PosedTask, lemmas: Sequence[Learnt], *, colour: bool = False
+) -> list[str]:
+    """What each lemma says, and the lines that it rests on."""
+    blocks = []
+    for lemma in lemmas:
+        lines = [f"{lemma.says[0].upper()}{lemma.says[1:]}:"]
+        for line in lemma.lines:
+            lines += marked_line(posed.program.sources, line.span, line.says, colour=colour)
+        blocks.append("\n".join(lines))
+    return blocks
 
 
 def conflict_blocks(found: Explanation, *, colour: bool = False) -> list[str]:
@@ -133,8 +151,11 @@ def ending(result: Synthesis, posed: PosedTask, context: RunContext, folder: str
 def _quickly(result: Synthesis, posed: PosedTask, context: RunContext) -> list[str]:
     """Why a task is impossible, where a few questions say so."""
     reasons = {r.derivation: r.reason for r in result.records if r.same_robot_as is None}
+    claims = [lemma.claim() for lemma in result.lemmas]
+    lines = lemma_blocks(posed, learnt(posed, claims))
+    if lines:
+        return lines
     first = foremost(posed, tuple(reasons)) if reasons else None
-    lines: list[str] = []
     if first is None or not _about_bodies(posed.task):
         lines += conflict_blocks(quick_conflict(posed, first, context))
     if first is not None and not lines:
@@ -158,6 +179,15 @@ def why_json(found: Explanation) -> str:
         "verdict": found.tried.verdict,
         "reason": found.tried.reason,
         "task": found.posed.task.name,
+        "lemmas": [
+            {
+                "says": lemma.says,
+                "condition": lemma.claim.condition,
+                "region": lemma.claim.region,
+                "lines": [_line(line, sources) for line in lemma.lines],
+            }
+            for lemma in found.tried.lemmas
+        ],
         "conflicts": [
             {
                 "lines": [_line(line, sources) for line in conflict.lines],

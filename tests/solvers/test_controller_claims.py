@@ -400,10 +400,10 @@ def test_a_kind_that_is_not_known_leaves_an_impossible_verdict_undecided(
     folder = result("beyond_reach")
     (folder / "design.json").unlink()
 
-    def with_lemma(content: Content) -> None:
+    def with_prophecy(content: Content) -> None:
         content["format"] = 4
-        content["claims"] = [{"kind": "lemma", "word": ["B"]}]
+        content["claims"] = [{"kind": "prophecy", "word": ["B"]}]
 
-    outcome, said = judged(folder, with_lemma)
+    outcome, said = judged(folder, with_prophecy)
     assert outcome is Outcome.UNDECIDED
-    assert "`lemma`" in said
+    assert "`prophecy`" in said

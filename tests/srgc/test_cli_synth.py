@@ -26,8 +26,9 @@ def names(folder):
 def test_the_folder_of_a_found_robot(made):
     folder = made("turner") / "out"
     design = result_files.read(folder, "design.json")
-    evidence = {s["evidence"] for s in design["structures_tried"] if s["verdict"] == "refuted"}
-    assert evidence
+    refuted = [s for s in design["structures_tried"] if s["verdict"] == "refuted"]
+    evidence = {s["evidence"] for s in refuted if "lemma" not in s}
+    assert refuted
     assert names(folder) == sorted(
         [
             "certificate.json", "design.json", "evaluations.csv", "figures/inputs.svg",
@@ -62,7 +63,7 @@ def test_plain_progress_and_a_summary(made):
 def test_design_fields(made):
     folder = made("turner") / "out"
     design = result_files.read(folder, "design.json")
-    assert list(design) == DESIGN_FIELDS
+    assert list(design) == [*DESIGN_FIELDS, "lemmas"]
     assert (design["verdict"], design["reason"], design["task"]) == ("found", None, "Turn")
     word = ["B", "eps", "JO", "eps", "L", "eps", "EN"]
     assert design["word"] == word
@@ -91,6 +92,7 @@ def test_design_fields(made):
             "same_robot_as",
             "boxes",
             "reason",
+            *(["lemma"] if structure["verdict"] == "refuted" else []),
         ]
     assert design["structures_tried"][-1]["verdict"] == "found"
     assert all(s["verdict"] == "refuted" for s in design["structures_tried"][:-1])
@@ -201,7 +203,7 @@ def test_a_time_limit_is_unknown_and_resumed(srgc, spec, tmp_path):
 
 def test_a_family_without_a_bound_is_unknown(srgc, spec, tmp_path):
     text = replaced(SLIDER, "matches B eps P eps M eps EN", "matches B eps EN (eps EN)*")
-    ran = srgc("synth", spec(text), "-o", tmp_path / "out")
+    ran = srgc("synth", spec(text), "-o", tmp_path / "out", "--no-lemmas")
     assert ran.status == 4
     assert "default search bound" in ran.out
     design = result_files.read(tmp_path / "out", "design.json")

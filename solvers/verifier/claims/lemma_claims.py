@@ -47,6 +47,12 @@ def lemma_claim(item: dict[str, Any]) -> LemmaClaim:
     )  # fmt: skip
 
 
+def lemma_text(claim: LemmaClaim) -> str:
+    """A lemma in words."""
+    which = f"no robot with `{claim.condition}` has an effector in `{claim.region}`"
+    return f"{which}, {claim.argument} for it"
+
+
 def effector_bound(claim: LemmaClaim) -> EffectorBound:
     """The bound that a lemma states of effectors.
 

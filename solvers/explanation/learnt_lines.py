@@ -1,0 +1,111 @@
+"""Lemmas in an explanation: what each says, the lines that it rests on, and robots it is about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+
+from compiler.robots.candidate import candidates
+from compiler.robots.normal_form import family_of
+from compiler.robots.robot_key import robot_key_in_task
+from grammar_lang import ir
+from grammar_lang.conditions import condition_of
+from solvers.conclusion import module_bound
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.task_line import TaskLine, task_lines
+from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_text
+
+MOST_ROBOTS = 60
+"""So many different robots of lemmas are looked at, of the first structures."""
+MOST_STRUCTURES = 300
+
+
+@dataclass(frozen=True, slots=True)
+class Learnt:
+    """A lemma, in words, and the lines of the spec that it rests on."""
+
+    claim: LemmaClaim
+    says: str
+    lines: tuple[TaskLine, ...]
+
+
+def learnt(posed: PosedTask, claims: Sequence[LemmaClaim]) -> tuple[Learnt, ...]:
+    """The lemmas of a result.
+
+    Raises:
+        ValueError: a condition is none on words of the family.
+    """
+    return tuple(Learnt(c, lemma_text(c), tuple(_lines(posed, c))) for c in claims)
+
+
+def _lines(posed: PosedTask, claim: LemmaClaim) -> Iterator[TaskLine]:
+    """Who has to be in the region, and the parameters of the modules that are counted."""
+    task, program = posed.task, posed.program
+    counted = _counted(condition_of(claim.condition, program.terminals))
+    for line in task_lines(posed):
+        match line.kind:
+            case "start":
+                about = isinstance(task.start, ir.StartIn) and task.start.region == claim.region
+            case "reach":
+                about = task.reach is not None and task.reach.region == claim.region
+            case "satisfy":
+                about = claim.region in _text(posed, line)
+            case "carry":
+                carry = task.carries[int(line.key[0])]
+                about = claim.region in (carry.source, carry.target)
+            case "parameter":
+                about = line.key[0] in counted
+            case _:
+                about = False
+        if about:
+            yield line
+
+
+def _counted(condition: ir.Accept) -> set[str]:
+    """The modules that a condition counts."""
+    match condition:
+        case ir.Count(str(symbol), _, _):
+            return {symbol}
+        case ir.AllOf(parts) | ir.AnyOf(parts):
+            return set[str]().union(*map(_counted, parts))
+        case ir.NotAccept(part):
+            return _counted(part)
+        case _:
+            return set()
+
+
+def _text(posed: PosedTask, line: TaskLine) -> str:
+    return posed.program.sources[line.span.file].text[line.span.start : line.span.end]
+
+
+def robots_of_lemmas(
+    posed: PosedTask, claims: Sequence[LemmaClaim], known: Sequence[tuple[str, ...]]
+) -> tuple[tuple[str, ...], ...]:
+    """Derivations of some structures that lemmas are about, one of each robot but those known.
+
+    Args:
+        posed: the task.
+        claims: the lemmas.
+        known: the derivations of structures that were refuted on their own.
+
+    Raises:
+        ValueError: a condition is none on words of the family.
+    """
+    if not claims:
+        return ()
+    family = family_of(posed.program, posed.task)
+    conditions = tuple(condition_of(c.condition, posed.program.terminals) for c in claims)
+    accept = ir.AllOf((family.grammar.accept, ir.AnyOf(conditions)))
+    narrowed = replace(family, grammar=replace(family.grammar, accept=accept))
+    seen: set[str] = set()
+    found: list[tuple[str, ...]] = []
+    every = candidates(narrowed, module_bound(family, posed.task), posed.task.origin)
+    for candidate in islice(every, MOST_STRUCTURES):
+        if candidate.model is None or len(seen) == MOST_ROBOTS:
+            continue
+        key = robot_key_in_task(candidate.model, posed.task)
+        if key not in seen and candidate.derivation.labels not in known:
+            found.append(candidate.derivation.labels)
+        seen.add(key)
+    return tuple(found)
