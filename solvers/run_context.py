@@ -8,6 +8,7 @@ from typing import Protocol, TypeAlias
 
 from compiler.time_limits.time_limit import OutOfTimeError
 from solvers.execution.workers import InProcess, Workers
+from solvers.verifier.refutations.solver_process import SmtSolver
 
 Recorded: TypeAlias = "bool | int | float | str | list[Recorded] | dict[str, Recorded] | None"
 """A value of JSON."""
@@ -89,7 +90,8 @@ class RunContext:
     the budgets and the ``solver`` of convex programs, by its name in cvxpy (None: our own).  For a
     structure at most so many ``paths`` are tried, and half as many after a cell was cut; for a path
     so many ``evaluations`` of parameters are made.  With ``lemmas`` one refutation may be about
-    many structures.  ``out_of_time`` is asked between steps, as
+    many structures.  Scripts are given to the solvers ``smt``, all of which have to agree; without
+    any, to z3 as a library.  ``out_of_time`` is asked between steps, as
     often each time; loops within them ask ``compiler.time_limits``.
     """
 
@@ -103,6 +105,7 @@ class RunContext:
     paths: int = PATHS
     evaluations: int = EVALUATIONS
     lemmas: bool = True
+    smt: tuple[SmtSolver, ...] = ()
 
     def check_time(self) -> None:
         """Raise OutOfTimeError once the limit is reached."""

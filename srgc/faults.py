@@ -56,6 +56,10 @@ class NoAnswer(SrgcError):
     """A command that had to end before it had an answer; exit status 4."""
 
 
+class SolversDisagree(SrgcError):
+    """Two solvers contradict each other, of which one is wrong at least; exit status 70."""
+
+
 @dataclass(frozen=True, slots=True)
 class Checked:
     """A file after all checks; the program is None if and only if there is an error."""

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from solvers.execution.process_pool import ProcessPool
 from solvers.execution.workers import InProcess, Workers, WorkersLostError
 from solvers.search.configuration_search import SEARCHES
 from srgc.session import NoAnswer, UsageFault
+
+if TYPE_CHECKING:
+    from solvers.verifier.refutations.solver_process import SmtSolver
 
 # --- Which search of parameters a run is asked to use ---------------------------------------------
 
@@ -46,6 +50,23 @@ def named_solver(name: str | None) -> str | None:
     try:
         return solver_called(name)
     except SolverNameError as error:
+        raise UsageFault(str(error)) from None
+
+
+# --- Which SMT solvers scripts are given to -------------------------------------------------------
+
+
+def named_smt_solvers(names: str | None) -> tuple[SmtSolver, ...]:
+    """The solvers of a list of names with commas; none for z3 as a library.
+
+    Raises:
+        UsageFault: one of them is not here.
+    """
+    from solvers.verifier.refutations.solver_process import UnknownSolverError, named_solvers
+
+    try:
+        return named_solvers(names)
+    except UnknownSolverError as error:
         raise UsageFault(str(error)) from None
 
 

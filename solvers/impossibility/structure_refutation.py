@@ -40,9 +40,12 @@ from solvers.impossibility.drive_search import (
 )
 from solvers.impossibility.pose_search import PoseWitness, clear_poses, designs, find_poses
 from solvers.run_context import RunContext
-from solvers.verdict import Fails
+from solvers.verdict import Answer, Fails, Holds, Unknown
+from solvers.verifier.refutations.solver_process import DisagreementError, agreed
 
 REFUTED = 1.0
+SECONDS = 60.0
+"""After so long a solver that was asked for by its name is ended."""
 FEW_DOFS = 2
 """With as few coordinates a covering is tried although poses were found."""
 DESIGNS = 6
@@ -56,7 +59,8 @@ class Refutation:
     """The answer for a structure: a refuting ``script`` or ``boxes``, or the effector of poses.
 
     ``effector`` (from 0) is one that may start and reach, by the poses found for the first
-    question; None where none were found.
+    question; None where none were found.  ``unanswered``: why a solver that was asked for by its
+    name has not answered a script.
     """
 
     reason: str
@@ -64,6 +68,7 @@ class Refutation:
     effector: int | None
     solver_calls: int
     boxes: str | None = None
+    unanswered: str = ""
 
     @property
     def refuted(self) -> bool:
@@ -91,7 +96,7 @@ def refute_structure(
     if not asked.calls:
         return Refutation("poses were found", None, effector, 0)
     reason = "neither poses nor a refutation were found"
-    return Refutation(reason, None, effector, asked.calls)
+    return Refutation(reason, None, effector, asked.calls, unanswered=asked.unanswered)
 
 
 @dataclass(slots=True)
@@ -105,6 +110,7 @@ class _Asked:
     context: RunContext
     witnesses: list[PoseWitness | None] = field(default_factory=list[PoseWitness | None])
     calls: int = 0
+    unanswered: str = ""
 
     def poses(self, question: PoseQuestion) -> Refutation | None:
         """Poses of the effectors alone: found, refuted, or neither."""
@@ -114,7 +120,7 @@ class _Asked:
             return None
         script = refutation_script(self.model, question)
         self.calls += 1
-        if not _refuted(script, self.context, RESOURCES):
+        if not self.refutes(script, RESOURCES):
             return None
         return Refutation(_reason(self.model, question), script, None, self.calls)
 
@@ -131,9 +137,37 @@ class _Asked:
                 continue
             self.calls += 1
             resources = RESOURCES if len(poses) == 1 else BOTH_POSES
-            if _refuted(body, self.context, resources):
+            if self.refutes(body, resources):
                 return Refutation(_body_reason(question, poses), body, None, self.calls)
         return None
+
+    def refutes(self, script: str, resources: int) -> bool:
+        """Whether the solver, or each of several, answers ``unsat``; the journal is asked first."""
+        key = f"smt|{script}"
+        known = self.context.journal.recall(key)
+        if known is None:
+            answer = self.answer(script, resources)
+            known = REFUTED if isinstance(answer, Fails) else 0.0
+            if isinstance(answer, Unknown) and self.context.smt:
+                self.unanswered = known = answer.detail
+            self.context.journal.record(key, known)
+        elif isinstance(known, str):
+            self.unanswered = known
+        return known == REFUTED
+
+    def answer(self, script: str, resources: int) -> Answer[None, None]:
+        """What z3 says as a library, or the solvers that were asked for by their names."""
+        if not self.context.smt:
+            return solve_script(script, resources=resources)
+        name = "a refutation script"
+        answer = agreed(script, name, self.context.smt, seconds=SECONDS)
+        if isinstance(answer, Fails):
+            # What excludes a robot is not one program's word, if another one contradicts it.
+            library = solve_script(script, resources=resources)
+            if isinstance(library, Holds):
+                said = {solver.name: "unsat" for solver in self.context.smt}
+                raise DisagreementError(name, script, {**said, "z3 as a library": "sat"})
+        return answer
 
     def boxes(self) -> BoxRefutation | None:
         """A covering, where there is hope of one."""
@@ -155,16 +189,6 @@ class _Asked:
             return None
         robot = self.model, self.numeric.graph, self.workspace, self.task
         return drive_refutation(*robot, BEFORE_MOTIONS)
-
-
-def _refuted(script: str, context: RunContext, resources: int) -> bool:
-    """Whether the solver answers ``unsat``; the journal is asked first."""
-    key = f"smt|{script}"
-    known = context.journal.recall(key)
-    if known is None:
-        known = REFUTED if isinstance(solve_script(script, resources=resources), Fails) else 0.0
-        context.journal.record(key, known)
-    return known == REFUTED
 
 
 def _reason(model: RobotModel, question: PoseQuestion) -> str:

@@ -66,6 +66,8 @@ class FamilySearch:
     searched: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
     """The structures that were searched, as they ended."""
     stopped: str | None = None
+    unanswered: dict[int, str] = field(default_factory=dict[int, str])
+    """By the number of a structure which solver has not answered, and why."""
     lemmas: list[DistanceLemma] = field(default_factory=list[DistanceLemma])
 
     def __post_init__(self) -> None:
@@ -156,6 +158,9 @@ class FamilySearch:
             robot=key,
             listener=entered,
         )
+        if answer.unanswered:
+            self.unanswered[candidate.number] = answer.unanswered
+            self.context.reporter.note(answer.unanswered)
         effectors = self.effectors(candidate.model, answer)
         self.queue.enter(entered, StructureSearch(given, self.abstraction).states(effectors))
 
@@ -172,7 +177,9 @@ class FamilySearch:
             self.record(candidate, "refuted", late.reason, boxes=late.boxes)
             return
         tried = f"; {state.tried}" if state.attempts else ""
-        self.record(candidate, "unresolved", f"{state.reason}{tried}{state.obstacle}")
+        unanswered = self.unanswered.get(candidate.number)
+        refuter = "" if unanswered is None else f"; {unanswered}"
+        self.record(candidate, "unresolved", f"{state.reason}{tried}{state.obstacle}{refuter}")
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
         """The effectors that may start and reach, the one of the witness poses first."""

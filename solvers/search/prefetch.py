@@ -22,6 +22,7 @@ from solvers.execution.workers import InProcess, SharedPayload, made_of, packed
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
 from solvers.parameters.parameter_search import parameter_space
 from solvers.run_context import Memory, Recorded, RunContext
+from solvers.verifier.refutations.solver_process import SmtSolver
 
 MOST_DRAWN = 64
 """So many structures are drawn ahead at most, most of which may be robots seen before."""
@@ -38,6 +39,7 @@ class _Question:
     program: ir.Program
     task: ir.Task
     seed: int
+    smt: tuple[SmtSolver, ...]
 
     def itself(self) -> _Question:
         """The question."""
@@ -57,7 +59,7 @@ def _examined(job: _Job) -> tuple[int, Screening]:
     numeric = NumericRobot(robot_graph(job.model, question.task.gravity))
     if len(_ASKED.values) > MOST_ASKED:
         _ASKED.values.clear()
-    context = RunContext(question.seed, journal=_ASKED)
+    context = RunContext(question.seed, journal=_ASKED, smt=question.smt)
     return job.number, screen(job.model, numeric, question.program, question.task, context)
 
 
@@ -75,7 +77,7 @@ class Prefetch:
         context: RunContext,
     ) -> None:
         self._candidates = iter(candidates)
-        self._question = _Question(program, task, context.seed)
+        self._question = _Question(program, task, context.seed, context.smt)
         self._context = context
         self._asked = replace(context, journal=Memory())
         self._alone = isinstance(context.workers, InProcess)

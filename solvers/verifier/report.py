@@ -17,6 +17,7 @@ class Outcome(Enum):
 
     ``UNCHECKED``: what is left are scripts that no solver was asked to run.  ``UNEXPECTED``: the
     certificate is about another task or verdict than was asked for, and was not judged.
+    ``DISAGREEMENT``: two solvers that were to be believed contradict each other.
     """
 
     VALID = "valid"
@@ -24,6 +25,7 @@ class Outcome(Enum):
     UNDECIDED = "undecided"
     UNCHECKED = "not checked"
     UNEXPECTED = "not as expected"
+    DISAGREEMENT = "solvers disagree"
 
 
 class Refused(Exception):

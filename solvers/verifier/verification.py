@@ -44,6 +44,7 @@ from solvers.verifier.proofs.loop_set import Loop
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.proofs.trajectory_proof import Motion, prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.refutations.solver_process import DisagreementError, named_solvers
 from solvers.verifier.report import Outcome, Refused, Report, concluded
 
 # --- The check of ``found``: this robot, so started and so driven, does the task ------------------
@@ -282,7 +283,8 @@ def verify_directory(
     Args:
         folder: a folder written by ``srgc synth``.
         spec: a spec file the result must be about, besides its own copy.
-        trust: ``"z3"`` runs refutation scripts again in a z3 process and believes its ``unsat``.
+        trust: names of SMT solvers, with commas: refutation scripts are run again by each, in a
+            process of its own, and ``unsat`` is believed if all of them say so.
         watch: told of the steps of the motion, or of the structures, that are done.
         expected: what the certificate must be about; one about anything else is not judged.
     """
@@ -297,6 +299,8 @@ def verify_directory(
     except OSError as error:
         reason = f"the results cannot be read: {error.strerror}"
         report = Report(Outcome.UNDECIDED, None, None, reason)
+    except DisagreementError as error:
+        report = Report(Outcome.DISAGREEMENT, None, None, str(error))
     except UnicodeDecodeError:
         report = Report(Outcome.REFUTED, None, None, "the certificate is not UTF-8")
     except CertificateError as error:
@@ -364,18 +368,22 @@ def _impossible(
 ) -> Report:
     # Not for `found`, whose check should not wait for it.
     from solvers.verifier.refutations.impossibility_check import check_impossible
+    from solvers.verifier.refutations.structure_evidence import trusted_text
 
     unknown = decisive(unknown_claims(claim.claims))
     if unknown is not None:
         return Report(Outcome.UNDECIDED, "impossible", None, unknown.reason)
-    found = check_impossible(folder, claim, program, task, trust, watch)
+    solvers = named_solvers(trust)
+    found = check_impossible(folder, claim, program, task, solvers, watch)
     if isinstance(found, str):
         return Report(Outcome.REFUTED, "impossible", None, found)
     if found.complete:
         return Report(Outcome.VALID, "impossible", "validated", None)
     scripts = f"of {found.structures - found.by_boxes} of {found.structures} structures"
-    if trust == "z3":
-        said = f"z3 answers unsat to the scripts {scripts}, boxes prove the others"
-        return Report(Outcome.VALID, "impossible", "z3", said if found.by_boxes else None)
+    if solvers:
+        who = trusted_text(solvers)
+        verb = "answers" if len(solvers) == 1 else "answer"
+        said = f"{who} {verb} unsat to the scripts {scripts}, boxes prove the others"
+        return Report(Outcome.VALID, "impossible", who, said if found.by_boxes else None)
     reason = f"no solver has run on the scripts {scripts}; --trust z3 runs z3 on them"
     return Report(Outcome.UNCHECKED, "impossible", None, reason)

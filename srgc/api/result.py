@@ -154,7 +154,7 @@ class Result:
 
         return copy_results(self.folder, Path(folder), force=force)
 
-    def verify(self, *, trust: Literal["z3"] | None = None) -> Verification:
+    def verify(self, *, trust: str | None = None) -> Verification:
         """Check the result independently, as ``srgc verify`` does."""
         answer = verify(self.folder, trust=trust)
         self.answers.append(answer)

@@ -35,6 +35,7 @@ def synthesize(
     every: bool = False,
     solver: str | None = None,
     search: str | None = None,
+    smt: str | None = None,
     lemmas: bool = True,
     force: bool = False,
 ) -> Result:
@@ -53,6 +54,8 @@ def synthesize(
         every: go on after the first robot, and compare all of them.
         solver: of convex programs; our own by default, or one of cvxpy's.
         search: of parameters; gp-acb by default.
+        smt: the SMT solvers that scripts are given to, as "cvc5" or "z3,cvc5", which must agree; z3
+            as a library by default.
         lemmas: let one refutation be about many structures, where it can be.
         force: replace the results of another synthesis in the folder.
 
@@ -68,13 +71,15 @@ def synthesize(
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
     _refuse_numbers(seed, jobs, cells, time_limit)
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
-    from srgc.search_options import named_search, named_solver
+    from srgc.search_options import named_search, named_smt_solvers, named_solver
+
+    named_smt_solvers(smt)
 
     keeper = TemporaryFolder.made() if folder is None else None
     place = Path(folder) if folder is not None else keeper.path if keeper is not None else Path()
     options = SynthesisOptions(
         place, seed, jobs, limit, force, quiet=True, cells=cells, every=every,
-        solver=named_solver(solver), search=named_search(search), lemmas=lemmas,
+        solver=named_solver(solver), search=named_search(search), lemmas=lemmas, smt=smt,
     )  # fmt: skip
     run_synthesis(Path(program.name), program.ir, chosen_task, options)
     return opened(place, keeper)

@@ -97,7 +97,7 @@ def verify(
     spec: str | PathLike[str] | None = None,
     task: str | None = None,
     expect: Literal["found", "impossible"] | None = None,
-    trust: Literal["z3"] | None = None,
+    trust: str | None = None,
 ) -> Verification:
     """Check a result independently of the search that made it.
 
@@ -106,20 +106,21 @@ def verify(
         spec: also check that it is about this file.
         task: it has to be about the task of this name.
         expect: it has to have this verdict.
-        trust: with "z3", run the scripts of refutations again and believe its "unsat".
+        trust: names of SMT solvers, as "z3,cvc5": run the scripts of refutations again, each solver
+            in a process of its own, and believe "unsat" if all say so.
 
     Raises:
         SrgcError: there is no such folder or file.
     """
     from solvers.verifier.verification import Expected, verify_directory
+    from srgc.search_options import named_smt_solvers
 
     folder, file = Path(result), None if spec is None else Path(spec)
     if not folder.is_dir():
         raise UsageFault(f"{folder} is not a folder")
     if file is not None and not file.is_file():
         raise UsageFault(f"{file} is not a file")
-    if trust not in (None, "z3"):
-        raise UsageFault("`trust` is z3 or None")
+    named_smt_solvers(trust)
     if expect not in (None, "found", "impossible"):
         raise UsageFault("`expect` is found, impossible or None")
     expected = Expected(task, expect)

@@ -20,6 +20,7 @@ from srgc.faults import (
     USAGE,
     Checked,
     NoAnswer,
+    SolversDisagree,
     SpecErrors,
     UsageFault,
 )
@@ -58,6 +59,8 @@ def _report(error: BaseException) -> tuple[int, Callable[[], None]]:
     match error:
         case UsageFault():
             return USAGE, _message(f"error: {error}")
+        case SolversDisagree():
+            return INTERNAL, _message(f"error: {error}")
         case SpecErrors(checked=checked):
             return SPEC_ERRORS, partial(show, checked, stderr=True)
         case click.exceptions.NoArgsIsHelpError():

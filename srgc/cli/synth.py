@@ -46,6 +46,9 @@ from srgc.time_limit import TimeLimit
 @click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
 @click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default) or nelder-mead.")
 @click.option(
+    "--smt", metavar="NAMES", help="Of scripts: SMT solvers, as cvc5 or z3,cvc5, that must agree."
+)
+@click.option(
     "--no-lemmas", is_flag=True, help="Refute every structure on its own, by evidence of its own."
 )
 @QUIET
@@ -65,6 +68,7 @@ def synth(
     evaluations: int | None,
     solver: str | None,
     search: str | None,
+    smt: str | None,
     no_lemmas: bool,  # noqa: FBT001
     quiet: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
@@ -88,14 +92,15 @@ def synth(
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
-    from srgc.search_options import named_search, named_solver
+    from srgc.search_options import named_search, named_smt_solvers, named_solver
     from srgc.text_reports.synthesis_report import change_of, synthesis_text
 
+    named_smt_solvers(smt)
     folder = output or Path("out") / chosen_task.name
     options = SynthesisOptions(
         folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster, every,
         named_solver(solver), named_search(search), paths, evaluations,
-        not no_lemmas,
+        not no_lemmas, smt,
     )  # fmt: skip
     result = run_synthesis(file, program, chosen_task, options)
     table = ""

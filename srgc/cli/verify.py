@@ -11,7 +11,7 @@ import click
 
 from srgc.cli.arguments import FOLDER, QUIET, DocumentedCommand, PathOf
 from srgc.cli.completions import complete_file
-from srgc.faults import REFUSED, UNEXPECTED, UNKNOWN, UsageFault
+from srgc.faults import INTERNAL, REFUSED, UNEXPECTED, UNKNOWN, UsageFault
 
 if TYPE_CHECKING:
     from solvers.verdict import Claimed
@@ -45,7 +45,11 @@ if TYPE_CHECKING:
 @click.option(
     "--expect", type=click.Choice(["found", "impossible"]), help="It has to have this verdict."
 )
-@click.option("--trust", type=click.Choice(["z3"]), help="Run z3 again and believe its unsat.")
+@click.option(
+    "--trust",
+    metavar="NAMES",
+    help="Run these SMT solvers, as z3,cvc5, and believe unsat if all say so.",
+)
 @click.option(
     "--jobs",
     type=click.IntRange(1),
@@ -82,6 +86,10 @@ def verify(
         raise no_folder(folder)
     if spec is not None and not spec.is_file():
         raise UsageFault(f"{spec} is not a file")
+    if trust is not None:
+        from srgc.search_options import named_smt_solvers
+
+        named_smt_solvers(trust)
     with (
         _beside(jobs) as (each, begin),
         progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display,
@@ -89,7 +97,10 @@ def verify(
         watch = Watch(part=display.part, each=each, begin=begin)
         report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
     click.echo(verification_json(report) if as_json else verification_text(report))
-    statuses = {Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED}
+    statuses = {
+        Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED,
+        Outcome.DISAGREEMENT: INTERNAL,
+    }  # fmt: skip
     return statuses.get(report.outcome, UNKNOWN)
 
 

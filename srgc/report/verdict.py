@@ -88,7 +88,7 @@ def _judged(evidence: Evidence) -> tuple[str, str]:
             return f"{verdict}, scripts not run", "open"
         case Outcome.UNDECIDED | Outcome.UNEXPECTED:
             return f"{verdict}, not confirmed", "open"
-        case Outcome.REFUTED:
+        case Outcome.REFUTED | Outcome.DISAGREEMENT:
             return f"{verdict}: the certificate is refuted", "bad"
 
 

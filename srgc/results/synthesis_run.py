@@ -23,6 +23,8 @@ from solvers.search.path_task import Design
 from solvers.search.synthesis import Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
 from solvers.verifier.claims.spec_copy import files_of
+from solvers.verifier.refutations.solver_process import DisagreementError
+from srgc.faults import SolversDisagree
 from srgc.interruption import resumable
 from srgc.results.design_file import (
     boxes_name,
@@ -36,7 +38,7 @@ from srgc.results.design_file import (
 from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
-from srgc.search_options import workers_for
+from srgc.search_options import named_smt_solvers, workers_for
 from srgc.session import UsageFault
 from srgc.text_reports.synthesis_report import change_of
 from srgc.time_limit import TimeLimit
@@ -44,6 +46,7 @@ from srgc.version import VERSION
 
 PICTURES = ("figures/workspace.svg", "figures/inputs.svg")
 NEAREST = "nearest.csv"
+DISAGREEMENT = "proofs/disagreement"
 KEPT = "the design that an earlier run proved is kept"
 
 
@@ -76,6 +79,7 @@ def run_synthesis(
     Raises:
         UsageFault: the folder or the cluster cannot be used.
         NoAnswer: the workers were lost; another run goes on from the folder.
+        SolversDisagree: two SMT solvers contradict each other; the folder has the script.
     """
     with workers_for(options.jobs, options.cluster) as workers:
         return _run(path, program, task, options, workers)
@@ -105,7 +109,14 @@ def _run(
             """Leave a design in the folder whose search goes on."""
             _write(folder.files, better, program, task, path.name, identity, limit)
 
-        result = _searched(folder, program, task, options, workers, limit, keep)
+        try:
+            result = _searched(folder, program, task, options, workers, limit, keep)
+        except DisagreementError as error:
+            answers = {"answers": dict(error.answers)}
+            folder.files.write(f"{DISAGREEMENT}.smt2", error.script)
+            folder.files.write(f"{DISAGREEMENT}.json", json.dumps(answers, indent=1) + "\n")
+            kept = f"{options.output / DISAGREEMENT}.smt2"
+            raise SolversDisagree(f"{error}; the script is kept as {kept}") from None
         searched = clock.passed
         if result.unfinished and result.design is None and folder.holds_design():
             return replace(result, reason=f"{result.reason}; {KEPT}")
@@ -156,6 +167,7 @@ def _searched(
             paths=options.paths or PATHS,
             evaluations=options.evaluations or EVALUATIONS,
             lemmas=options.lemmas,
+            smt=named_smt_solvers(options.smt),
         )
         with limit.holds():
             result = synthesise(

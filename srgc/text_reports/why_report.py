@@ -42,9 +42,7 @@ def why_text(found: Explanation, *, colour: bool = False) -> str:
     return "\n\n".join(blocks) + "\n"
 
 
-def lemma_blocks(
-    posed: PosedTask, lemmas: Sequence[Learnt], *, colour: bool = False
-) -> list[str]:
+def lemma_blocks(posed: PosedTask, lemmas: Sequence[Learnt], *, colour: bool = False) -> list[str]:
     """What each lemma says, and the lines that it rests on."""
     blocks = []
     for lemma in lemmas:

@@ -17,7 +17,7 @@ from compiler.robots.robot import PointBody, RobotModel, RodBody, SolidBody
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.backends.smt import solve_script
-from solvers.verifier.refutations.solver_process import run_z3_subprocess
+from solvers.verifier.refutations.solver_process import smt_solver
 from tests.compiler.test_reachability_soundness import pinned
 from tests.oracles.arms import ArmBuilder, effector_positions, planar_arm
 from tests.oracles.planar_bodies import bodies_of, depth, random_polygon, two_link_poses
@@ -381,7 +381,7 @@ def test_the_same_bytes_and_a_solver_of_its_own() -> None:
     assert text.isascii()
     assert text.endswith("(check-sat)\n")
     assert max(map(len, (line for line in text.splitlines() if line[0] == ";"))) <= 100
-    assert run_z3_subprocess(text) == UNSAT
+    assert smt_solver("z3").run(text) == UNSAT
 
 
 def test_effectors_that_are_alike_are_one_alternative() -> None:

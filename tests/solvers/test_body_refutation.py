@@ -22,6 +22,7 @@ from solvers.impossibility.structure_refutation import Refutation, refute_struct
 from solvers.run_context import RunContext
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
+from solvers.verifier.refutations.solver_process import smt_solver
 from tests.oracles.formulas import program, spec
 
 START, TARGET, BOTH = ("start",), ("target",), ("start", "target")
@@ -119,7 +120,7 @@ def test_every_script_of_the_body_is_evidence(tmp_path: Path, kind: str) -> None
     structure = StructureClaim(derivation.word, derivation.labels, "0000.smt2", None)
     claim = ImpossibleClaim("P", "a.srg", "", 6, (structure,))
     # Both poses with common lengths take z3 long: that script is only compared.
-    trust = None if kind == "both" else "z3"
+    trust = () if kind == "both" else (smt_solver("z3"),)
     shown = Impossibility(structures=1, by_boxes=0)
     expected = {
         "target": shown, "both": shown,

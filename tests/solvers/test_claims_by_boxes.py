@@ -48,8 +48,8 @@ def structure(number, **changes):
 
 
 def test_no_solver_is_believed(folder, capsys, monkeypatch):
-    module = "solvers.verifier.refutations.structure_evidence.run_z3_subprocess"
-    monkeypatch.setattr(module, lambda _script: pytest.fail("a solver was asked"))
+    module = "solvers.verifier.refutations.structure_evidence.agreed"
+    monkeypatch.setattr(module, lambda *_arguments: pytest.fail("a solver was asked"))
     report = verify_directory(folder)
     assert (report.outcome, report.verdict) == (Outcome.VALID, "impossible")
     assert (report.level, report.reason) == ("validated", None)

@@ -286,10 +286,9 @@ def test_boxes_need_no_z3(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     ],
 )
 def test_a_z3_process_that_fails_verifies_nothing(process: str, result, monkeypatch) -> None:
-    command = [sys.executable, "-c", f"import os, signal, sys; sys.stdin.read(); {process}"]
-    monkeypatch.setattr(
-        solvers.verifier.refutations.solver_process, "z3_command", lambda *_a: command
-    )
+    command = (sys.executable, "-c", f"import os, signal, sys; sys.stdin.read(); {process}")
+    commands = solvers.verifier.refutations.solver_process.COMMANDS
+    monkeypatch.setitem(commands, "z3", lambda: command)
     folder = result("beyond_reach")
     without_boxes(folder)
     assert verify_directory(folder, None, "z3").outcome is not Outcome.VALID

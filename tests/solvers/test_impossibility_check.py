@@ -69,11 +69,11 @@ def test_scripts_are_not_checked_until_z3_runs_on_them(srgc_run, result):
 def test_what_z3_does_not_decide_is_neither_valid_nor_refuted(srgc_run, result, monkeypatch):
     folder = result("beyond_reach")
     without_boxes(folder)
-    unanswered = Unknown(Reason.RESOURCE_LIMIT, "within 1 z3 resource units")
-    monkeypatch.setattr(structure_evidence, "run_z3_subprocess", lambda _script: unanswered)
+    unanswered = Unknown(Reason.RESOURCE_LIMIT, "z3 answers unknown")
+    monkeypatch.setattr(structure_evidence, "agreed", lambda *_arguments: unanswered)
     status, out = srgc_run("verify", folder, "--trust", "z3")
     assert status == 4
-    assert out.startswith("undecided: z3 does not decide the script of structure 0: within 1 z3 ")
+    assert out.startswith("undecided: the script of structure 0 is not decided: z3 answers unknown")
 
 
 def eagerly(function, jobs):

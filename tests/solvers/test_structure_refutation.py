@@ -16,6 +16,7 @@ from solvers.impossibility.structure_refutation import Refutation, refute_struct
 from solvers.run_context import RunContext
 from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
+from solvers.verifier.refutations.solver_process import smt_solver
 from tests.oracles.formulas import program, spec
 
 REGIONS = """
@@ -97,7 +98,7 @@ def test_the_script_of_any_question_is_evidence(tmp_path: Path, other: bool) -> 
     (tmp_path / "0000.smt2").write_text(script, encoding="utf-8")
     structure = StructureClaim(derivation.word, derivation.labels, "0000.smt2", None)
     claim = ImpossibleClaim("P", "a.srg", "", 7, (structure,))
-    answered = check_impossible(tmp_path, claim, found, task, "z3")
+    answered = check_impossible(tmp_path, claim, found, task, (smt_solver("z3"),))
     if other:
         assert answered == "0000.smt2 is not the script of structure 0"
     else:

@@ -85,7 +85,9 @@ def test_an_unbounded_family_is_left_at_a_limit_that_is_named(tmp_path, monkeypa
     assert result.verdict == "unknown"
     assert "limit of 3 different robots" in result.reason
     assert {r.verdict for r in result.records} <= {"refuted", "same"}
-    bounded = run(tmp_path, edited(far, pole, ("  horizon", "  modules <= 5;\n  horizon")), lemmas=False)
+    bounded = run(
+        tmp_path, edited(far, pole, ("  horizon", "  modules <= 5;\n  horizon")), lemmas=False
+    )
     assert bounded.verdict == "impossible"
     assert len(bounded.records) > len(result.records)
 

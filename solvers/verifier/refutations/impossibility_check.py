@@ -23,6 +23,7 @@ from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.refutations.lemma_check import check_covered, checked_condition, without
 from solvers.verifier.refutations.separation_check import misstated_separation
+from solvers.verifier.refutations.solver_process import SmtSolver
 from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
 
 AT_ONCE = 8
@@ -51,7 +52,7 @@ def check_impossible(
     claim: ImpossibleClaim,
     program: ir.Program,
     task: ir.Task,
-    trust: str | None,
+    trust: tuple[SmtSolver, ...],
     watch: Watch = UNWATCHED,
 ) -> Impossibility | str:
     """How a claim is proved, or the reason why it is refused.

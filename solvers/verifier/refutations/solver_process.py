@@ -1,67 +1,303 @@
-"""z3 on the text of an SMT-LIB 2 script, in a process of its own: the verifier loads no solver."""
+"""SMT solvers on the text of an SMT-LIB 2 script, each in a process of its own.
+
+For the verifier, which loads no solver, and for searches that ask another solver than z3's library.
+A solver is what its name finds: a command beside this Python or on the path that reads a script on
+standard input, the Python package of z3 or cvc5, or a solver that pySMT has.  An answer is exactly
+one word; whatever else a process does (it is missing, ends with an error, prints something else,
+or nothing for too long) is no answer, and is said by the solver's name.
+"""
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
+from compiler.time_limits.time_limit import check_time
 from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
 # As much again as the searchers spend, so that what they decided is decided here too.
 RESOURCES = 2_000_000
+SECONDS = 600.0
+"""After so long a process is ended: most solvers have no budget that counts anything else."""
+PULSE = 0.2
+"""Seconds between two looks at a limit of time."""
+SHOWN = 200
+"""Characters of what a process says in a message."""
 
-# Without the executable, the Python package does the same; -P keeps the working directory out of
-# the module path.
-_PROGRAM = """\
+# -P keeps the working directory out of the module path.
+_Z3 = """\
 import sys, z3
 solver = z3.SolverFor("QF_NRA")
 solver.set("rlimit", int(sys.argv[1]))
 solver.from_string(sys.stdin.read())
 print(solver.check())
 """
+_CVC5 = """\
+import sys, cvc5
+solver = cvc5.Solver(cvc5.TermManager())
+solver.setOption("rlimit-per", sys.argv[1])
+parser = cvc5.InputParser(solver)
+parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, sys.stdin.read(), "script")
+while not (command := parser.nextCommand()).isNull():
+    print(command.invoke(solver, parser.getSymbolManager()), end="")
+"""
+_PYSMT = """\
+import sys
+from io import StringIO
+from pysmt.shortcuts import Solver
+from pysmt.smtlib.parser import SmtLibParser
+script = SmtLibParser().get_script(StringIO(sys.stdin.read()))
+with Solver(name=sys.argv[1], logic="QF_NRA") as solver:
+    answers = [answer for name, answer in script.evaluate(solver) if name == "check-sat"]
+print({True: "sat", False: "unsat"}.get(answers[-1], "unknown"))
+"""
+_PYSMT_NAMES = """\
+from pysmt.logics import QF_NRA
+from pysmt.shortcuts import get_env
+print(*get_env().factory.all_solvers(logic=QF_NRA))
+"""
 
 
-def z3_command(resources: int = RESOURCES) -> list[str]:
-    """The command that reads a script on standard input: z3 as installed beside this Python."""
-    name = "z3.exe" if sys.platform == "win32" else "z3"
-    for folder in (Path(sys.executable).parent, Path(sysconfig.get_path("scripts"))):
-        if (folder / name).is_file():
-            return [str(folder / name), "-smt2", "-in", f"rlimit={resources}"]
-    return [sys.executable, "-P", "-c", _PROGRAM, str(resources)]
+class UnknownSolverError(ValueError):
+    """There is no SMT solver of a name here; the message lists those that are."""
 
 
-def run_z3_subprocess(
-    script: str, *, resources: int = RESOURCES, command: list[str] | None = None
+class DisagreementError(Exception):
+    """One solver says sat of a ``script`` and another one unsat: at least one of them is wrong.
+
+    ``answers`` by the names of the solvers.
+    """
+
+    def __init__(self, name: str, script: str, answers: Mapping[str, str]) -> None:
+        said = ", ".join(f"{solver} says {answer}" for solver, answer in answers.items())
+        super().__init__(name, script, answers)
+        self.text = f"the solvers disagree about {name}: {said}"
+        self.script, self.answers = script, answers
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, slots=True)
+class SmtSolver:
+    """A solver by its name, and the command that reads a script on standard input."""
+
+    name: str
+    command: tuple[str, ...]
+
+    def run(self, script: str, *, seconds: float | None = None) -> Answer[None, None]:
+        """Decide a QF_NRA script: ``Holds`` is sat, ``Fails`` is unsat, all else ``Unknown``.
+
+        Args:
+            script: SMT-LIB 2 with one ``check-sat``.
+            seconds: after which the process is ended; None: ``SECONDS``.
+
+        Raises:
+            OutOfTimeError: the limit of time that holds here was reached; there is no answer.
+        """
+        limit = SECONDS if seconds is None else seconds
+        try:
+            process = subprocess.Popen(  # noqa: S603 (the command is the user's choice)
+                self.command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                encoding="utf-8",
+                errors="replace",
+            )
+        except OSError as error:
+            return Unknown(Reason.INCOMPLETE, f"{self.name} does not start: {error.strerror}")
+        try:
+            ended = _communicate(process, script, limit)
+        finally:
+            process.kill()
+            process.wait()
+            for pipe in (process.stdin, process.stdout, process.stderr):
+                with suppress(OSError):
+                    if pipe is not None:
+                        pipe.close()
+        if ended is None:
+            said = f"{self.name} did not answer within {limit:g} s"
+            return Unknown(Reason.TIME_LIMIT, said)
+        return self._answer(process.returncode, *ended)
+
+    def _answer(self, status: int, output: str, errors: str) -> Answer[None, None]:
+        match status, output.strip():
+            case 0, "unsat":
+                return Fails(None)
+            case 0, "sat":
+                return Holds(None)
+            case 0, "unknown":
+                said = f"{self.name} answers unknown"
+                return Unknown(Reason.RESOURCE_LIMIT, said)
+            case 0, output:
+                message = " ".join((output or errors).split())[:SHOWN] or "nothing"
+                said = f"{self.name} prints what is no answer: {message}"
+                return Unknown(Reason.INCOMPLETE, said)
+            case code, output:
+                message = next(iter(reversed((errors or output).strip().splitlines())), "")[:SHOWN]
+                said = f"{self.name} ended with status {code}: {message}"
+                return Unknown(Reason.INCOMPLETE, said)
+
+
+def _communicate(
+    process: subprocess.Popen[str], script: str, limit: float
+) -> tuple[str, str] | None:
+    """What a process prints and reports; None where it has not ended within so many seconds."""
+    given: str | None = script
+    left = limit
+    while True:
+        try:
+            return process.communicate(given, timeout=min(PULSE, max(left, 0.0)))
+        except subprocess.TimeoutExpired:
+            given = None
+            left -= PULSE
+            check_time()
+            if left <= 0:
+                return None
+        except BrokenPipeError:  # it has ended without reading all
+            given = None
+
+
+# --- Several solvers ------------------------------------------------------------------------------
+
+
+def agreed(
+    script: str, name: str, solvers: Sequence[SmtSolver], *, seconds: float | None = None
 ) -> Answer[None, None]:
-    """Decide a QF_NRA script elsewhere: ``Holds`` is sat, ``Fails`` is unsat.
+    """What all of some solvers answer; the first that has no answer, where none contradicts.
 
-    An answer is exactly one word; any other output, an error among them, is ``Unknown``.
+    Args:
+        script: SMT-LIB 2.
+        name: what a message calls it.
+        solvers: at least one.
+        seconds: after which a process is ended; None: ``SECONDS``.
 
     Raises:
-        ValueError: ``resources`` is not positive.
+        DisagreementError: two answers contradict each other.
+        OutOfTimeError: the limit of time that holds here was reached.
     """
-    if resources < 1:
-        raise ValueError("a budget is at least one unit")
-    try:
-        finished = subprocess.run(  # noqa: S603 (the command is our own)
-            z3_command(resources) if command is None else command,
-            input=script,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            check=False,
-        )
-    except OSError as error:
-        return Unknown(Reason.INCOMPLETE, f"z3 does not start: {error}")
-    match finished.returncode, finished.stdout.strip():
-        case 0, "unsat":
-            return Fails(None)
-        case 0, "sat":
-            return Holds(None)
-        case 0, "unknown":
-            return Unknown(Reason.RESOURCE_LIMIT, f"within {resources} z3 resource units")
-        case code, output:
-            message = " ".join((output or finished.stderr).split())[:200]
-            return Unknown(Reason.INCOMPLETE, f"z3 ended with status {code}: {message}")
+    answers = [(solver.name, solver.run(script, seconds=seconds)) for solver in solvers]
+    words = {
+        each: "sat" if isinstance(answer, Holds) else "unsat"
+        for each, answer in answers
+        if not isinstance(answer, Unknown)
+    }
+    if len(set(words.values())) > 1:
+        raise DisagreementError(name, script, words)
+    return next((a for _, a in answers if isinstance(a, Unknown)), answers[0][1])
+
+
+# --- Which solvers there are ----------------------------------------------------------------------
+
+
+def _executable(*names: str) -> str | None:
+    """A command beside this Python, or else on the path."""
+    suffix = ".exe" if sys.platform == "win32" else ""
+    for folder in (Path(sys.executable).parent, Path(sysconfig.get_path("scripts"))):
+        for name in names:
+            if (folder / f"{name}{suffix}").is_file():
+                return str(folder / f"{name}{suffix}")
+    return next((found for found in map(shutil.which, names) if found is not None), None)
+
+
+def z3_command(resources: int = RESOURCES) -> tuple[str, ...]:
+    """z3 as installed beside this Python, else its package."""
+    found = _executable("z3")
+    if found is not None:
+        return found, "-smt2", "-in", f"rlimit={resources}"
+    return sys.executable, "-P", "-c", _Z3, str(resources)
+
+
+def _cvc5_command() -> tuple[str, ...] | None:
+    found = _executable("cvc5")
+    if found is not None:
+        return found, "--lang=smt2", "--quiet", f"--rlimit-per={RESOURCES}"
+    if find_spec("cvc5") is not None:
+        return sys.executable, "-P", "-c", _CVC5, str(RESOURCES)
+    return None
+
+
+def _yices_command() -> tuple[str, ...] | None:
+    found = _executable("yices-smt2", "yices_smt2")
+    return None if found is None else (found,)
+
+
+def _mathsat_command() -> tuple[str, ...] | None:
+    found = _executable("mathsat")
+    return None if found is None else (found, "-input=smt2")
+
+
+COMMANDS: dict[str, Callable[[], tuple[str, ...] | None]] = {
+    "z3": z3_command,
+    "cvc5": _cvc5_command,
+    "yices": _yices_command,
+    "mathsat": _mathsat_command,
+}
+
+
+def smt_solvers() -> tuple[SmtSolver, ...]:
+    """The solvers that are here by name: those known by a command, then those of pySMT alone."""
+    found = [(name, command()) for name, command in sorted(COMMANDS.items())]
+    known = [SmtSolver(name, command) for name, command in found if command is not None]
+    names = {solver.name for solver in known} | {
+        "msat" if s.name == "mathsat" else "" for s in known
+    }
+    others = [
+        SmtSolver(name, (sys.executable, "-P", "-c", _PYSMT, name))
+        for name in _of_pysmt()
+        if name not in names
+    ]
+    return (*known, *others)
+
+
+def _of_pysmt() -> Sequence[str]:
+    """The names of the solvers that pySMT, if it is installed, has for nonlinear arithmetic."""
+    if find_spec("pysmt") is None:
+        return ()
+    finished = subprocess.run(  # noqa: S603 (the command is our own)
+        [sys.executable, "-P", "-c", _PYSMT_NAMES], capture_output=True, text=True, check=False
+    )
+    return finished.stdout.split() if finished.returncode == 0 else ()
+
+
+def smt_solver(name: str) -> SmtSolver:
+    """The solver of a name, or of the path of a command that reads SMT-LIB 2 on standard input.
+
+    Raises:
+        UnknownSolverError: there is none.
+    """
+    if any(separator in name for separator in ("/", "\\")):
+        if Path(name).is_file():
+            return SmtSolver(Path(name).name, (str(Path(name).resolve()),))
+        raise UnknownSolverError(f"there is no command `{name}`")
+    command = COMMANDS[name]() if name in COMMANDS else None
+    if command is not None:
+        return SmtSolver(name, command)
+    here = smt_solvers()
+    for solver in here:
+        if solver.name == name:
+            return solver
+    listed = ", ".join(f"`{solver.name}`" for solver in here) or "none"
+    hint = "; `pip install srgc[smt]` brings cvc5" if name == "cvc5" else ""
+    raise UnknownSolverError(f"there is no SMT solver `{name}`; here are {listed}{hint}")
+
+
+def named_solvers(names: str | None) -> tuple[SmtSolver, ...]:
+    """The solvers of a list of names with commas; None: none.
+
+    Raises:
+        UnknownSolverError: there is none of a name.
+    """
+    if names is None:
+        return ()
+    each = dict.fromkeys(part.strip() for part in names.split(","))
+    return tuple(smt_solver(name) for name in each)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from solvers.verdict import Fails, Holds
 from solvers.verifier.claims.certificate import StructureClaim
 from solvers.verifier.claims.spec_copy import evidence_bytes
 from solvers.verifier.refutations.box_check import why_not
-from solvers.verifier.refutations.solver_process import run_z3_subprocess
+from solvers.verifier.refutations.solver_process import SmtSolver, agreed
 from solvers.verifier.report import Outcome, Refused
 
 MOST_SHOWN = 80
@@ -34,7 +34,7 @@ class Evidence:
     folder: Path
     program: ir.Program
     task: ir.Task
-    trust: str | None
+    trust: tuple[SmtSolver, ...]
 
     @property
     def workspace(self) -> ir.Workspace:
@@ -53,8 +53,8 @@ class Evidence:
             self._covered(number, claimed.boxes, model)
         if claimed.evidence is not None:
             script = self._script(number, claimed.evidence, model)
-            if claimed.boxes is None and self.trust == "z3":
-                self._unsatisfiable(number, script)
+            if claimed.boxes is None and self.trust:
+                self._unsatisfiable(number, claimed.evidence, script)
         return claimed.boxes is not None
 
     def _covered(self, number: int, name: str, model: RobotModel) -> None:
@@ -75,15 +75,19 @@ class Evidence:
                 return script
         raise FalseClaim(f"{name} is not the script of structure {number}")
 
-    def _unsatisfiable(self, number: int, script: str) -> None:
-        match run_z3_subprocess(script):
+    def _unsatisfiable(self, number: int, name: str, script: str) -> None:
+        """All solvers that are to be believed refute the script."""
+        match agreed(script, name, self.trust):
             case Fails():
                 return
             case Holds():
-                raise FalseClaim(f"z3 does not refute structure {number}: its script has a model")
+                who = trusted_text(self.trust)
+                raise FalseClaim(
+                    f"{who} does not refute structure {number}: its script has a model"
+                )
             case unanswered:
                 raise Refused(
-                    f"z3 does not decide the script of structure {number}: "
+                    f"the script of structure {number} is not decided: "
                     f"{unanswered.detail or unanswered.reason.value}",
                     Outcome.UNDECIDED,
                 )
@@ -95,6 +99,11 @@ class Evidence:
             raise FalseClaim(f"the evidence {_shown(name)} is missing") from None
         except OSError as error:
             raise FalseClaim(f"the evidence {_shown(name)}: {error.strerror}") from None
+
+
+def trusted_text(solvers: Sequence[SmtSolver]) -> str:
+    """The names of solvers that are to be believed."""
+    return " and ".join(solver.name for solver in solvers)
 
 
 def _shown(name: str) -> str:
