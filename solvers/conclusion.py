@@ -14,7 +14,7 @@ from compiler.robots.normal_form import RobotFamily
 from compiler.words.budget import WordsTooLongError
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
-from solvers.lemma import DistanceLemma
+from solvers.lemma import Lemma, VariantLemma
 from solvers.verdict import NotFound
 
 DEFAULT_MODULES = 12
@@ -26,7 +26,7 @@ DEFAULT_ROBOTS = 1000
 DEFAULT_DESIGNS = 20
 """Robots that are designed where all are asked for and nothing bounds their number."""
 
-LEMMAS_NAMED = 3
+LEMMAS_NAMED = 2
 """So many lemmas are named in a reason."""
 
 StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "same"]
@@ -51,7 +51,7 @@ class StructureRecord:
 
 
 def with_lemmas(
-    records: Sequence[StructureRecord], lemmas: Sequence[DistanceLemma]
+    records: Sequence[StructureRecord], lemmas: Sequence[Lemma]
 ) -> tuple[StructureRecord, ...]:
     """The records, of which those that lemmas are about rest on these and on nothing else.
 
@@ -65,17 +65,7 @@ def with_lemmas(
             about = None
         first = record.same_robot_as
         if about is not None:
-            found.append(
-                replace(
-                    record,
-                    verdict="refuted",
-                    reason=lemmas[about].text,
-                    lemma=about,
-                    script=None,
-                    same_robot_as=None,
-                    boxes=None,
-                )
-            )
+            found.append(_under(record, about, lemmas[about]))
         elif first is None or found[first].lemma is None:
             found.append(record)
         elif first in heirs:
@@ -85,6 +75,16 @@ def with_lemmas(
             before = records[first]
             found.append(replace(before, word=record.word, derivation=record.derivation))
     return tuple(found)
+
+
+def _under(record: StructureRecord, number: int, lemma: Lemma) -> StructureRecord:
+    """A record that rests on a lemma; the robot whose variants that is about keeps its evidence."""
+    about = replace(
+        record, verdict="refuted", reason=lemma.text, lemma=number, same_robot_as=None
+    )  # fmt: skip
+    if isinstance(lemma, VariantLemma) and lemma.labels == record.derivation:
+        return about
+    return replace(about, script=None, boxes=None)
 
 
 def module_bound(family: RobotFamily, task: ir.Task) -> int:

@@ -106,7 +106,7 @@ def neutral_parameters(program: ir.Program, grammar: ir.Grammar) -> list[Neutral
     for rule in grammar.productions:
         if rule.label not in blocks:
             continue
-        block = _inlined(blocks[rule.label])
+        block = inlined(blocks[rule.label])
         for occurrence, symbol in enumerate(rule.right):
             if symbol.kind == "module":
                 module = program.modules[symbol.name]
@@ -114,7 +114,7 @@ def neutral_parameters(program: ir.Program, grammar: ir.Grammar) -> list[Neutral
     return found
 
 
-def _inlined(block: ir.SemanticBlock) -> ir.SemanticBlock:
+def inlined(block: ir.SemanticBlock) -> ir.SemanticBlock:
     """A block with its local values put in where they are read, except where that gets too large.
 
     What is left of them stands for something unknown, of which nothing is concluded.

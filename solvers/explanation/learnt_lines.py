@@ -14,7 +14,7 @@ from grammar_lang.conditions import condition_of
 from solvers.conclusion import module_bound
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.task_line import TaskLine, task_lines
-from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_text
+from solvers.verifier.claims.lemma_claims import LemmaClaim, VariantClaim, lemma_text
 
 MOST_ROBOTS = 60
 """So many different robots of lemmas are looked at, of the first structures."""
@@ -42,6 +42,9 @@ def learnt(posed: PosedTask, claims: Sequence[LemmaClaim]) -> tuple[Learnt, ...]
 def _lines(posed: PosedTask, claim: LemmaClaim) -> Iterator[TaskLine]:
     """Who has to be in the region, and the parameters of the modules that are counted."""
     task, program = posed.task, posed.program
+    if isinstance(claim, VariantClaim):
+        yield from (line for line in task_lines(posed) if line.kind in ("start", "reach"))
+        return
     counted = _counted(condition_of(claim.condition, program.terminals))
     for line in task_lines(posed):
         match line.kind:

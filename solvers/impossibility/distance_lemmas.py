@@ -107,7 +107,7 @@ def distance_lemma(family: RobotFamily, task: ir.Task, word: Sequence[str]) -> D
         return None
     condition = best[0].condition()
     automaton = accept_dfa(condition, family.language.srg.terminals)
-    return DistanceLemma(condition, best[1], best[2], automaton)
+    return DistanceLemma(condition, automaton, best[1], best[2])
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from compiler.lemmas.variants import is_about_poses
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
@@ -22,7 +23,7 @@ from solvers.conclusion import (
 )
 from solvers.impossibility.box_evidence import out_of_reach_of_drives
 from solvers.impossibility.structure_refutation import Refutation
-from solvers.lemma import DistanceLemma
+from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design
@@ -68,7 +69,7 @@ class FamilySearch:
     stopped: str | None = None
     unanswered: dict[int, str] = field(default_factory=dict[int, str])
     """By the number of a structure which solver has not answered, and why."""
-    lemmas: list[DistanceLemma] = field(default_factory=list[DistanceLemma])
+    lemmas: list[Lemma] = field(default_factory=list[Lemma])
 
     def __post_init__(self) -> None:
         self.queue = SearchQueue(self.every)
@@ -87,7 +88,11 @@ class FamilySearch:
                 left.go_on()
                 record = self.records.get(candidate.number)
                 if record is not None and record.verdict == "refuted":
-                    left.learn(candidate)
+                    boxes = record.boxes
+                    by_poses = record.script is not None or (
+                        boxes is not None and is_about_poses(boxes)
+                    )
+                    left.learn(candidate, by_poses=by_poses)
                     self.family = left.family
                 continue
             structure = self.queue.turn()

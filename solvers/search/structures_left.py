@@ -16,26 +16,32 @@ from compiler.words.finite_automaton import AutomatonTooLargeError
 from grammar_lang import ir
 from solvers.conclusion import module_bound
 from solvers.impossibility.distance_lemmas import distance_lemma
-from solvers.lemma import DistanceLemma
+from solvers.impossibility.variant_lemmas import variant_lemma
+from solvers.lemma import Lemma, covers
 from solvers.run_context import RunContext
 from solvers.search.prefetch import Prefetch
 
 
 @dataclass(slots=True)
 class StructuresLeft:
-    """The structures of ``family`` that are left; ``following`` is the next one, None after all."""
+    """The structures of ``family`` that are left; ``following`` is the next one, None after all.
+
+    ``whole`` is the family before any lemma.
+    """
 
     program: ir.Program
     task: ir.Task
     context: RunContext
-    family: RobotFamily
-    lemmas: list[DistanceLemma] = field(default_factory=list[DistanceLemma])
+    whole: RobotFamily
+    lemmas: list[Lemma] = field(default_factory=list[Lemma])
     tried: set[tuple[str, ...]] = field(default_factory=set[tuple[str, ...]])
+    family: RobotFamily = field(init=False)
     ahead: Prefetch = field(init=False)
     following: Candidate | None = field(init=False, default=None)
     _drawn: Iterator[Candidate] = field(init=False)
 
     def __post_init__(self) -> None:
+        self.family = self.whole
         self._draw()
 
     def taken(self) -> Candidate:
@@ -58,11 +64,17 @@ class StructuresLeft:
         """No structure follows."""
         self.following = None
 
-    def learn(self, refuted: Candidate) -> None:
-        """Narrow what is left by what a refuted structure teaches, if that is more than itself."""
+    def learn(self, refuted: Candidate, *, by_poses: bool) -> None:
+        """Narrow what is left by what a refuted structure teaches, if that is more than itself.
+
+        ``by_poses``: it is refuted whatever the drives, the dynamics and the horizon.
+        """
         if self.following is None or not self.context.lemmas:
             return
-        lemma = distance_lemma(self.family, self.task, refuted.derivation.word)
+        # Of the whole family, so that each lemma holds whatever becomes of the others.
+        lemma: Lemma | None = distance_lemma(self.whole, self.task, refuted.derivation.word)
+        if lemma is None and by_poses:
+            lemma = variant_lemma(self.whole, self.task, refuted.derivation)
         if lemma is None:
             return
         try:
@@ -71,12 +83,12 @@ class StructuresLeft:
                 return
         except AutomatonTooLargeError:
             return
-        self.lemmas[:] = [each for each in self.lemmas if not lemma.covers(each)] + [lemma]
+        self.lemmas[:] = [each for each in self.lemmas if not covers(lemma, each)] + [lemma]
         self.family = narrowed
         self.context.reporter.note(lemma.text)
         self._draw()
 
-    def _is_wider(self, lemma: DistanceLemma, word: Sequence[str]) -> bool:
+    def _is_wider(self, lemma: Lemma, word: Sequence[str]) -> bool:
         """Whether a lemma is about words that are left besides one."""
         about = replace(
             self.family,

@@ -21,7 +21,7 @@ from grammar_lang import ir
 from solvers.conclusion import StructureRecord, conclude
 from solvers.impossibility.box_evidence import covered
 from solvers.impossibility.disconnection import disconnected, separation_text
-from solvers.lemma import DistanceLemma
+from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
@@ -64,7 +64,7 @@ class Synthesis:
     ended: str | None = None
     unfinished: bool = False
     last_step: str = ""
-    lemmas: tuple[DistanceLemma, ...] = ()
+    lemmas: tuple[Lemma, ...] = ()
 
 
 def synthesise(

@@ -25,7 +25,7 @@ class Outcome(Enum):
     UNDECIDED = "undecided"
     UNCHECKED = "not checked"
     UNEXPECTED = "not as expected"
-    DISAGREEMENT = "solvers disagree"
+    DISAGREEMENT = "disagreement"
 
 
 class Refused(Exception):

@@ -22,7 +22,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
-from solvers.lemma import DistanceLemma
+from solvers.lemma import VariantLemma
 from solvers.search.configuration_search import PathSamples, Sample
 from solvers.search.path_task import Design
 from solvers.search.search_state import BlockedPrefix
@@ -39,6 +39,7 @@ from solvers.verifier.claims.certificate import (
     to_text,
 )
 from solvers.verifier.claims.claimed_inputs import held_bounds, input_margins, robustness_entry
+from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_text
 from solvers.verifier.claims.spec_copy import bounded_text
 from solvers.verifier.proofs.effort_bounds import Margin, planned_efforts
 from srgc.results.result_folder import Identity
@@ -125,10 +126,23 @@ def certificate_text(
     if separation is not None:
         return to_text(ImpossibleClaim(task.name, spec, spec_sha256, None, (), separation))
     if result.verdict == "impossible":
-        lemmas = tuple(lemma.claim() for lemma in result.lemmas)
+        lemmas = _lemma_claims(result)
         claims = _structure_claims(result)
         return to_text(ImpossibleClaim(task.name, spec, spec_sha256, modules, claims, None, lemmas))
     return None
+
+
+def _lemma_claims(result: Synthesis) -> tuple[LemmaClaim, ...]:
+    """The lemmas, with the evidence of the robots whose variants they are about."""
+    index = {record.derivation: i for i, record in enumerate(result.records)}
+    found: list[LemmaClaim] = []
+    for lemma in result.lemmas:
+        if isinstance(lemma, VariantLemma):
+            script, _, boxes = _evidence(result, index[lemma.labels])
+            found.append(lemma.claim(script, boxes))
+        else:
+            found.append(lemma.claim())
+    return tuple(found)
 
 
 def _structure_claims(result: Synthesis) -> tuple[StructureClaim, ...]:
@@ -170,9 +184,9 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
     }
 
 
-def _lemma(lemma: DistanceLemma) -> dict[str, Any]:
+def _lemma(claim: LemmaClaim) -> dict[str, Any]:
     """A lemma as the certificate states it, and in words."""
-    content = asdict(lemma.claim()) | {"reason": lemma.text}
+    content = asdict(claim) | {"reason": lemma_text(claim)}
     del content["kind"]
     return content
 
@@ -258,7 +272,7 @@ def design_text(
     if identity.smt is not None:
         content["smt"] = identity.smt
     if result.lemmas:
-        content["lemmas"] = [_lemma(lemma) for lemma in result.lemmas]
+        content["lemmas"] = [_lemma(claim) for claim in _lemma_claims(result)]
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 

@@ -20,6 +20,8 @@ from solvers.explanation.task_line import TaskLine
 from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis
 
+MOST_LEMMAS = 2
+"""So many lemmas are shown at the end of a synthesis."""
 MOST_CONFLICTS = 6
 """So many conflicts are printed for people, and all of them as JSON."""
 
@@ -150,9 +152,10 @@ def _quickly(result: Synthesis, posed: PosedTask, context: RunContext) -> list[s
     """Why a task is impossible, where a few questions say so."""
     reasons = {r.derivation: r.reason for r in result.records if r.same_robot_as is None}
     claims = [lemma.claim() for lemma in result.lemmas]
-    lines = lemma_blocks(posed, learnt(posed, claims))
+    lines = lemma_blocks(posed, learnt(posed, claims[:MOST_LEMMAS]))
     if lines:
-        return lines
+        more = len(claims) - MOST_LEMMAS
+        return lines + ([f"and {more} more lemmas"] if more > 0 else [])
     first = foremost(posed, tuple(reasons)) if reasons else None
     if first is None or not _about_bodies(posed.task):
         lines += conflict_blocks(quick_conflict(posed, first, context))
@@ -181,7 +184,7 @@ def why_json(found: Explanation) -> str:
             {
                 "says": lemma.says,
                 "condition": lemma.claim.condition,
-                "region": lemma.claim.region,
+                "argument": lemma.claim.argument,
                 "lines": [_line(line, sources) for line in lemma.lines],
             }
             for lemma in found.tried.lemmas

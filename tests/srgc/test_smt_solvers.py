@@ -95,7 +95,7 @@ def test_solvers_that_disagree(
     assert "(check-sat)" in (out / "proofs" / "disagreement.smt2").read_text()
     assert not (out / "certificate.json").exists()
     said = disagreeing("verify", unchecked, "--trust", f"z3,{liar}")
-    assert said.startswith("solvers disagree: ")
+    assert said.startswith("disagreement: ")
     assert "proofs/0000.smt2: z3 says unsat, liar says sat" in said
     # Alone it is believed, and then the claim is refuted.
     assert srgc("verify", unchecked, "--trust", liar).status == 1

@@ -29,7 +29,7 @@ from solvers.verifier.claims.further_claims import (
     further_claims,
 )
 from solvers.verifier.claims.json_fields import expect_keys, number, objects, rows, text, texts
-from solvers.verifier.claims.lemma_claims import LemmaClaim
+from solvers.verifier.claims.lemma_claims import DistanceClaim, LemmaClaim, VariantClaim
 
 FORMAT, WITH_CLAIMS = 3, 4
 """2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes; 4: a
@@ -141,7 +141,9 @@ class ImpossibleClaim:
     @property
     def lemmas(self) -> tuple[LemmaClaim, ...]:
         """The lemmas, in their order."""
-        return tuple(claim for claim in self.claims if isinstance(claim, LemmaClaim))
+        return tuple(
+            claim for claim in self.claims if isinstance(claim, DistanceClaim | VariantClaim)
+        )
 
 
 Claim = FoundClaim | ImpossibleClaim

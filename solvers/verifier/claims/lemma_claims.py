@@ -6,17 +6,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 from compiler.expressions.exact_numbers import exact_number
 from compiler.lemmas.effector_bounds import BallBound, EffectorBound, HalfSpaceBound
 from solvers.verifier.claims.json_fields import objects, text, texts
 
-TOO_FAR, TOO_NEAR = "too far", "too near"
+TOO_FAR, TOO_NEAR, VARIANTS = "too far", "too near", "variants"
 
 
 @dataclass(frozen=True, slots=True)
-class LemmaClaim:
+class DistanceClaim:
     """No robot of the family whose word satisfies the ``condition`` has an effector in ``region``.
 
     ``argument`` is "too far": no effector is farther than ``bound`` along ``vector``, and all of
@@ -32,28 +32,60 @@ class LemmaClaim:
     kind: str = "lemma"
 
 
+@dataclass(frozen=True, slots=True)
+class VariantClaim:
+    """All robots of the words with the ``condition`` are variants of one that is refuted.
+
+    That one is given by its ``word`` and its ``derivation``, and refuted by a script
+    (``evidence``), by a covering (``boxes``), or by both: paths of files.  ``argument`` is
+    "variants".
+    """
+
+    argument: str
+    condition: str
+    word: tuple[str, ...]
+    derivation: tuple[str, ...]
+    evidence: str | None
+    boxes: str | None
+    kind: str = "lemma"
+
+
+LemmaClaim: TypeAlias = DistanceClaim | VariantClaim
+
+
 def lemma_claim(item: dict[str, Any]) -> LemmaClaim:
     """The lemma of a JSON object.
 
     Raises:
         TypeError, KeyError, ValueError: it is malformed.
     """
-    (fields,) = objects([item], LemmaClaim)
-    if fields["argument"] not in (TOO_FAR, TOO_NEAR):
-        raise ValueError(f"a lemma is `{TOO_FAR}` or `{TOO_NEAR}`")
-    return LemmaClaim(
-        text(fields["argument"]), text(fields["condition"]), text(fields["region"]),
+    argument = text(item.get("argument"))
+    if argument == VARIANTS:
+        (fields,) = objects([item], VariantClaim)
+        return VariantClaim(
+            argument, text(fields["condition"]), texts(fields["word"]), texts(fields["derivation"]),
+            None if fields["evidence"] is None else text(fields["evidence"]),
+            None if fields["boxes"] is None else text(fields["boxes"]),
+        )  # fmt: skip
+    if argument not in (TOO_FAR, TOO_NEAR):
+        raise ValueError(f"the argument of a lemma is `{TOO_FAR}`, `{TOO_NEAR}` or `{VARIANTS}`")
+    (fields,) = objects([item], DistanceClaim)
+    return DistanceClaim(
+        argument, text(fields["condition"]), text(fields["region"]),
         texts(fields["vector"]), text(fields["bound"]),
     )  # fmt: skip
 
 
 def lemma_text(claim: LemmaClaim) -> str:
     """A lemma in words."""
+    if isinstance(claim, VariantClaim):
+        word = " ".join(claim.word)
+        return f"no robot with `{claim.condition}` has poses that {word}, refuted, has not"
     which = f"no robot with `{claim.condition}` has an effector in `{claim.region}`"
     return f"{which}, {claim.argument} for it"
 
 
-def effector_bound(claim: LemmaClaim) -> EffectorBound:
+def effector_bound(claim: DistanceClaim) -> EffectorBound:
     """The bound that a lemma states of effectors.
 
     Raises:

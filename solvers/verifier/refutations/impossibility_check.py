@@ -8,7 +8,7 @@ other, the cells are computed again, and no solver is believed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
-from solvers.verifier.refutations.lemma_check import check_covered, checked_condition, without
+from solvers.verifier.refutations.lemma_check import check_covered, checked_lemma, without
 from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.refutations.solver_process import SmtSolver
 from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
@@ -34,7 +34,8 @@ AT_ONCE = 8
 class Impossibility:
     """How an impossibility is proved: ``by_boxes`` of all ``structures``, the rest by scripts.
 
-    A separation is about all robots, and there are no structures; ``lemmas`` are about all of some.
+    A separation is about all robots, and there are no structures; ``lemmas`` are about all of some,
+    and the robots of which they know others to be variants count as structures.
     """
 
     structures: int
@@ -62,12 +63,18 @@ def check_impossible(
     if claim.separation is not None:
         return _separation(claim, claim.separation, program, task) or Impossibility(0, 0)
     family = family_of(program, task)
+    evidence = Evidence(folder, program, task, trust)
     try:
-        due = _due(claim, family, task)
-        proved = _structures(Evidence(folder, program, task, trust), claim, due, watch)
+        lemmas = [
+            checked_lemma(number, lemma, family, evidence)
+            for number, lemma in enumerate(claim.lemmas, 1)
+        ]
+        due = _due(claim, family, task, [lemma.condition for lemma in lemmas])
+        proved = _structures(evidence, claim, due, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         return str(error)
-    return Impossibility(len(proved), sum(proved), len(claim.lemmas))
+    proved += [lemma.by_boxes for lemma in lemmas if lemma.by_boxes is not None]
+    return Impossibility(len(proved), sum(proved), len(lemmas))
 
 
 def _separation(
@@ -80,20 +87,19 @@ def _separation(
     return misstated_separation(program, task, cells, separation)
 
 
-def _due(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> Iterator[Candidate]:
+def _due(
+    claim: ImpossibleClaim, family: RobotFamily, task: ir.Task, conditions: Sequence[ir.Accept]
+) -> Iterator[Candidate]:
     """The structures that have to be refuted one by one, in their order.
 
     Without lemmas all of the family, up to the bound.  With lemmas, all of the words that the claim
-    lists and no lemma is about; those words and those of the lemmas are all there are.
+    lists and no lemma is about; those words and those of the lemmas, which have the ``conditions``,
+    are all there are.
     """
     if not claim.lemmas:
         return candidates(family, _bound(claim, family, task), task.origin)
     if claim.modules != task.modules:
         raise FalseClaim("the bound on modules is not the task's")
-    conditions = [
-        checked_condition(number, lemma, family, task)
-        for number, lemma in enumerate(claim.lemmas, 1)
-    ]
     words = tuple(dict.fromkeys(structure.word for structure in claim.structures))
     check_covered(family, task, conditions, words)
     left = without(family, conditions)
@@ -156,7 +162,10 @@ class _Question:
 def _refuted(part: tuple[Evidence, list[_Question]]) -> list[bool]:
     """Whether boxes refute each of some structures; see ``Evidence.refutes``."""
     evidence, questions = part
-    return [evidence.refutes(q.number, q.claimed, q.model) for q in questions]
+    return [
+        evidence.refutes(f"structure {q.number}", q.claimed.evidence, q.claimed.boxes, q.model)
+        for q in questions
+    ]
 
 
 @dataclass(slots=True)

@@ -1,56 +1,102 @@
 """The check of lemmas: of each, for every word of its condition; then that nothing is left over.
 
 That effectors keep to the bound of a lemma is computed anew, from the grammar and its semantics,
-over all derivations of all words of the condition.  That the words of lemmas and of the structures
-that are listed are all words of the family is a question about languages, answered by
-:mod:`word_coverage`.
+over all derivations of all words of the condition; so is that all these are variants of one.  That
+the words of lemmas and of the structures that are listed are all words of the family is a question
+about languages, answered by :mod:`word_coverage`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from compiler.lemmas.effector_bounds import keep_to, place_of, placements_of
+from compiler.lemmas.variants import holds_of_variants, is_about_poses
+from compiler.robots.attributes import SemanticsError
+from compiler.robots.candidate import robot_in_task
 from compiler.robots.normal_form import RobotFamily
 from compiler.tasks.necessary import stops
 from compiler.time_limits.time_limit import check_time
+from compiler.words.derivation import BadDerivation
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from grammar_lang.conditions import condition_of
-from solvers.verifier.claims.lemma_claims import LemmaClaim, effector_bound
-from solvers.verifier.refutations.structure_evidence import FalseClaim
+from solvers.verifier.claims.lemma_claims import (
+    DistanceClaim,
+    LemmaClaim,
+    VariantClaim,
+    effector_bound,
+)
+from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
 from solvers.verifier.refutations.word_coverage import Reader, listed, reader, within, word_left
 
 
-def checked_condition(
-    number: int, claim: LemmaClaim, family: RobotFamily, task: ir.Task
-) -> ir.Accept:
-    """The condition of a lemma, which is proved.
+@dataclass(frozen=True, slots=True)
+class CheckedLemma:
+    """The condition of a lemma that holds; ``by_boxes``: how its robot, if any, is refuted."""
+
+    condition: ir.Accept
+    by_boxes: bool | None
+
+
+def checked_lemma(
+    number: int, claim: LemmaClaim, family: RobotFamily, evidence: Evidence
+) -> CheckedLemma:
+    """A lemma, which is proved but for what a solver says of a script.
 
     Raises:
         FalseClaim: it is not.
+        Refused: a solver that is to be believed does not answer.
     """
     check_time()
     try:
         condition = condition_of(claim.condition, family.language.srg.terminals)
-        bound = effector_bound(claim)
-    except ValueError as error:
-        raise FalseClaim(f"lemma {number}: {error}") from None
-    if all(stop.region != claim.region for stop in stops(family.program, task)):
-        raise FalseClaim(f"lemma {number} is about a region that the task does not make one visit")
-    place = place_of(family.program.workspaces[task.workspace], claim.region)
-    if len(claim.vector) != place.dimension:
-        raise FalseClaim(f"lemma {number}: the vector is not one of {place.dimension} coordinates")
-    if not _bounded(place) or not bound.excludes(place):
-        raise FalseClaim(f"lemma {number} does not exclude `{claim.region}`")
-    try:
-        placements = placements_of(family, condition)
+        if isinstance(claim, VariantClaim):
+            return CheckedLemma(condition, _variants(claim, condition, family, evidence))
+        _distance(claim, condition, family, evidence.task)
+    except FalseClaim as fault:
+        raise FalseClaim(f"lemma {number}: {fault}") from None
     except ValueError as error:
         raise FalseClaim(f"lemma {number} cannot be checked: {error}") from None
-    if not keep_to(bound, placements):
-        raise FalseClaim(f"lemma {number} is not true: `{claim.condition}` allows more")
-    return condition
+    return CheckedLemma(condition, None)
+
+
+def _distance(
+    claim: DistanceClaim, condition: ir.Accept, family: RobotFamily, task: ir.Task
+) -> None:
+    """All effectors of all robots of the condition keep to the bound, and the region is beyond."""
+    bound = effector_bound(claim)
+    if all(stop.region != claim.region for stop in stops(family.program, task)):
+        raise FalseClaim("it is about a region that the task does not make an effector visit")
+    place = place_of(family.program.workspaces[task.workspace], claim.region)
+    if len(claim.vector) != place.dimension:
+        raise FalseClaim(f"its vector is not one of {place.dimension} coordinates")
+    if not _bounded(place) or not bound.excludes(place):
+        raise FalseClaim(f"its bound does not exclude `{claim.region}`")
+    if not keep_to(bound, placements_of(family, condition)):
+        raise FalseClaim(f"robots with `{claim.condition}` go beyond its bound")
+
+
+def _variants(
+    claim: VariantClaim, condition: ir.Accept, family: RobotFamily, evidence: Evidence
+) -> bool:
+    """All derivations of the condition are variants of one; whether boxes refute its robot."""
+    task = evidence.task
+    try:
+        base = family.replay(claim.derivation)
+        model = robot_in_task(family, task.origin, base)
+    except (BadDerivation, SemanticsError) as error:
+        raise FalseClaim(f"its derivation is of no robot: {error}") from None
+    if base.word != claim.word:
+        raise FalseClaim("its derivation does not derive its word")
+    if not holds_of_variants(family, task, base, condition):
+        raise FalseClaim(f"robots with `{claim.condition}` are not all variants of its robot")
+    if claim.boxes is not None and not is_about_poses(
+        evidence.content(claim.boxes).decode("ascii", "replace")
+    ):
+        raise FalseClaim("its boxes are about drives, not about poses alone")
+    return evidence.refutes("its robot", claim.evidence, claim.boxes, model)
 
 
 def _bounded(place: Polytope) -> bool:

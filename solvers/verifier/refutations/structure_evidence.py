@@ -13,7 +13,6 @@ from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
 from solvers.verdict import Fails, Holds
-from solvers.verifier.claims.certificate import StructureClaim
 from solvers.verifier.claims.spec_copy import evidence_bytes
 from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.refutations.solver_process import SmtSolver, agreed
@@ -41,64 +40,73 @@ class Evidence:
         """The workspace of the task."""
         return self.program.workspaces[self.task.workspace]
 
-    def refutes(self, number: int, claimed: StructureClaim, model: RobotModel) -> bool:
-        """Whether boxes refute a structure; else its script does, if a solver is to be believed.
+    def refutes(self, robot: str, script: str | None, boxes: str | None, model: RobotModel) -> bool:
+        """Whether boxes refute a robot; else its script does, if a solver is to be believed.
+
+        Args:
+            robot: what a message calls it.
+            script: the name of a file, or None.
+            boxes: likewise.
+            model: the robot.
 
         Raises:
             FalseClaim: there is no evidence, or it is not what it says.
         """
-        if claimed.evidence is None and claimed.boxes is None:
-            raise FalseClaim(f"structure {number} has no evidence")
-        if claimed.boxes is not None:
-            self._covered(number, claimed.boxes, model)
-        if claimed.evidence is not None:
-            script = self._script(number, claimed.evidence, model)
-            if claimed.boxes is None and self.trust:
-                self._unsatisfiable(number, claimed.evidence, script)
-        return claimed.boxes is not None
+        if script is None and boxes is None:
+            raise FalseClaim(f"{robot} has no evidence")
+        if boxes is not None:
+            self._covered(robot, boxes, model)
+        if script is not None:
+            content = self._script(robot, script, model)
+            if boxes is None and self.trust:
+                self._unsatisfiable(robot, script, content)
+        return boxes is not None
 
-    def _covered(self, number: int, name: str, model: RobotModel) -> None:
-        """The boxes prove that the robot does not do the task."""
-        try:
-            covering = self._content(name).decode("ascii")
-        except UnicodeDecodeError:
-            raise FalseClaim(f"{name} is not ASCII") from None
-        reason = why_not(covering, model, self.workspace, self.task)
-        if reason is not None:
-            raise FalseClaim(f"{name} does not refute structure {number}: {reason}")
+    def content(self, name: str) -> bytes:
+        """The bytes of a file of evidence.
 
-    def _script(self, number: int, name: str, model: RobotModel) -> str:
-        """The script is one of this structure and task."""
-        content = self._content(name)
-        for script in refutation_scripts(model, self.workspace, self.task):
-            if script.encode() == content:
-                return script
-        raise FalseClaim(f"{name} is not the script of structure {number}")
-
-    def _unsatisfiable(self, number: int, name: str, script: str) -> None:
-        """All solvers that are to be believed refute the script."""
-        match agreed(script, name, self.trust):
-            case Fails():
-                return
-            case Holds():
-                who = trusted_text(self.trust)
-                raise FalseClaim(
-                    f"{who} does not refute structure {number}: its script has a model"
-                )
-            case unanswered:
-                raise Refused(
-                    f"the script of structure {number} is not decided: "
-                    f"{unanswered.detail or unanswered.reason.value}",
-                    Outcome.UNDECIDED,
-                )
-
-    def _content(self, name: str) -> bytes:
+        Raises:
+            FalseClaim: it cannot be read.
+        """
         try:
             return evidence_bytes(self.folder, name)
         except FileNotFoundError:
             raise FalseClaim(f"the evidence {_shown(name)} is missing") from None
         except OSError as error:
             raise FalseClaim(f"the evidence {_shown(name)}: {error.strerror}") from None
+
+    def _covered(self, robot: str, name: str, model: RobotModel) -> None:
+        """The boxes prove that the robot does not do the task."""
+        try:
+            covering = self.content(name).decode("ascii")
+        except UnicodeDecodeError:
+            raise FalseClaim(f"{name} is not ASCII") from None
+        reason = why_not(covering, model, self.workspace, self.task)
+        if reason is not None:
+            raise FalseClaim(f"{name} does not refute {robot}: {reason}")
+
+    def _script(self, robot: str, name: str, model: RobotModel) -> str:
+        """The script is one of this structure and task."""
+        content = self.content(name)
+        for script in refutation_scripts(model, self.workspace, self.task):
+            if script.encode() == content:
+                return script
+        raise FalseClaim(f"{name} is not the script of {robot}")
+
+    def _unsatisfiable(self, robot: str, name: str, script: str) -> None:
+        """All solvers that are to be believed refute the script."""
+        match agreed(script, name, self.trust):
+            case Fails():
+                return
+            case Holds():
+                who = trusted_text(self.trust)
+                raise FalseClaim(f"{who} does not refute {robot}: its script has a model")
+            case unanswered:
+                raise Refused(
+                    f"the script of {robot} is not decided: "
+                    f"{unanswered.detail or unanswered.reason.value}",
+                    Outcome.UNDECIDED,
+                )
 
 
 def trusted_text(solvers: Sequence[SmtSolver]) -> str:

@@ -1,0 +1,53 @@
+"""Which tasks a refuted robot answers for its variants, too, and what the words of these are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from compiler.lemmas.conditioned_derivations import conditioned_derivations
+from compiler.lemmas.embedding import are_variants
+from compiler.lemmas.neutral_productions import NeutralProductions, neutral_productions
+from compiler.robots.normal_form import RobotFamily
+from compiler.words.acceptance import accept_dfa
+from compiler.words.derivation import Derivation
+from compiler.words.finite_automaton import intersection
+from grammar_lang import ir
+
+NONE = NeutralProductions(frozenset(), frozenset())
+
+
+def neutral_in_task(family: RobotFamily, task: ir.Task) -> NeutralProductions:
+    """What of a family is neutral for poses in a task.
+
+    Nothing where the start pose is given by coordinates, of which a variant has others, or values
+    of the existing robot are kept, which are those of other symbols in a variant.  Nothing is
+    removable where bodies of one robot keep apart: those of one link need not, and a joint less
+    makes two links one.
+    """
+    kept = task.origin is not None and bool(task.origin.fixed)
+    if isinstance(task.start, ir.StartAt) or kept:
+        return NONE
+    found = neutral_productions(family.program, family.grammar)
+    return found if task.avoid_self is None else replace(found, removable=frozenset())
+
+
+def holds_of_variants(
+    family: RobotFamily, task: ir.Task, base: Derivation, condition: ir.Accept
+) -> bool:
+    """Whether every derivation of every word with a condition is a variant of a derivation.
+
+    Raises:
+        ValueError: there are too many derivations to tell.
+    """
+    language = family.language
+    neutral = neutral_in_task(family, task)
+    if neutral.none:
+        return False
+    dfa = intersection(language.accept, accept_dfa(condition, language.srg.terminals))
+    derivations = conditioned_derivations(language.srg.cfg, dfa)
+    return are_variants(derivations, base, family.grammar.productions, neutral)
+
+
+def is_about_poses(boxes: str) -> bool:
+    """Whether a covering says nothing of drives, but of poses alone."""
+    return "!" not in boxes

@@ -1,0 +1,105 @@
+"""What a refuted robot teaches about its variants: fewer joints, or parts that change no pose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from compiler.lemmas.neutral_productions import NeutralProductions, spine
+from compiler.lemmas.variants import holds_of_variants, neutral_in_task
+from compiler.robots.normal_form import RobotFamily
+from compiler.words.acceptance import accept_dfa
+from compiler.words.derivation import Derivation
+from grammar_lang import ir
+from solvers.lemma import VariantLemma
+
+MOST_SYMBOLS = 60
+"""Longer words are not generalised: their expressions help nobody."""
+
+
+def variant_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> VariantLemma | None:
+    """The lemma about all variants of a structure that poses alone refute; None: none was found."""
+    neutral = neutral_in_task(family, task)
+    if neutral.none or len(base.word) > MOST_SYMBOLS:
+        return None
+    condition = ir.Matches(_Words(family.grammar.productions, base, neutral).expression())
+    try:
+        if not holds_of_variants(family, task, base, condition):
+            return None
+        automaton = accept_dfa(condition, family.language.srg.terminals)
+    except ValueError:
+        return None
+    return VariantLemma(condition, automaton, base.word, base.labels)
+
+
+class _Words:
+    """The regular expression of the words of variants."""
+
+    def __init__(
+        self,
+        productions: Sequence[ir.Production],
+        base: Derivation,
+        neutral: NeutralProductions,
+    ) -> None:
+        self._base = base
+        self._removable = {productions[number].label for number in neutral.removable}
+        self._added = [productions[number] for number in sorted(neutral.transparent)]
+
+    def expression(self) -> ir.Regex:
+        """That of the whole word."""
+        parts = list(self._merged(self._of(0)))
+        return parts[0] if len(parts) == 1 else ir.RSequence(tuple(parts))
+
+    def _of(self, place: int) -> Iterator[ir.Regex]:
+        """That of what a node derives, with what may be put in at it."""
+        node = self._base.nodes[place]
+        before = self._may_be_added(node.production.left, before=True)
+        after = self._may_be_added(node.production.left, before=False)
+        yield from before
+        removable = node.production.label in self._removable
+        inner = spine(node.production)
+        own: list[ir.Regex] = []
+        for symbol, child in zip(node.production.right, node.children, strict=True):
+            if symbol.kind == "nonterminal":
+                if own and removable:
+                    yield _optional(own)
+                    own = []
+                yield from own
+                own = []
+                yield from self._of(child)
+            else:
+                own.append(ir.RSymbol(symbol.name))
+        if own and removable and inner == 0:
+            yield _optional(own)
+        else:
+            yield from own
+        yield from after
+
+    def _may_be_added(self, left: str, *, before: bool) -> list[ir.Regex]:
+        """Any number of transparent productions of a nonterminal, on one side of it."""
+        choices: list[ir.Regex] = []
+        for production in self._added:
+            place = spine(production)
+            if production.left != left or place is None or (place > 0) is not before:
+                continue
+            symbols = production.right[1:] if place == 0 else production.right[:-1]
+            choices.append(_sequence([ir.RSymbol(symbol.name) for symbol in symbols]))
+        if not choices:
+            return []
+        part = choices[0] if len(choices) == 1 else ir.RChoice(tuple(choices))
+        return [ir.RRepeat(part, "*")]
+
+    def _merged(self, parts: Iterator[ir.Regex]) -> Iterator[ir.Regex]:
+        """Without a repetition right behind itself."""
+        last: ir.Regex | None = None
+        for part in parts:
+            if part != last or not isinstance(part, ir.RRepeat) or part.mark != "*":
+                yield part
+            last = part
+
+
+def _sequence(parts: Sequence[ir.Regex]) -> ir.Regex:
+    return parts[0] if len(parts) == 1 else ir.RSequence(tuple(parts))
+
+
+def _optional(parts: Sequence[ir.Regex]) -> ir.Regex:
+    return ir.RRepeat(_sequence(parts), "?")
