@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, OUTPUT, TASK, WORKSPACE, DocumentedCommand
 from srgc.cli.completions import complete_word
+from srgc.faults import UsageFault
+
+if TYPE_CHECKING:
+    from srgc.graphs.graph_request import Drawing
 
 
 @click.command(
@@ -24,7 +29,9 @@ from srgc.cli.completions import complete_word
     "--of",
     "what",
     required=True,
-    type=click.Choice(["sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace"]),
+    type=click.Choice(
+        ["sra", "fra", "dfa", "dpda", "words", "grammar", "robot", "workspace", "lemmas"]
+    ),
     help="What to draw.",
 )
 @GRAMMAR
@@ -68,12 +75,17 @@ def graph(
 ) -> int:
     """Draw an automaton, the words, a robot or the cells as DOT.
 
+    FILE is a spec; of lemmas it is the folder of a result, and drawn are the words that are left.
     A file that ends in .svg, .png or .pdf is drawn by Graphviz, where that is installed.
     """
-    from compiler.views.dot import to_dot
-    from srgc.graphs.graph_request import GraphRequest, drawing_of, write_graph
+    from srgc.graphs.graph_request import GraphRequest, drawing_of
     from srgc.session import chosen, program_of
 
+    if what == "lemmas":
+        _refuse_choices(grammar, workspace, task, depth, highlight, near, word, derivation, cells)
+        from srgc.graphs.left_over import drawing_of_lemmas
+
+        return _shown(drawing_of_lemmas(file), output)
     program = program_of(file)
     if task is not None:
         named = chosen(program.tasks, task, "task")
@@ -81,7 +93,20 @@ def graph(
     run_of = None if highlight is None else tuple(highlight.split())
     robot = None if word is None else tuple(word.split())
     request = GraphRequest(what, grammar, workspace, depth, run_of, near, robot, derivation, cells)
-    drawing = drawing_of(program, request)
+    return _shown(drawing_of(program, request), output)
+
+
+def _refuse_choices(*choices: object) -> None:
+    """Of lemmas everything is in the folder: nothing else is to be chosen."""
+    if any(choice is not None for choice in choices):
+        raise UsageFault("--of lemmas goes with -o alone")
+
+
+def _shown(drawing: Drawing, output: Path | None) -> int:
+    """Print or write a drawing, and what has to be known beside it."""
+    from compiler.views.dot import to_dot
+    from srgc.graphs.graph_request import write_graph
+
     for remark in drawing.remarks:
         click.echo(f"note: {remark}", err=True)
     text = to_dot(drawing.picture)

@@ -41,6 +41,7 @@ class TriedFolder:
     paths: int
     evaluations: int
     tried: Tried | None
+    lemmas: tuple[LemmaClaim, ...] = ()
 
     def context(self, out_of_time: Callable[[], bool]) -> RunContext:
         """How its synthesis was run, with a limit of time of its own."""
@@ -88,11 +89,11 @@ def tried_folder(folder: Path) -> TriedFolder:
 def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> TriedFolder:
     task = program.tasks[content["task"]]
     posed = PosedTask(program, task)
+    claims = _lemmas(content)
     tried = None
     if content["verdict"] != "found":
         structures = content["structures_tried"]
         refuted = _refuted(posed, structures)
-        claims = _lemmas(content)
         tried = Tried(
             _verdict(content["verdict"]),
             str(content["reason"]),
@@ -108,7 +109,7 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
         _budget(content, "paths", PATHS),
         _budget(content, "evaluations", EVALUATIONS),
     )
-    return TriedFolder(posed, seed, search, solver, paths, evaluations, tried)
+    return TriedFolder(posed, seed, search, solver, paths, evaluations, tried, claims)
 
 
 def _lemmas(content: Mapping[str, Any]) -> tuple[LemmaClaim, ...]:

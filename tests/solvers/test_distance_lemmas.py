@@ -46,7 +46,7 @@ def check_family(seed: int) -> Counter[str]:
             if lemma is not None:
                 assert lemma.is_about(word)
                 lemmas.append(lemma)
-                seen[lemma.argument] += 1
+                seen[lemma.claim().argument] += 1
     return seen
 
 
