@@ -32,7 +32,7 @@ def learnt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-VARIANTS = (Path(__file__).parents[1] / "oracles" / "walled_arm.srg").read_text(encoding="utf-8")
+VARIANTS = (Path(__file__).parents[2] / "specs" / "walled_arm.srg").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

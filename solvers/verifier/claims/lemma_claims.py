@@ -12,6 +12,8 @@ from compiler.expressions.exact_numbers import exact_number
 from compiler.lemmas.effector_bounds import BallBound, EffectorBound, HalfSpaceBound
 from solvers.verifier.claims.json_fields import objects, text, texts
 
+EVERY_WORD = "length >= 1"
+"""The condition that all words satisfy."""
 TOO_FAR, TOO_NEAR, VARIANTS = "too far", "too near", "variants"
 
 
@@ -81,8 +83,8 @@ def lemma_text(claim: LemmaClaim) -> str:
     if isinstance(claim, VariantClaim):
         word = " ".join(claim.word)
         return f"no robot with `{claim.condition}` has poses that {word}, refuted, has not"
-    which = f"no robot with `{claim.condition}` has an effector in `{claim.region}`"
-    return f"{which}, {claim.argument} for it"
+    which = "of the family" if claim.condition == EVERY_WORD else f"with `{claim.condition}`"
+    return f"no robot {which} has an effector in `{claim.region}`, {claim.argument} for it"
 
 
 def effector_bound(claim: DistanceClaim) -> EffectorBound:
