@@ -17,7 +17,6 @@ from srgc.faults import UsageFault
 from srgc.graphs.graph_request import Drawing
 from srgc.results.why_folder import tried_folder
 
-
 NAMED = 2
 """So many conditions are named beside a picture."""
 

@@ -34,9 +34,7 @@ def test_the_first_word_that_is_left(srgc: Srgc, made: Callable[[str], Path]) ->
     """The arm of the first page: without a link it turns about a point, with one it is found."""
     ran = srgc("graph", made("turner") / "out", "--of", "lemmas")
     assert ran.status == 0
-    assert ran.err == (
-        "note: left by `count(L) <= 0`: the first word is B eps JO eps L eps EN\n"
-    )
+    assert ran.err == ("note: left by `count(L) <= 0`: the first word is B eps JO eps L eps EN\n")
     assert ran.out.count("->") > 4
 
 
