@@ -48,9 +48,9 @@ def robots(family: RobotFamily, lemma: DistanceLemma, count: int, seed: int) -> 
     choose = random.Random(seed)
     while len(found) < count:
         word = choose.choice(words)
-        for candidate in islice(candidates_of(about, [word], None), 1):
-            if candidate.model is not None and candidate.model.effectors:
-                found.append(NumericRobot(robot_graph(candidate.model, (0, 0, 0))))
+        candidate = next(candidates_of(about, [word], None))
+        if candidate.model is not None and candidate.model.effectors:
+            found.append(NumericRobot(robot_graph(candidate.model, (0, 0, 0))))
     return found
 
 
