@@ -23,7 +23,7 @@ from compiler.lemmas.effector_placements import effector_placements
 from compiler.lemmas.frame_placement import Placement
 from compiler.robots.normal_form import RobotFamily
 from compiler.words.acceptance import accept_dfa
-from compiler.words.finite_automaton import intersection
+from compiler.words.finite_automaton import Dfa, intersection
 from compiler.workspaces.polytope import Polytope, refuting_polytope
 from grammar_lang import ir
 
@@ -89,7 +89,16 @@ def placements_of(family: RobotFamily, condition: ir.Accept) -> tuple[Placement,
     """
     language = family.language
     dfa = intersection(language.accept, accept_dfa(condition, language.srg.terminals))
-    derivations = conditioned_derivations(language.srg.cfg, dfa)
+    return placements_within(family, dfa)
+
+
+def placements_within(family: RobotFamily, dfa: Dfa) -> tuple[Placement, ...]:
+    """The same of the robots of all words that the grammar derives and an automaton accepts.
+
+    Raises:
+        ValueError: that cannot be told, or takes too much.
+    """
+    derivations = conditioned_derivations(family.language.srg.cfg, dfa)
     with working_precision(PRECISION):
         return effector_placements(family.program.modules, family.grammar, derivations)
 

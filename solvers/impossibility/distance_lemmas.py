@@ -25,7 +25,7 @@ from compiler.lemmas.effector_bounds import (
     HalfSpaceBound,
     keep_to,
     place_of,
-    placements_of,
+    placements_within,
 )
 from compiler.lemmas.frame_placement import Around, Placement
 from compiler.robots.normal_form import RobotFamily
@@ -86,7 +86,8 @@ class _Counts:
 def distance_lemma(family: RobotFamily, task: ir.Task, word: Sequence[str]) -> DistanceLemma | None:
     """The lemma with the weakest condition found that the word of a refuted structure satisfies."""
     workspace = family.program.workspaces[task.workspace]
-    modules = [name for name in family.language.srg.terminals if family.program.is_module(name)]
+    used = {symbol.name for production in family.grammar.productions for symbol in production.right}
+    modules = [name for name in family.program.modules if name in used]
     occurring = Counter(word)
     counts = _Counts(
         {name: occurring[name] for name in modules if occurring[name]},
@@ -120,10 +121,10 @@ class _Weakening:
         condition = counts.condition()
         language = self.family.language
         try:
-            automaton = accept_dfa(condition, language.srg.terminals)
-            if intersection(language.accept, automaton).size > MOST_STATES:
+            automaton = intersection(language.accept, accept_dfa(condition, language.srg.terminals))
+            if automaton.size > MOST_STATES:
                 return None
-            placements = placements_of(self.family, condition)
+            placements = placements_within(self.family, automaton)
         except ValueError:
             return None
         for bound in _bounds(placements, self.place):
