@@ -64,6 +64,10 @@ def _claimed(claim: ImpossibleClaim) -> str:
         return f"no effector gets from `{claim.separation.source}` to `{claim.separation.target}`"
     bounded = f"of at most {many(claim.modules or 0, 'module')}"
     within = "of the family" if claim.modules is None else bounded
+    if claim.lemmas:
+        alone = len(claim.structures)
+        rest = f", and {many(alone, 'other structure')} one by one" if alone else ""
+        return f"all structures {within} are refuted, by {many(len(claim.lemmas), 'lemma')}{rest}"
     match len(claim.structures):
         case 0:
             return f"the family has no robot {'' if claim.modules is None else bounded}".strip()
@@ -175,7 +179,13 @@ def _proved_impossible(evidence: Evidence) -> Iterator[str]:
         )
         return
     yield f"{no_robot[0].upper()}{no_robot[1:]}."
-    if evidence.design["structures_tried"]:
+    if isinstance(claim, ImpossibleClaim) and claim.lemmas:
+        yield (
+            "The verifier checked again, when this page was made, what each lemma says of all "
+            "robots of its words, the coverings of the other structures, and that these are all "
+            "words of the family; no solver has to be believed."
+        )
+    elif evidence.design["structures_tried"]:
         yield (
             "The verifier went through the covering of every structure again when this page was "
             "made, in ball arithmetic; no solver has to be believed."

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from grammar_lang.source import Span, written
 from solvers.explanation.conflict import Conflict
-from solvers.verifier.claims.certificate import ImpossibleClaim
+from solvers.verifier.claims.certificate import ImpossibleClaim, exact
 from solvers.verifier.report import Outcome
 from srgc.render.html_text import many, text
 from srgc.report.evidence import Evidence, TriedRobot, tried_robots
@@ -25,6 +26,7 @@ def why_not_section(evidence: Evidence) -> str:
         *_headline(evidence, robots),
         *(_conflict(evidence, each) for each in evidence.conflicts),
         *_separation(evidence),
+        *_lemmas(evidence),
         *_open(evidence, [each for each in robots if each.verdict == "unresolved"]),
         *_reasons(refuted),
         *_kinds(evidence, refuted),
@@ -109,6 +111,46 @@ def _separation(evidence: Evidence) -> Iterator[str]:
         f"without entering {walls or 'any region'}{rest}; <code>{text(cut.target)}</code> is not "
         "among them. So no robot was tried.</p>"
     )
+
+
+def _lemmas(evidence: Evidence) -> Iterator[str]:
+    """What holds of many robots at once, each with its condition and its bound."""
+    lemmas = evidence.design.get("lemmas", [])
+    if not lemmas:
+        return
+    rows = "".join(
+        f'<tr><td class="figure">{number}</td><td><code>{text(lemma["condition"])}</code></td>'
+        f"<td>{_argument(lemma)}</td></tr>"
+        for number, lemma in enumerate(lemmas[:MOST_REASONS], 1)
+    )
+    more = len(lemmas) - MOST_REASONS
+    rest = f"<p>and {more} more, in <code>design.json</code></p>" if more > 0 else ""
+    yield (
+        "<h3>Lemmas</h3><p>Each is about all robots of the family whose words have a condition, "
+        "as <code>accept</code> has it; these were not tried one by one.</p>"
+        f'<div class="scroll"><table data-lemmas="{len(lemmas)}"><thead><tr>'
+        '<th class="figure">no.</th><th>words with</th><th>what was shown</th></tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>{rest}"
+    )
+
+
+def _argument(lemma: Mapping[str, Any]) -> str:
+    """What a lemma says of its robots."""
+    if "region" not in lemma:
+        word = f'<span class="word">{text(" ".join(lemma["word"]))}</span>'
+        return f"none has poses that {word}, which is refuted, has not"
+    region = f"<code>{text(lemma['region'])}</code>"
+    vector = ", ".join(_short(x) for x in lemma["vector"])
+    bound = _short(lemma["bound"])
+    if lemma["argument"] == "too far":
+        kept = f"none is farther than {bound} m along ({vector}), all of {region} is"
+    else:
+        kept = f"none is nearer than {bound} m to ({vector}), all of {region} is"
+    return f"no effector gets into {region}: {kept}"
+
+
+def _short(number: str) -> str:
+    return f"{float(exact(number)):.4g}"
 
 
 def _open(evidence: Evidence, robots: Sequence[TriedRobot]) -> Iterator[str]:

@@ -176,12 +176,17 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
         "word": list(record.word),
         "derivation": list(record.derivation),
         "verdict": first.verdict,
-        "evidence": script or boxes or first.reason,
+        "evidence": _basis(record) or script or boxes or first.reason,
         "same_robot_as": same,
         "boxes": boxes,
         "reason": first.reason,
         **about,
     }
+
+
+def _basis(record: StructureRecord) -> str | None:
+    """The lemma that a structure rests on, counted from 1; None where there is none."""
+    return None if record.lemma is None else f"lemma {record.lemma + 1}"
 
 
 def _lemma(claim: LemmaClaim) -> dict[str, Any]:

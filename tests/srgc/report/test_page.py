@@ -29,7 +29,7 @@ FOUR_DIGITS = Context(prec=4, rounding=ROUND_FLOOR)
 
 
 @pytest.fixture(
-    params=["turner", "motor", "spatial", "beyond_reach", "too_short", "weak", "unknown"]
+    params=["turner", "motor", "spatial", "beyond_reach", "learnt", "too_short", "weak", "unknown"]
 )
 def reported(request: pytest.FixtureRequest, pages: Pages) -> Iterator[Made]:
     """One folder after the other, of every verdict, in the plane and in space."""
@@ -277,3 +277,16 @@ def test_every_kind_of_joint_has_its_peak(pages: Pages) -> None:
     assert f"{torque:.4g} N·m and {force:.4g} N" in head
     share = 100 * min(1 - torque / 20, 1 - force / 40)
     assert f"{share:.4g} % ({20 - torque:.4g} N·m, {40 - force:.4g} N)" in head
+
+
+def test_lemmas_are_listed(pages: Pages) -> None:
+    folder, page = pages("learnt")
+    lemmas = result_files.read(folder)["claims"]
+    (table,) = page.with_attribute("data-lemmas")
+    assert table.attributes["data-lemmas"] == str(len(lemmas))
+    why_not = page.section("why-not")
+    assert all(lemma["condition"] in why_not for lemma in lemmas)
+    (reason,) = page.all("p", class_="reason")
+    assert reason.text.startswith(
+        f"all structures of at most 4 modules are refuted, by {len(lemmas)} lemma"
+    )
