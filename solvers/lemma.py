@@ -15,8 +15,10 @@ from solvers.verifier.claims.lemma_claims import (
     TOO_FAR,
     TOO_NEAR,
     VARIANTS,
+    WEIGHTS,
     DistanceClaim,
     VariantClaim,
+    WeightsClaim,
     lemma_text,
 )
 
@@ -75,7 +77,33 @@ class VariantLemma:
         return VariantClaim(VARIANTS, condition, self.word, self.labels, script, boxes)
 
 
-Lemma: TypeAlias = DistanceLemma | VariantLemma
+@dataclass(frozen=True, slots=True)
+class WeightsLemma:
+    """All robots with this ``condition`` are one with weights, whose drives ``boxes`` refute."""
+
+    condition: ir.Accept
+    automaton: Dfa
+    word: tuple[str, ...]
+    labels: tuple[str, ...]
+    most: int
+    boxes: str
+
+    def is_about(self, word: Sequence[str]) -> bool:
+        """Whether a word satisfies the condition."""
+        return self.automaton.accepts(word)
+
+    @property
+    def text(self) -> str:
+        """The lemma in words."""
+        return lemma_text(self.claim(""))
+
+    def claim(self, boxes: str = "") -> WeightsClaim:
+        """The lemma as a certificate states it, with the file of the covering."""
+        condition = condition_text(self.condition)
+        return WeightsClaim(WEIGHTS, condition, self.word, self.labels, self.most, boxes)
+
+
+Lemma: TypeAlias = DistanceLemma | VariantLemma | WeightsLemma
 
 
 def covers(lemma: Lemma, other: Lemma) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from compiler.lemmas.conditioned_derivations import conditioned_derivations
 from compiler.lemmas.embedding import are_variants
 from compiler.lemmas.neutral_productions import NeutralProductions, neutral_productions
+from compiler.lemmas.weighted import weights
 from compiler.robots.normal_form import RobotFamily
 from compiler.words.acceptance import accept_dfa
 from compiler.words.derivation import Derivation
@@ -46,6 +47,31 @@ def holds_of_variants(
     dfa = intersection(language.accept, accept_dfa(condition, language.srg.terminals))
     derivations = conditioned_derivations(language.srg.cfg, dfa)
     return are_variants(derivations, base, family.grammar.productions, neutral)
+
+
+def holds_of_weighted(
+    family: RobotFamily, task: ir.Task, base: Derivation, condition: ir.Accept, most: int
+) -> bool:
+    """Whether every derivation of every word is one with up to ``most`` weights of each module.
+
+    Raises:
+        ValueError: there are too many derivations to tell.
+    """
+    kinds = weights(family, task)
+    if not kinds:
+        return False
+    productions = family.grammar.productions
+    numbers = {production.label: number for number, production in enumerate(productions)}
+    added = NeutralProductions(frozenset(), frozenset(numbers[label] for label in kinds))
+    language = family.language
+    symbols = language.srg.terminals
+    dfa = intersection(language.accept, accept_dfa(condition, symbols))
+    more = ir.AnyOf(tuple(ir.Count(name, ">", most) for name in dict.fromkeys(kinds.values())))
+    beyond = conditioned_derivations(language.srg.cfg, intersection(dfa, accept_dfa(more, symbols)))
+    if beyond.roots:
+        return False
+    derivations = conditioned_derivations(language.srg.cfg, dfa)
+    return are_variants(derivations, base, productions, added)
 
 
 def is_about_poses(boxes: str) -> bool:

@@ -1,14 +1,13 @@
 r"""Bounds of the inverse of a mass matrix on a box: what a force can do to a robot there.
 
-With a regular matrix W and eps >= ||W M W' - 1|| for every M of the box, eps < 1,
+With a regular matrix W and a lower bound l > 0 of the eigenvalues of W M W' for every M of the box,
 
-.. math:: W M W^\top \succeq (1 - \varepsilon)\, 1 \quad\Rightarrow\quad
-    M^{-1} \preceq \frac{W^\top W}{1 - \varepsilon}
+.. math:: W M W^\top \succeq l\, 1 \quad\Rightarrow\quad M^{-1} \preceq \frac{W^\top W}{l}
 
 (so M is positive definite on the box, and W regular).  W is the inverse of the Cholesky factor in
-the middle, in floating point: any W is right, a good one makes eps small.  For a symmetric matrix
-the largest row sum of sizes bounds the norm.  M is enclosed entry by entry, and by its centred
-form:
+the middle, in floating point: any W is right, a good one brings l near to 1.  The eigenvalues of a
+symmetric matrix are in Gershgorin's discs; how much heavier than in the middle a robot gets is no
+matter.  M is enclosed entry by entry, and by its centred form:
 
 .. math:: W M(x) W^\top \in W M(c) W^\top
     + \sum_k W\, \partial_k M(X)\, W^\top\, (X_k - c_k)
@@ -23,6 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 from flint import arb, arb_mat
 
@@ -40,7 +40,7 @@ class EffortGroup:
 
 @dataclass(frozen=True, slots=True)
 class Metric:
-    """M^-1 is at most W'W / (1 - eps) on a box; ``scale`` bounds 1 / sqrt(1 - eps) from above."""
+    """M^-1 is at most W'W / l on a box; ``scale`` bounds 1 / sqrt(l) from above."""
 
     factor: arb_mat
     scale: arb
@@ -106,8 +106,8 @@ def metric(mass: EnclosedMass, size: int) -> Metric | None:
     centred = whitened(middle)
     for slopes, radius in mass.changes:
         centred += whitened(_square(slopes, size)) * (radius * arb(0, 1))
-    errors = [_distance_from_one(m) for m in (whitened(_square(mass.over, size)), centred)]
-    left = (1 - errors[0].min(errors[1])).lower()
+    enclosures = (whitened(_square(mass.over, size)), centred)
+    left = reduce(arb.max, [_least_eigenvalue(each) for each in enclosures]).lower()
     return Metric(factor, (1 / left.sqrt()).upper()) if left > 0 else None
 
 
@@ -115,11 +115,14 @@ def _square(entries: Sequence[Ends], size: int) -> arb_mat:
     return arb_mat(size, size, [entry.ball() for entry in entries]).transpose()
 
 
-def _distance_from_one(matrix: arb_mat) -> arb:
-    """A bound of the norm of a symmetric matrix less the identity."""
+def _least_eigenvalue(matrix: arb_mat) -> arb:
+    """A lower bound of the eigenvalues of a symmetric matrix: of Gershgorin's discs."""
     size = matrix.nrows()
-    rows = ((abs(matrix[i, j] - (i == j)).upper() for j in range(size)) for i in range(size))
-    return _largest([sum(row, arb(0)) for row in rows])
+    found = []
+    for i in range(size):
+        aside = sum((abs(matrix[i, j]).upper() for j in range(size) if j != i), arb(0))
+        found.append((matrix[i, i].lower() - aside).lower())
+    return reduce(arb.min, found)
 
 
 def norm(vector: Sequence[arb]) -> arb:

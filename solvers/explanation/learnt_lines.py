@@ -14,7 +14,7 @@ from grammar_lang.conditions import condition_of
 from solvers.conclusion import module_bound
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.task_line import TaskLine, task_lines
-from solvers.verifier.claims.lemma_claims import LemmaClaim, VariantClaim, lemma_text
+from solvers.verifier.claims.lemma_claims import LemmaClaim, VariantClaim, WeightsClaim, lemma_text
 
 MOST_ROBOTS = 60
 """So many different robots of lemmas are looked at, of the first structures."""
@@ -44,6 +44,10 @@ def _lines(posed: PosedTask, claim: LemmaClaim) -> Iterator[TaskLine]:
     task, program = posed.task, posed.program
     if isinstance(claim, VariantClaim):
         yield from (line for line in task_lines(posed) if line.kind in ("start", "reach"))
+        return
+    if isinstance(claim, WeightsClaim):
+        kinds = ("start", "reach", "effort", "joint_effort", "horizon")
+        yield from (line for line in task_lines(posed) if line.kind in kinds)
         return
     counted = _counted(condition_of(claim.condition, program.terminals))
     for line in task_lines(posed):

@@ -1,16 +1,19 @@
-"""What a refuted robot teaches about its variants: fewer joints, or parts that change no pose."""
+"""What a refuted robot teaches of variants: fewer joints, parts that change no pose, weights."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.lemmas.neutral_productions import NeutralProductions, spine
-from compiler.lemmas.variants import holds_of_variants, neutral_in_task
+from compiler.lemmas.variants import holds_of_variants, holds_of_weighted, neutral_in_task
+from compiler.lemmas.weighted import weighted_robot, weights
 from compiler.robots.normal_form import RobotFamily
 from compiler.words.acceptance import accept_dfa
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
-from solvers.lemma import VariantLemma
+from solvers.impossibility.drive_search import BEFORE_MOTIONS, drive_refutation
+from solvers.lemma import VariantLemma, WeightsLemma
 
 MOST_SYMBOLS = 60
 """Longer words are not generalised: their expressions help nobody."""
@@ -29,6 +32,39 @@ def variant_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> Varia
     except ValueError:
         return None
     return VariantLemma(condition, automaton, base.word, base.labels)
+
+
+MOST_WEIGHTS = 4
+"""So many of each module are asked about where nothing bounds their number."""
+
+
+def weights_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> WeightsLemma | None:
+    """The lemma about a robot with weights anywhere, of one that its drives are too weak for."""
+    kinds = weights(family, task)
+    if not kinds or len(base.word) > MOST_SYMBOLS:
+        return None
+    modules = sum(family.program.is_module(symbol) for symbol in base.word)
+    most = MOST_WEIGHTS if task.modules is None else task.modules - modules
+    model = weighted_robot(family, task, base, most) if most > 0 else None
+    if model is None:
+        return None
+    productions = family.grammar.productions
+    numbers = frozenset(n for n, each in enumerate(productions) if each.label in kinds)
+    words = _Words(productions, base, NeutralProductions(frozenset(), numbers)).expression()
+    counts = (ir.Count(name, "<=", most) for name in dict.fromkeys(kinds.values()))
+    condition = ir.AllOf((ir.Matches(words), *counts))
+    try:
+        if not holds_of_weighted(family, task, base, condition, most):
+            return None
+        automaton = accept_dfa(condition, family.language.srg.terminals)
+        graph = robot_graph(model, task.gravity)
+    except ValueError:
+        return None
+    workspace = family.program.workspaces[task.workspace]
+    found = drive_refutation(model, graph, workspace, task, BEFORE_MOTIONS)
+    if found is None:
+        return None
+    return WeightsLemma(condition, automaton, base.word, base.labels, most, found.boxes)
 
 
 class _Words:

@@ -86,22 +86,26 @@ class FamilySearch:
                 candidate = left.taken()
                 self.enter(left.ahead, candidate)
                 left.go_on()
-                record = self.records.get(candidate.number)
-                if record is not None and record.verdict == "refuted":
-                    boxes = record.boxes
-                    by_poses = record.script is not None or (
-                        boxes is not None and is_about_poses(boxes)
-                    )
-                    left.learn(candidate, by_poses=by_poses)
-                    self.family = left.family
+                self.learn(left, candidate)
                 continue
             structure = self.queue.turn()
             if structure.state.design is not None:
                 self.queue.finish(structure)
             if structure.state.is_over:
                 self.leave(structure)
+                self.learn(left, structure.candidate)
                 if self.designs and not self.every:
                     return
+
+    def learn(self, left: StructuresLeft, candidate: Candidate) -> None:
+        """Narrow what is left by what became of a structure, if it is refuted."""
+        record = self.records.get(candidate.number)
+        if record is None or record.verdict != "refuted":
+            return
+        boxes = record.boxes
+        by_poses = record.script is not None or (boxes is not None and is_about_poses(boxes))
+        left.learn(candidate, by_poses=by_poses)
+        self.family = left.family
 
     # --- a structure comes and goes -------------------------------------------------------------
 

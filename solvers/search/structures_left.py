@@ -16,7 +16,7 @@ from compiler.words.finite_automaton import AutomatonTooLargeError
 from grammar_lang import ir
 from solvers.conclusion import module_bound
 from solvers.impossibility.distance_lemmas import distance_lemma
-from solvers.impossibility.variant_lemmas import variant_lemma
+from solvers.impossibility.variant_lemmas import variant_lemma, weights_lemma
 from solvers.lemma import Lemma, covers
 from solvers.run_context import RunContext
 from solvers.search.prefetch import Prefetch
@@ -73,8 +73,9 @@ class StructuresLeft:
             return
         # Of the whole family, so that each lemma holds whatever becomes of the others.
         lemma: Lemma | None = distance_lemma(self.whole, self.task, refuted.derivation.word)
-        if lemma is None and by_poses:
-            lemma = variant_lemma(self.whole, self.task, refuted.derivation)
+        if lemma is None:
+            about = variant_lemma if by_poses else weights_lemma
+            lemma = about(self.whole, self.task, refuted.derivation)
         if lemma is None:
             return
         try:

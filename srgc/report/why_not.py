@@ -138,6 +138,8 @@ def _argument(lemma: Mapping[str, Any]) -> str:
     """What a lemma says of its robots."""
     if "region" not in lemma:
         word = f'<span class="word">{text(" ".join(lemma["word"]))}</span>'
+        if "most" in lemma:
+            return f"the drives of {word} are too weak, with up to {lemma['most']} weights anywhere"
         return f"none has poses that {word}, which is refuted, has not"
     region = f"<code>{text(lemma['region'])}</code>"
     vector = ", ".join(_short(x) for x in lemma["vector"])

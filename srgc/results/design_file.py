@@ -22,7 +22,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
-from solvers.lemma import VariantLemma
+from solvers.lemma import VariantLemma, WeightsLemma
 from solvers.search.configuration_search import PathSamples, Sample
 from solvers.search.path_task import Design
 from solvers.search.search_state import BlockedPrefix
@@ -54,6 +54,11 @@ def proof_name(index: int) -> str:
 def boxes_name(index: int) -> str:
     """The file of the covering that refutes the structure with that index."""
     return f"proofs/{index:04d}.boxes"
+
+
+def weights_name(index: int) -> str:
+    """The file of the covering of the structure with that index and all weights it may have."""
+    return f"proofs/{index:04d}.weights.boxes"
 
 
 def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
@@ -140,6 +145,8 @@ def _lemma_claims(result: Synthesis) -> tuple[LemmaClaim, ...]:
         if isinstance(lemma, VariantLemma):
             script, _, boxes = _evidence(result, index[lemma.labels])
             found.append(lemma.claim(script, boxes))
+        elif isinstance(lemma, WeightsLemma):
+            found.append(lemma.claim(weights_name(index[lemma.labels])))
         else:
             found.append(lemma.claim())
     return tuple(found)

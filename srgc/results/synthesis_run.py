@@ -17,6 +17,7 @@ from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
+from solvers.lemma import WeightsLemma
 from solvers.run_context import EVALUATIONS, PATHS, RunContext
 from solvers.search.family_search import Proved
 from solvers.search.path_task import Design
@@ -34,6 +35,7 @@ from srgc.results.design_file import (
     proof_name,
     samples_csv,
     trajectory_csv,
+    weights_name,
 )
 from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
 from srgc.results.progress_display import progress
@@ -270,6 +272,10 @@ def _write(
             files.write(proof_name(index), record.script)
         if record.boxes is not None:
             files.write(boxes_name(index), record.boxes)
+    for lemma in result.lemmas:
+        if isinstance(lemma, WeightsLemma):
+            index = next(i for i, r in enumerate(result.records) if r.derivation == lemma.labels)
+            files.write(weights_name(index), lemma.boxes)
     if result.samples:
         files.write("evaluations.csv", evaluations_csv(result.samples))
     design = result.design

@@ -29,7 +29,12 @@ from solvers.verifier.claims.further_claims import (
     further_claims,
 )
 from solvers.verifier.claims.json_fields import expect_keys, number, objects, rows, text, texts
-from solvers.verifier.claims.lemma_claims import DistanceClaim, LemmaClaim, VariantClaim
+from solvers.verifier.claims.lemma_claims import (
+    DistanceClaim,
+    LemmaClaim,
+    VariantClaim,
+    WeightsClaim,
+)
 
 FORMAT, WITH_CLAIMS = 3, 4
 """2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes; 4: a
@@ -142,7 +147,9 @@ class ImpossibleClaim:
     def lemmas(self) -> tuple[LemmaClaim, ...]:
         """The lemmas, in their order."""
         return tuple(
-            claim for claim in self.claims if isinstance(claim, DistanceClaim | VariantClaim)
+            claim
+            for claim in self.claims
+            if isinstance(claim, DistanceClaim | VariantClaim | WeightsClaim)
         )
 
 

@@ -10,11 +10,11 @@ from typing import Any, TypeAlias
 
 from compiler.expressions.exact_numbers import exact_number
 from compiler.lemmas.effector_bounds import BallBound, EffectorBound, HalfSpaceBound
-from solvers.verifier.claims.json_fields import objects, text, texts
+from solvers.verifier.claims.json_fields import number, objects, text, texts
 
 EVERY_WORD = "length >= 1"
 """The condition that all words satisfy."""
-TOO_FAR, TOO_NEAR, VARIANTS = "too far", "too near", "variants"
+TOO_FAR, TOO_NEAR, VARIANTS, WEIGHTS = "too far", "too near", "variants", "weights"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,25 @@ class VariantClaim:
     kind: str = "lemma"
 
 
-LemmaClaim: TypeAlias = DistanceClaim | VariantClaim
+@dataclass(frozen=True, slots=True)
+class WeightsClaim:
+    """All robots of the words with the ``condition`` are one with up to ``most`` of each weight.
+
+    The drives of that one, given by its ``word`` and its ``derivation``, are too weak whatever of
+    these weights it has where: ``boxes``, the path of a covering of all of it.  ``argument`` is
+    "weights".
+    """
+
+    argument: str
+    condition: str
+    word: tuple[str, ...]
+    derivation: tuple[str, ...]
+    most: int
+    boxes: str
+    kind: str = "lemma"
+
+
+LemmaClaim: TypeAlias = DistanceClaim | VariantClaim | WeightsClaim
 
 
 def lemma_claim(item: dict[str, Any]) -> LemmaClaim:
@@ -69,8 +87,15 @@ def lemma_claim(item: dict[str, Any]) -> LemmaClaim:
             None if fields["evidence"] is None else text(fields["evidence"]),
             None if fields["boxes"] is None else text(fields["boxes"]),
         )  # fmt: skip
+    if argument == WEIGHTS:
+        (fields,) = objects([item], WeightsClaim)
+        return WeightsClaim(
+            argument, text(fields["condition"]), texts(fields["word"]), texts(fields["derivation"]),
+            number(fields["most"]), text(fields["boxes"]),
+        )  # fmt: skip
     if argument not in (TOO_FAR, TOO_NEAR):
-        raise ValueError(f"the argument of a lemma is `{TOO_FAR}`, `{TOO_NEAR}` or `{VARIANTS}`")
+        known = ", ".join(f"`{each}`" for each in (TOO_FAR, TOO_NEAR, VARIANTS, WEIGHTS))
+        raise ValueError(f"the argument of a lemma is one of {known}")
     (fields,) = objects([item], DistanceClaim)
     return DistanceClaim(
         argument, text(fields["condition"]), text(fields["region"]),
@@ -80,6 +105,11 @@ def lemma_claim(item: dict[str, Any]) -> LemmaClaim:
 
 def lemma_text(claim: LemmaClaim) -> str:
     """A lemma in words."""
+    if isinstance(claim, WeightsClaim):
+        return (
+            f"no robot with `{claim.condition}` is brought there: the drives of "
+            f"{' '.join(claim.word)} are too weak, with any weights"
+        )
     if isinstance(claim, VariantClaim):
         word = " ".join(claim.word)
         return f"no robot with `{claim.condition}` has poses that {word}, refuted, has not"

@@ -12,7 +12,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from compiler.lemmas.effector_bounds import keep_to, place_of, placements_of
-from compiler.lemmas.variants import holds_of_variants, is_about_poses
+from compiler.lemmas.variants import holds_of_variants, holds_of_weighted, is_about_poses
+from compiler.lemmas.weighted import weighted_robot
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import robot_in_task
 from compiler.robots.normal_form import RobotFamily
@@ -26,6 +27,7 @@ from solvers.verifier.claims.lemma_claims import (
     DistanceClaim,
     LemmaClaim,
     VariantClaim,
+    WeightsClaim,
     effector_bound,
 )
 from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
@@ -54,6 +56,8 @@ def checked_lemma(
         condition = condition_of(claim.condition, family.language.srg.terminals)
         if isinstance(claim, VariantClaim):
             return CheckedLemma(condition, _variants(claim, condition, family, evidence))
+        if isinstance(claim, WeightsClaim):
+            return CheckedLemma(condition, _weights(claim, condition, family, evidence))
         _distance(claim, condition, family, evidence.task)
     except FalseClaim as fault:
         raise FalseClaim(f"lemma {number}: {fault}") from None
@@ -97,6 +101,23 @@ def _variants(
     ):
         raise FalseClaim("its boxes are about drives, not about poses alone")
     return evidence.refutes("its robot", claim.evidence, claim.boxes, model)
+
+
+def _weights(
+    claim: WeightsClaim, condition: ir.Accept, family: RobotFamily, evidence: Evidence
+) -> bool:
+    """All derivations of the condition are of one robot with weights, and boxes refute it so."""
+    task = evidence.task
+    try:
+        base = family.replay(claim.derivation)
+        model = weighted_robot(family, task, base, claim.most)
+    except (BadDerivation, SemanticsError) as error:
+        raise FalseClaim(f"its derivation is of no robot: {error}") from None
+    if base.word != claim.word:
+        raise FalseClaim("its derivation does not derive its word")
+    if model is None or not holds_of_weighted(family, task, base, condition, claim.most):
+        raise FalseClaim(f"robots with `{claim.condition}` are not all its robot with weights")
+    return evidence.refutes("its robot with weights", None, claim.boxes, model)
 
 
 def _bounded(place: Polytope) -> bool:
