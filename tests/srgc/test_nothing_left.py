@@ -16,10 +16,13 @@ RUNS = [
     "new planar -o written/planar.srg",
     "check turner.srg",
     "fmt --check turner.srg",
+    "expand turner.srg -o written/expanded.srg",
     "synth turner.srg -o out --jobs 2 --quiet",
     "synth far.srg -o none --all --quiet",
     "verify out",
-    "verify none --trust z3",
+    "verify none --trust z3,cvc5",
+    "synth far.srg -o alone --no-lemmas --smt cvc5 --quiet",
+    "graph none --of lemmas",
     "report out --quiet",
     "report none -o written/none.html --quiet",
     "landscape out --points 2 --jobs 2 --quiet",
@@ -97,10 +100,10 @@ def test_after_every_command(place):
     ran(place, [sys.executable, "-c", SCRIPT], "\n".join(RUNS))
     assert left(place) == []
     written = {path.name for path in (place / "work").iterdir()}
-    assert written == {"turner.srg", "far.srg", "written", "out", "none"}
+    assert written == {"turner.srg", "far.srg", "written", "out", "none", "alone"}
     named = {line.rpartition("written/")[2].split()[0] for line in RUNS if "written/" in line}
     assert {path.name for path in (place / "work" / "written").iterdir()} == named
-    for folder in ("out", "none"):
+    for folder in ("out", "none", "alone"):
         kept = {path.name for path in (place / "work" / folder).iterdir()}
         assert not {name for name in kept if name.startswith(".") or name == "journal.jsonl"}
 
