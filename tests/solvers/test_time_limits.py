@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -156,7 +157,10 @@ def test_what_z3_says_once_time_is_over_is_no_answer(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(z3.Solver, "check", late)
     journal = Memory()
     with time_limit(over), pytest.raises(OutOfTimeError):
-        structure_refutation._refuted(CIRCLE.format(1), RunContext(journal=journal), 10_000)
+        nothing: Any = None
+        context = RunContext(journal=journal)
+        asked = structure_refutation._Asked(nothing, nothing, nothing, nothing, context)
+        asked.refutes(CIRCLE.format(1), 10_000)
     assert not journal.values
 
 

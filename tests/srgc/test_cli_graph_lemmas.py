@@ -15,9 +15,9 @@ Srgc = Callable[..., Ran]
 
 
 FAR = replaced(
-    replaced(BEYOND_REACH, "modules <= 4;", ""), "contains EN", "contains EN and count(L) <= 1"
+    replaced(BEYOND_REACH, "modules <= 4;", ""), "contains EN", "contains EN and count(L) <= 0"
 )
-"""Without end, and all too short."""
+"""Without end, and without a link that would reach."""
 
 
 def test_nothing_is_left(srgc: Srgc, tmp_path: Path) -> None:

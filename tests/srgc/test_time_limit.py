@@ -138,7 +138,7 @@ def test_a_cut_run_says_by_how_much_the_limit_was_passed(
 
 def test_the_conflict_at_the_end_keeps_to_the_limit(made: Made) -> None:
     tried = tried_folder(made("beyond_reach") / "out")
-    searched = synthesise(tried.posed.program, tried.posed.task, RunContext())
+    searched = synthesise(tried.posed.program, tried.posed.task, RunContext(lemmas=False))
     assert searched.verdict == "impossible"
     last = "`srgc why out` says what would make it possible"
     whole = ending(searched, tried.posed, RunContext(), "out")
