@@ -156,10 +156,10 @@ def test_what_z3_says_once_time_is_over_is_no_answer(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(z3.Solver, "check", late)
     journal = Memory()
+    nothing: Any = None
+    context = RunContext(journal=journal)
+    asked = structure_refutation._Asked(nothing, nothing, nothing, nothing, context)
     with time_limit(over), pytest.raises(OutOfTimeError):
-        nothing: Any = None
-        context = RunContext(journal=journal)
-        asked = structure_refutation._Asked(nothing, nothing, nothing, nothing, context)
         asked.refutes(CIRCLE.format(1), 10_000)
     assert not journal.values
 
