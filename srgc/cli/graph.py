@@ -83,7 +83,7 @@ def graph(
 
     if what == "lemmas":
         _refuse_choices(grammar, workspace, task, depth, highlight, near, word, derivation, cells)
-        from srgc.graphs.left_over import drawing_of_lemmas
+        from srgc.results.left_over import drawing_of_lemmas
 
         return _shown(drawing_of_lemmas(file), output)
     program = program_of(file)
