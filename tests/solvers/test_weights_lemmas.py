@@ -82,9 +82,9 @@ def test_the_robot_with_weights() -> None:
         ("start in Left at rest;", "start at (0 rad);"),
         ("reach Right;", "reach Right;\n  avoid Left with body;"),
         ("reach Right;", "reach Right;\n  avoid self with body;"),
-        ("this.at = Part.at;\n    point(frame: Part.at, mass: Weight.mass);",
+        ("this.at = Part.at; point(frame: Part.at, mass: Weight.mass);",
          "this.at = Part.at;\n    point(frame: Part.at * move(x, 1 cm), mass: Weight.mass);"),
-        ("this.at = Part.at;\n    point(frame: Part.at, mass: Weight.mass);",
+        ("this.at = Part.at; point(frame: Part.at, mass: Weight.mass);",
          "this.at = Part.at;\n    rod(frame: Part.at, axis: x, length: 1 cm, density: 1 kg/m);"),
     ],
 )  # fmt: skip
@@ -107,9 +107,9 @@ def test_a_counterweight_is_asked_about() -> None:
         "module Hand {":
             "module Tail { role link; const back = 1 m; }\n"
             "module Fore { role link; const front = 1 m; }\nmodule Hand {",
-        "  weight {\n":
+        "  weight {":
             "  tail { this.at = Part.at * move(x, -1 m); }\n"
-            "  fore { this.at = Part.at * move(x, 1 m); }\n  weight {\n",
+            "  fore { this.at = Part.at * move(x, 1 m); }\n  weight {",
         "(flange Weight | flange Tube)* flange Hand":
             "flange Tail (flange Weight)* flange Fore flange Tube (flange Weight)* flange Hand",
         "target Right box [-1.3, -0.7] x [-0.1, 0.1] m;":
