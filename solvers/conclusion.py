@@ -65,7 +65,7 @@ def with_lemmas(
             about = None
         first = record.same_robot_as
         if about is not None:
-            found.append(_under(record, about, lemmas[about]))
+            found.append(_under(record, about, lemmas))
         elif first is None or found[first].lemma is None:
             found.append(record)
         elif first in heirs:
@@ -77,14 +77,12 @@ def with_lemmas(
     return tuple(found)
 
 
-def _under(record: StructureRecord, number: int, lemma: Lemma) -> StructureRecord:
-    """A record that rests on a lemma; the robot whose variants that is about keeps its evidence."""
-    about = replace(
-        record, verdict="refuted", reason=lemma.text, lemma=number, same_robot_as=None
-    )  # fmt: skip
-    if isinstance(lemma, VariantLemma) and lemma.labels == record.derivation:
-        return about
-    return replace(about, script=None, boxes=None)
+def _under(record: StructureRecord, number: int, lemmas: Sequence[Lemma]) -> StructureRecord:
+    """A record that rests on a lemma; a robot whose variants one is about keeps its evidence."""
+    reason = lemmas[number].text
+    about = replace(record, verdict="refuted", reason=reason, lemma=number, same_robot_as=None)
+    bases = [lemma.labels for lemma in lemmas if isinstance(lemma, VariantLemma)]
+    return about if record.derivation in bases else replace(about, script=None, boxes=None)
 
 
 def module_bound(family: RobotFamily, task: ir.Task) -> int:

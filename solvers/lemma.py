@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
 
 from compiler.expressions.exact_numbers import exact_text
 from compiler.lemmas.effector_bounds import EffectorBound, HalfSpaceBound
@@ -17,6 +17,7 @@ from solvers.verifier.claims.lemma_claims import (
     VARIANTS,
     WEIGHTS,
     DistanceClaim,
+    LemmaClaim,
     VariantClaim,
     WeightsClaim,
     lemma_text,
@@ -24,22 +25,37 @@ from solvers.verifier.claims.lemma_claims import (
 
 
 @dataclass(frozen=True, slots=True)
-class DistanceLemma:
-    """No robot of a word of the family with this ``condition`` has an effector in ``region``."""
+class Lemma(ABC):
+    """No robot of a word of the family with this ``condition`` does the task."""
 
     condition: ir.Accept
     automaton: Dfa
-    region: str
-    bound: EffectorBound
 
-    def is_about(self, word: Sequence[str]) -> bool:
-        """Whether a word satisfies the condition."""
-        return self.automaton.accepts(word)
+    @abstractmethod
+    def claim(self) -> LemmaClaim:
+        """The lemma as a certificate states it, but for the names of files."""
 
     @property
     def text(self) -> str:
         """The lemma in words."""
         return lemma_text(self.claim())
+
+    def is_about(self, word: Sequence[str]) -> bool:
+        """Whether a word satisfies the condition."""
+        return self.automaton.accepts(word)
+
+    def covers(self, other: Lemma) -> bool:
+        """Whether this one is about all words that another one is about."""
+        left = intersection(other.automaton, complement(self.automaton))
+        return left.longest() == -1
+
+
+@dataclass(frozen=True, slots=True)
+class DistanceLemma(Lemma):
+    """No effector of these robots gets into ``region``."""
+
+    region: str
+    bound: EffectorBound
 
     def claim(self) -> DistanceClaim:
         """The lemma as a certificate states it."""
@@ -54,22 +70,11 @@ class DistanceLemma:
 
 
 @dataclass(frozen=True, slots=True)
-class VariantLemma:
-    """All robots with this ``condition`` are variants of a refuted one, given by its derivation."""
+class VariantLemma(Lemma):
+    """All these robots are variants of a refuted one, given by its ``word`` and derivation."""
 
-    condition: ir.Accept
-    automaton: Dfa
     word: tuple[str, ...]
     labels: tuple[str, ...]
-
-    def is_about(self, word: Sequence[str]) -> bool:
-        """Whether a word satisfies the condition."""
-        return self.automaton.accepts(word)
-
-    @property
-    def text(self) -> str:
-        """The lemma in words."""
-        return lemma_text(self.claim())
 
     def claim(self, script: str | None = None, boxes: str | None = None) -> VariantClaim:
         """The lemma as a certificate states it, with the files that refute the one robot."""
@@ -78,34 +83,15 @@ class VariantLemma:
 
 
 @dataclass(frozen=True, slots=True)
-class WeightsLemma:
-    """All robots with this ``condition`` are one with weights, whose drives ``boxes`` refute."""
+class WeightsLemma(Lemma):
+    """All these robots are one with weights, whose drives ``boxes`` show to be too weak."""
 
-    condition: ir.Accept
-    automaton: Dfa
     word: tuple[str, ...]
     labels: tuple[str, ...]
     most: int
     boxes: str
 
-    def is_about(self, word: Sequence[str]) -> bool:
-        """Whether a word satisfies the condition."""
-        return self.automaton.accepts(word)
-
-    @property
-    def text(self) -> str:
-        """The lemma in words."""
-        return lemma_text(self.claim(""))
-
     def claim(self, boxes: str = "") -> WeightsClaim:
         """The lemma as a certificate states it, with the file of the covering."""
         condition = condition_text(self.condition)
         return WeightsClaim(WEIGHTS, condition, self.word, self.labels, self.most, boxes)
-
-
-Lemma: TypeAlias = DistanceLemma | VariantLemma | WeightsLemma
-
-
-def covers(lemma: Lemma, other: Lemma) -> bool:
-    """Whether one lemma is about all words that another one is about."""
-    return intersection(other.automaton, complement(lemma.automaton)).longest() == -1

@@ -42,8 +42,7 @@ class HalfSpaceBound:
         """Whether all effectors keep to it."""
         reach = ball(self.reach)
         return all(
-            p.known.furthest(self.normal) <= reach or p.based.furthest(self.normal) <= reach
-            for p in placements
+            any(view.furthest(self.normal) <= reach for view in place.views) for place in placements
         )
 
     def excludes(self, region: Polytope) -> bool:
@@ -62,8 +61,8 @@ class BallBound:
         """Whether all effectors keep to it."""
         distance = ball(self.distance)
         return all(
-            p.known.nearest(self.centre) >= distance or p.based.nearest(self.centre) >= distance
-            for p in placements
+            any(view.nearest(self.centre) >= distance for view in place.views)
+            for place in placements
         )
 
     def excludes(self, region: Polytope) -> bool:

@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import reduce
 from typing import TypeAlias
 
 from compiler.expressions.evaluator import evaluate_expression
@@ -156,12 +155,13 @@ class _Placing:
 
 def _is_made(grammar: ir.Grammar) -> bool:
     """Whether the frame of the start symbol comes from below; else it is the world."""
-    made = ir.AttributeOf(ir.THIS, ROOT_ATTRIBUTE)
+    made, blocks = ir.AttributeOf(ir.THIS, ROOT_ATTRIBUTE), grammar.semantics or {}
     return any(
         rule.target == made
         for production in grammar.productions
         if production.left == grammar.start
-        for rule in (grammar.semantics or {})[production.label].rules
+        if production.label in blocks
+        for rule in blocks[production.label].rules
     )
 
 
@@ -348,8 +348,3 @@ class _Reading:
     def _module(self, occurrence: int) -> str:
         """The name of the module at an occurrence."""
         return self.placing.grammar.productions[self.application.rule].right[occurrence].name
-
-
-def joined(placements: tuple[Placement, ...]) -> Placement:
-    """All of some placements, at least one."""
-    return reduce(Placement.joined, placements)

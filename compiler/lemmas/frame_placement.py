@@ -107,6 +107,11 @@ class Placement:
     based: Around
     axes: Axes
 
+    @property
+    def views(self) -> tuple[Around, Around]:
+        """Both descriptions of the origin: each of them holds."""
+        return self.known, self.based
+
     def joined(self, other: Placement) -> Placement:
         """Both."""
         x, y, z = (

@@ -352,6 +352,11 @@ class RobotFamily:
         """L(SRG) intersected with L(accept)."""
         return language(self.grammar, self.program.terminals, self.program.modules)
 
+    def with_condition(self, condition: ir.Accept) -> RobotFamily:
+        """The robots of the family whose words satisfy another condition, too."""
+        accept = ir.AllOf((self.grammar.accept, condition))
+        return replace(self, grammar=replace(self.grammar, accept=accept))
+
     @cached_property
     def evaluation_order(self) -> EvaluationOrder:
         """In which order attributes are evaluated, in all derivations of the grammar."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import islice
 
 from compiler.robots.candidate import candidates
@@ -103,8 +103,7 @@ def robots_of_lemmas(
         return ()
     family = family_of(posed.program, posed.task)
     conditions = tuple(condition_of(c.condition, posed.program.terminals) for c in claims)
-    accept = ir.AllOf((family.grammar.accept, ir.AnyOf(conditions)))
-    narrowed = replace(family, grammar=replace(family.grammar, accept=accept))
+    narrowed = family.with_condition(ir.AnyOf(conditions))
     seen: set[str] = set()
     found: list[tuple[str, ...]] = []
     every = candidates(narrowed, module_bound(family, posed.task), posed.task.origin)

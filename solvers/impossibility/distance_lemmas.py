@@ -14,6 +14,7 @@ from fractions import Fraction
 from itertools import product
 
 import numpy as np
+from flint import arb
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import working_precision
@@ -166,11 +167,9 @@ class _Weakening:
 def _bounds(placements: Sequence[Placement], place: Polytope) -> Iterator[EffectorBound]:
     """Bounds that the effectors may keep to, and that exclude the place if there is room."""
     vertices = np.array([[float(x) for x in vertex] for vertex in place.vertices])
-    for view in (_known, _based):
-        around = [view(p) for p in placements]
-        if not around:
-            yield _beyond(np.ones(vertices.shape[1]), around, vertices)
-            return
+    if not placements:
+        yield _beyond(np.ones(vertices.shape[1]), (), vertices)
+    for around in zip(*(place.views for place in placements), strict=True):
         boxes = [_corners(each, vertices.shape[1]) for each in around]
         if not all(np.isfinite(corners).all() for corners in boxes):
             continue
@@ -180,14 +179,6 @@ def _bounds(placements: Sequence[Placement], place: Polytope) -> Iterator[Effect
         if np.linalg.norm(normal) > 0:
             yield _beyond(normal / np.linalg.norm(normal), around, vertices)
         yield _away(corners.mean(axis=0), around)
-
-
-def _known(placement: Placement) -> Around:
-    return placement.known
-
-
-def _based(placement: Placement) -> Around:
-    return placement.based
 
 
 def _corners(around: Around, dimension: int) -> Array:
@@ -214,13 +205,11 @@ def _away(centre: Array, around: Sequence[Around]) -> BallBound:
     return BallBound(exact, Fraction(0) if distance is None else max(distance, Fraction(0)))
 
 
-def _most(
-    measure: Callable[[Around], object], around: Sequence[Around], sign: int
-) -> Fraction | None:
+def _most(measure: Callable[[Around], arb], around: Sequence[Around], sign: int) -> Fraction | None:
     """The greatest (sign 1) or the least (-1) of some bounds, rounded outwards."""
     found: Fraction | None = None
     for each in around:
-        bounds = outward(measure(each))  # type: ignore[arg-type]
+        bounds = outward(measure(each))
         if bounds is None:
             return None
         value = bounds[1] if sign > 0 else bounds[0]

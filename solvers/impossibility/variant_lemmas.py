@@ -45,16 +45,14 @@ def weights_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> Weigh
         return None
     modules = sum(family.program.is_module(symbol) for symbol in base.word)
     most = MOST_WEIGHTS if task.modules is None else task.modules - modules
-    model = weighted_robot(family, task, base, most) if most > 0 else None
-    if model is None:
-        return None
     productions = family.grammar.productions
     numbers = frozenset(n for n, each in enumerate(productions) if each.label in kinds)
     words = _Words(productions, base, NeutralProductions(frozenset(), numbers)).expression()
     counts = (ir.Count(name, "<=", most) for name in dict.fromkeys(kinds.values()))
     condition = ir.AllOf((ir.Matches(words), *counts))
     try:
-        if not holds_of_weighted(family, task, base, condition, most):
+        model = weighted_robot(family, task, base, most) if most > 0 else None
+        if model is None or not holds_of_weighted(family, task, base, condition, most):
             return None
         automaton = accept_dfa(condition, family.language.srg.terminals)
         graph = robot_graph(model, task.gravity)

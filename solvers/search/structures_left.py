@@ -17,7 +17,7 @@ from grammar_lang import ir
 from solvers.conclusion import module_bound
 from solvers.impossibility.distance_lemmas import distance_lemma
 from solvers.impossibility.variant_lemmas import variant_lemma, weights_lemma
-from solvers.lemma import Lemma, covers
+from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.prefetch import Prefetch
 
@@ -69,35 +69,31 @@ class StructuresLeft:
 
         ``by_poses``: it is refuted whatever the drives, the dynamics and the horizon.
         """
-        if self.following is None or not self.context.lemmas:
+        word = refuted.derivation.word
+        known = any(lemma.is_about(word) for lemma in self.lemmas)
+        if self.following is None or known or not self.context.lemmas:
             return
         # Of the whole family, so that each lemma holds whatever becomes of the others.
-        lemma: Lemma | None = distance_lemma(self.whole, self.task, refuted.derivation.word)
+        lemma: Lemma | None = distance_lemma(self.whole, self.task, word)
         if lemma is None:
             about = variant_lemma if by_poses else weights_lemma
             lemma = about(self.whole, self.task, refuted.derivation)
         if lemma is None:
             return
         try:
-            narrowed = _without(self.family, lemma.condition)
-            if not self._is_wider(lemma, refuted.derivation.word):
+            narrowed = self.family.with_condition(ir.NotAccept(lemma.condition))
+            if not self._is_wider(lemma, word):
                 return
         except AutomatonTooLargeError:
             return
-        self.lemmas[:] = [each for each in self.lemmas if not covers(lemma, each)] + [lemma]
+        self.lemmas[:] = [each for each in self.lemmas if not lemma.covers(each)] + [lemma]
         self.family = narrowed
         self.context.reporter.note(lemma.text)
         self._draw()
 
     def _is_wider(self, lemma: Lemma, word: Sequence[str]) -> bool:
         """Whether a lemma is about words that are left besides one."""
-        about = replace(
-            self.family,
-            grammar=replace(
-                self.family.grammar,
-                accept=ir.AllOf((self.family.grammar.accept, lemma.condition)),
-            ),
-        )
+        about = self.family.with_condition(lemma.condition)
         words = about.language.words(max_modules=module_bound(self.family, self.task))
         return any(other != tuple(word) for other in islice(words, 2))
 
@@ -114,9 +110,3 @@ class StructuresLeft:
             if candidate.derivation.labels not in self.tried:
                 yield replace(candidate, number=number)
                 number += 1
-
-
-def _without(family: RobotFamily, condition: ir.Accept) -> RobotFamily:
-    """The robots of a family whose words do not satisfy a condition."""
-    accept = ir.AllOf((family.grammar.accept, ir.NotAccept(condition)))
-    return replace(family, grammar=replace(family.grammar, accept=accept))

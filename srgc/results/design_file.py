@@ -279,7 +279,7 @@ def design_text(
         }
         if design.loop is not None:
             content["loop"] = design.loop.first
-    if not identity.lemmas:
+    if identity.one_by_one:
         content["one_by_one"] = True
     if identity.smt is not None:
         content["smt"] = identity.smt

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
+from compiler.robots.normal_form import family_of
 from compiler.views.family_views import dfa_view, sra_view
 from compiler.views.workspace_view import Picture
 from compiler.words.acceptance import at_most
 from compiler.words.finite_automaton import intersection
-from compiler.words.language import Language, language, restrict
+from compiler.words.language import Language, restrict
 from compiler.words.pushdown_automaton import sra
 from grammar_lang import ir
 from grammar_lang.conditions import condition_of
@@ -36,11 +36,10 @@ def drawing_of_lemmas(folder: Path) -> Drawing:
     posed, claims = tried.posed, tried.lemmas
     if not claims:
         raise UsageFault(f"{folder} has no lemmas")
-    grammar = posed.program.grammars[posed.task.grammar]
     symbols = posed.program.terminals
-    covered = (ir.NotAccept(condition_of(claim.condition, symbols)) for claim in claims)
-    narrowed = replace(grammar, accept=ir.AllOf((grammar.accept, *covered)))
-    words = language(narrowed, symbols, posed.program.modules)
+    covered = tuple(condition_of(claim.condition, symbols) for claim in claims)
+    family = family_of(posed.program, posed.task)
+    words = family.with_condition(ir.NotAccept(ir.AnyOf(covered))).language
     bound = posed.task.modules
     if bound is not None:
         within = at_most(symbols, words.srg.modules, bound)

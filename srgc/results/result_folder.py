@@ -32,8 +32,8 @@ class Identity:
     ``least_cells`` is how many a search was to begin with; ``all_designs``: it was to go on after
     the first design; ``solver`` is that of its convex programs, None: our own; ``search`` is that
     of its parameters, None: the usual one; ``paths`` and ``evaluations`` are its budgets, None: the
-    usual ones; ``lemmas``: it was to learn from refutations; ``smt`` is the solver of scripts,
-    None: z3 as a library.
+    usual ones; ``one_by_one``: without lemmas; ``smt`` are the solvers of scripts, None: z3 as
+    a library.
     """
 
     spec_sha256: str
@@ -46,7 +46,7 @@ class Identity:
     search: str | None = None
     paths: int | None = None
     evaluations: int | None = None
-    lemmas: bool = True
+    one_by_one: bool = False
     smt: str | None = None
 
 
@@ -181,7 +181,7 @@ def _difference(a: Identity, b: Identity) -> str:
         "search": "search of parameters",
         "paths": "number of paths",
         "evaluations": "number of evaluations",
-        "lemmas": "search, with lemmas or without",
+        "one_by_one": "search, with lemmas or without",
         "smt": "SMT solver",
     }
     for name in (item.name for item in fields(Identity)):
@@ -207,7 +207,7 @@ def _owner(path: Path) -> Identity | None:
                 None if content.get("search") is None else str(content["search"]),
                 None if content.get("paths") is None else int(content["paths"]),
                 None if content.get("evaluations") is None else int(content["evaluations"]),
-                not content.get("one_by_one", content.get("lemmas") is False),
+                bool(content.get("one_by_one", False)),
                 None if content.get("smt") is None else str(content["smt"]),
             )
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError):

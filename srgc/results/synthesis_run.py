@@ -96,7 +96,7 @@ def _run(
     identity = Identity(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
         options.solver, options.search, unusual(options.paths, PATHS),
-        unusual(options.evaluations, EVALUATIONS), options.lemmas, options.smt,
+        unusual(options.evaluations, EVALUATIONS), not options.lemmas, options.smt,
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,
@@ -246,6 +246,7 @@ def alone(result: Synthesis, proved: Proved) -> Synthesis:
         abstraction=proved.design.abstraction,
         counts=proved.counts,
         designs=(replace(proved, number=0),),
+        lemmas=(),
         samples=tuple(replace(each, structure=0) for each in samples),
         blocked=tuple(replace(each, structure=0) for each in blocked),
     )

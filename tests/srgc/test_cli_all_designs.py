@@ -16,6 +16,7 @@ from solvers.search.search_state import StructureState
 from srgc.results.pareto_table import ParetoRow, judged
 from tests.oracles import result_files
 from tests.oracles.extended_arm import extended_arm
+from tests.oracles.small_specs import TURNER, replaced
 from tests.srgc.conftest import Ran
 
 Srgc = Callable[..., Ran]
@@ -72,6 +73,22 @@ def test_the_first_design_is_the_same_without_all(
     assert changed == {"structures_tried", "iterations", "all_designs"}
     assert not (alone / "designs").exists()
     assert not (alone / "pareto.csv").exists()
+
+
+def test_lemmas_of_the_family_are_none_of_a_design(srgc: Srgc, spec, tmp_path: Path) -> None:
+    """The link is needed, which is learnt; a design's own folder tells of its one structure."""
+    path = spec(
+        replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 10 N*m"), "turner.srg"
+    )
+    out = tmp_path / "out"
+    assert srgc("synth", path, "--all", "-o", out).status == 0
+    whole = result_files.read(out, "design.json")
+    assert [lemma["condition"] for lemma in whole["lemmas"]] == ["count(L) <= 0"]
+    (alone,) = (out / "designs").iterdir()
+    design = result_files.read(alone, "design.json")
+    assert "lemmas" not in design
+    assert [tried["verdict"] for tried in design["structures_tried"]] == ["found"]
+    assert srgc("verify", alone).status == 0
 
 
 def test_a_folder_of_the_other_kind_is_refused(srgc: Srgc, designs: Path, spec) -> None:

@@ -19,17 +19,15 @@ from srgc.render.result_pictures import nearest_figure
 from srgc.text_reports.synthesis_report import synthesis_text
 from tests.oracles.small_specs import TURNER, replaced
 
-WEAK = replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 0.05 N*m")
+WEAK = replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 0.3 N*m")
+"""Drives that no motion was found for, and that are not proved to be too weak."""
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("nearest") / "weak.srg"
     path.write_text(WEAK, encoding="utf-8")
-    with pytest.MonkeyPatch.context() as patched:
-        # Else it is proved that the drives are too weak.
-        patched.setattr("solvers.search.family_search.out_of_reach_of_drives", lambda *_: None)
-        assert run(["synth", str(path), "-q", "-o", str(path.parent / "out")]) == 4
+    assert run(["synth", str(path), "-q", "-o", str(path.parent / "out")]) == 4
     return path.parent / "out"
 
 

@@ -21,7 +21,7 @@ from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
-from solvers.verifier.refutations.lemma_check import check_covered, checked_lemma, without
+from solvers.verifier.refutations.lemma_check import check_covered, checked_lemma
 from solvers.verifier.refutations.separation_check import misstated_separation
 from solvers.verifier.refutations.solver_process import SmtSolver
 from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
@@ -102,7 +102,7 @@ def _due(
         raise FalseClaim("the bound on modules is not the task's")
     words = tuple(dict.fromkeys(structure.word for structure in claim.structures))
     check_covered(family, task, conditions, words)
-    left = without(family, conditions)
+    left = family.with_condition(ir.NotAccept(ir.AnyOf(tuple(conditions))))
     return candidates_of(left, [w for w in words if left.language.accepts(w)], task.origin)
 
 

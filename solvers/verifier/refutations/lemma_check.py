@@ -9,7 +9,7 @@ about languages, answered by :mod:`word_coverage`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from compiler.lemmas.effector_bounds import keep_to, place_of, placements_of
 from compiler.lemmas.variants import holds_of_variants, holds_of_weighted, is_about_poses
@@ -143,11 +143,3 @@ def check_covered(
     covered.append(listed(words))
     if word_left(family.grammar, asked, covered):
         raise FalseClaim("there are words that no lemma and no structure is about")
-
-
-def without(family: RobotFamily, conditions: Sequence[ir.Accept]) -> RobotFamily:
-    """The robots of a family whose words satisfy none of some conditions."""
-    if not conditions:
-        return family
-    left = (family.grammar.accept, *(ir.NotAccept(condition) for condition in conditions))
-    return replace(family, grammar=replace(family.grammar, accept=ir.AllOf(left)))

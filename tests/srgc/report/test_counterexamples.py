@@ -18,7 +18,7 @@ def test_they_are_beginnings_of_paths_that_fail(weak: Made) -> None:
     assert found
     end = design["step"] * design["horizon"]
     for one in found:
-        assert one["cells"][0] == "S"
+        assert one["cells"][0].partition(".")[0] == "S"  # The start, or a part of it.
         assert one["effector"] == 0
         assert one["robustness"] < 0
         assert one["time"] is None or 0 < one["time"] <= end
