@@ -2,11 +2,12 @@
 
 Source: Algorithm 1 and Section 4.2 (Problem 3).  A path is a sequence of cells, each adjacent to
 the next; without a formula no cell comes twice.  Where a task is not timed, the control synthesis
-decides when each cell is entered.  What counterexamples refute is blocked by its prefix.
+decides when each cell is entered.  Paths that visit the cells of a counterexample are left out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
@@ -48,15 +49,27 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class CounterExample:
-    """No plan in which that effector (from 0) begins with these cells can be followed.
+    """No motion was found for a plan in which that effector (from 0) visits these cells in turn.
 
-    ``reason`` and ``robot`` (its key) say why, and of which robot this is known.
+    Other cells may lie between; no cell at all stands for every plan.  Where they are not
+    ``ordered``, none was found that visits them in another order either.  ``reason`` and ``robot``
+    (its key) say why, and of which robot this is known.
     """
 
     effector: int
-    prefix: tuple[int, ...]
+    cells: tuple[int, ...]
     reason: str
     robot: str = ""
+    ordered: bool = True
+
+    def meets(self, effector: int, path: Sequence[int]) -> bool:
+        """Whether that effector visits these cells on a path."""
+        if effector != self.effector:
+            return False
+        if not self.ordered:
+            return set(self.cells) <= set(path)
+        rest = iter(path)
+        return all(cell in rest for cell in self.cells)
 
 
 class Exhaustion(Enum):
@@ -157,20 +170,20 @@ class Planner:
         )
 
     def block(self, counterexample: CounterExample) -> None:
-        """Exclude every plan in which that effector begins with the prefix.
+        """Leave out every plan in which that effector visits the cells of a counterexample.
 
-        One about an effector that is not planned excludes nothing, and is not kept.
+        One about an effector that is not planned leaves out nothing, and is not kept.
 
         Raises:
-            ValueError: no cell, or an index that is none.
+            ValueError: an index that is no cell's.
         """
-        prefix, count = counterexample.prefix, len(self.problem.neighbours)
-        if not prefix or not all(0 <= cell < count for cell in prefix):
-            raise ValueError(f"no prefix of cells: {prefix}")
+        cells, count = counterexample.cells, len(self.problem.neighbours)
+        if not all(0 <= cell < count for cell in cells):
+            raise ValueError(f"no cells: {cells}")
         if all(p.effector != counterexample.effector for p in self.problem.effectors):
             return
         self._blocked.append(counterexample)
-        self._encoding.block(counterexample.effector, prefix)
+        self._encoding.block(counterexample.effector, cells, ordered=counterexample.ordered)
 
     def _hand_over(self) -> None:
         for clauses in self._encoding.clauses.taken():

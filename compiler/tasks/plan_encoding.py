@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from compiler.tasks.cell_sequences import CellSequences
 from compiler.tasks.effector_distances import EffectorDistances
 from compiler.tasks.formula_clauses import TRUE, Clauses, FormulaClauses, Ints, Layers
 from compiler.tasks.places import UNREACHABLE, Places, RegionLinks, Word
@@ -209,19 +210,17 @@ class PositionEncoding:
             layers = Layers(self.limit, self._paths.exists, open_end=True)
             self._regions = RegionLinks(self.clauses, problem.propositions, self.limit)
             self._formula = FormulaClauses(self.clauses, problem.formula, layers, self._regions)
-        self._pending: list[tuple[int, ...]] = []
+        self._forbidden = CellSequences(self.clauses, f"effector {planned.effector + 1}")
 
     def extend(self, bound: int) -> None:
         """Lay out paths of ``bound`` changes; there are none left of fewer."""
         self._lay_out(bound)
         self.clauses.clause([self._paths.exists(bound)])
-        waiting, self._pending = self._pending, []
-        for prefix in waiting:
-            self.block(self._effector, prefix)
 
     def _lay_out(self, bound: int) -> None:
         while self._paths.bound < bound:
             new = self._paths.extend()
+            self._forbidden.extend(new)
             if self._formula is not None:
                 self._formula.lay_out(self._paths.bound)
                 self._regions.link(self._effector + 1, new)
@@ -240,13 +239,9 @@ class PositionEncoding:
         own = self._paths.beginning(word.cells)
         self.clauses.clause([*(-own).tolist(), self._paths.exists(len(own))])
 
-    def block(self, effector: int, prefix: tuple[int, ...]) -> None:
-        """No path that begins with these cells."""
-        own = self._paths.beginning(prefix)
-        if own.all():
-            self.clauses.clause((-own).tolist())
-        elif self._paths.may_begin(prefix):
-            self._pending.append(prefix)
+    def block(self, effector: int, cells: Sequence[int], *, ordered: bool) -> None:
+        """No path that visits these cells; ``ordered``: none that does so in turn."""
+        self._forbidden.forbid(cells, self._paths.places, ordered=ordered)
 
     def close(self) -> None:
         """Make the clauses those of all plans within the limit, without assumptions."""
@@ -316,7 +311,9 @@ class SampleEncoding:
         if problem.formula is not None and self.least is not None:
             layers = Layers(steps, lambda _: TRUE, open_end=False)
             FormulaClauses(self.clauses, problem.formula, layers, self._regions).lay_out(steps)
-        self._pending: list[tuple[int, tuple[int, ...]]] = []
+        self._forbidden = [
+            CellSequences(self.clauses, f"effector {number + 1}") for number in self._numbers
+        ]
 
     def extend(self, bound: int) -> None:
         """Lay out paths of up to ``bound`` changes together."""
@@ -326,9 +323,7 @@ class SampleEncoding:
                 paths.ends(new)
                 self._entries[index].row(paths.bound + 1)
                 self._regions.link(self._numbers[index] + 1, new, paths.bound)
-        waiting, self._pending = self._pending, []
-        for effector, prefix in waiting:
-            self.block(effector, prefix)
+                self._forbidden[index].extend(new)
 
     def _own(self, index: int, bound: int) -> int:
         """The most changes of one path, as the others need theirs."""
@@ -365,14 +360,10 @@ class SampleEncoding:
         self.clauses.clause([*others, -self._distinct])
         self.clauses.clause([*others, *exact])
 
-    def block(self, effector: int, prefix: tuple[int, ...]) -> None:
-        """No words in which that effector begins with these cells."""
-        paths = self._paths[self._numbers.index(effector)]
-        own = paths.beginning(prefix)
-        if own.all():
-            self.clauses.clause((-own).tolist())
-        elif paths.may_begin(prefix):
-            self._pending.append((effector, prefix))
+    def block(self, effector: int, cells: Sequence[int], *, ordered: bool) -> None:
+        """No words in which that effector visits these cells; ``ordered``: none in turn."""
+        index = self._numbers.index(effector)
+        self._forbidden[index].forbid(cells, self._paths[index].places, ordered=ordered)
 
     def close(self) -> None:
         """Make the clauses those of all plans within the limit, without assumptions."""

@@ -99,12 +99,6 @@ class PositionPaths:
         """The variables (n,) of a path that begins with n cells, 0 where there is none as yet."""
         return self.variables_at(np.array(cells), np.arange(len(cells)))
 
-    def may_begin(self, cells: Sequence[int]) -> bool:
-        """Whether some path, of whatever length, may begin with some cells."""
-        own = np.array(cells)
-        near = self._from_start[own] <= np.arange(len(own))
-        return bool((near & (self._through[own] < UNREACHABLE)).all())
-
     def extend(self) -> Places:
         """Lay out one change more; the new variables.
 

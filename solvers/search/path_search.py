@@ -17,10 +17,11 @@ from solvers.execution.workers import Begun
 from solvers.planner import CounterExample, EffectorPath, Plan
 from solvers.run_context import RunContext
 from solvers.search.calm_motion import calmer
-from solvers.search.cell_timing import timed
+from solvers.search.cell_timing import settled, timed
 from solvers.search.closed_loop import needs_feedback
 from solvers.search.configuration_search import Configuration, search_configuration
 from solvers.search.motion_proof import MotionProof
+from solvers.search.path_cores import Explanation, PathCore, PathCores
 from solvers.search.path_task import Design, PathTask, nearest_text
 from solvers.search.round_task import RoundTask
 from solvers.search.search_state import Blocked, Cause, Found, NearestMotion, PathAttempt
@@ -30,6 +31,10 @@ from solvers.trajectory.path_following import PathProblem
 
 GAIN = 1e-4
 """A motion is not worth a proof for less, relative to the robustness of a proved one."""
+FREE_TEXT = (
+    "; no motion was found without cells and obstacles either: the drives are too weak for it, or "
+    "the time is too short"
+)
 EARLY_PROOFS = 3
 """So many motions that were just found are tried to be proved, until one is."""
 
@@ -86,13 +91,19 @@ class PathSearch:
         )  # fmt: skip
 
     @property
+    def cores(self) -> PathCores:
+        """What explains paths that are not followed."""
+        given = self.structure
+        return PathCores(given.context, f"{given.number}|{self.recorded}")
+
+    @property
     def proof(self) -> MotionProof:
         """What proves motions."""
         given = self.structure
         return MotionProof(given.program, given.task, given.derivation, given.context)
 
-    def attempt(self, cells: Abstraction, plan: Plan) -> PathAttempt:
-        """A proved design for a plan; else the nearest motion and, where it fails, its prefix.
+    def attempt(self, cells: Abstraction, plan: Plan, *, explaining: bool = True) -> PathAttempt:
+        """A proved design for a plan; else the nearest motion and, where ``explaining``, a core.
 
         The first feasible motion is proved at once; what comes after may be more robust.
         """
@@ -101,7 +112,8 @@ class PathSearch:
         found = search_configuration(path_problem, label, context, listener=early)
         first = early.design()
         if not found.outcome.feasible:
-            attempt = self.not_followed(path_problem, found)
+            why = self.cores.explained(path_problem, found, label) if explaining else None
+            attempt = self.explained(path_problem, found, label, why)
         elif first is not None and not gains(found.outcome.robustness, first):
             attempt = PathAttempt(Found(first), first.robustness, found.samples)
         else:
@@ -154,18 +166,42 @@ class PathSearch:
         """The name of a plan in journals."""
         return f"{self.structure.number}|{self.recorded}|{len(cells.cuts)}|{plan}"
 
-    def not_followed(self, path_problem: PathProblem, found: Configuration) -> PathAttempt:
-        """What is known of a path along which there is no feasible motion."""
+    def explained(
+        self, path_problem: PathProblem, found: Configuration, label: str, why: Explanation
+    ) -> PathAttempt:
+        """What is known of a path along which the search had no feasible motion."""
+        if not isinstance(why, ControlOutcome):
+            return self.not_followed(path_problem, found, why)
+        at = settled(path_problem, why, found.entries, self.structure.context)
+        if at is None:
+            return self.not_followed(path_problem, found, None)
+        motion = replace(
+            found, outcome=at.outcome, entries=at.entries, cells=at.path_problem.cells,
+            bound=at.path_problem.bound,
+        )  # fmt: skip
+        return self.proved(path_problem, motion, label)
+
+    def not_followed(
+        self, path_problem: PathProblem, found: Configuration, core: PathCore | None
+    ) -> PathAttempt:
+        """A path along which there is no feasible motion: what is deferred, and why.
+
+        Without a core that are the paths with all cells up to where the motion cannot go on.
+        """
         outcome, cells = found.outcome, path_problem.cells
         sample = infeasible_sample(path_problem, outcome, found.entries)
         prefix = cells[: infeasible_prefix(sample, found.entries)]
         names = tuple(path_problem.abstraction.cells[cell].name for cell in prefix)
         text = "" if sample is None else nearest_text(path_problem, found, sample, names)
+        blocked = blocked_by(outcome)
+        if core is not None:
+            prefix = tuple(cells[place] for place in core.places)
+            if not prefix and blocked.cause is Cause.NOT_FOLLOWED:
+                blocked = replace(blocked, text=FREE_TEXT)
         excluded = CounterExample(
             path_problem.effector, prefix, f"robustness {outcome.robustness:.4g}",
-            self.structure.robot,
+            self.structure.robot, ordered=core is None or core.ordered,
         )  # fmt: skip
-        blocked = blocked_by(outcome)
         nearest = self.nearest(path_problem, found, sample, blocked.cause, text)
         return PathAttempt(blocked, outcome.robustness, found.samples, excluded, nearest)
 

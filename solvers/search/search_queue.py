@@ -3,7 +3,8 @@
 Every attempt at a path is a turn.  The k-th structure that is searched (from 0) has its j-th turn
 in round k + j: the first structure always is one attempt ahead of the second, and no structure
 keeps the others waiting for long (dovetailing).  Within a round the most promising goes first, by
-the robustness of the nearest motion that it has come to; a new structure goes last.
+the robustness of the nearest motion that it has come to; a new structure goes last.  A structure
+that no motion is expected for along any path comes some rounds later.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ from compiler.words.derivation import Derivation
 from solvers.search.configuration_search import PathSamples
 from solvers.search.path_task import Design
 from solvers.search.search_state import NearestMotion, StructureState
+
+LATER = 3
+"""By so many rounds."""
 
 
 @dataclass(slots=True)
@@ -56,7 +60,8 @@ class StructureUnderWay:
     @property
     def round(self) -> int:
         """That of its next turn."""
-        return self.place + len(self.state.attempts)
+        later = LATER if self.state.is_deferred else 0
+        return self.place + len(self.state.attempts) + later
 
     def advance(self) -> None:
         """One attempt more."""

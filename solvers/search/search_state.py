@@ -96,25 +96,32 @@ class NearestMotion:
 
 
 @dataclass(frozen=True, slots=True)
-class BlockedPrefix:
-    """A counterexample: no path that begins with these cells is tried again (ZEROPREFIX).
+class CounterExampleRecord:
+    """A counterexample: paths with these cells, in turn where ``ordered``, were deferred.
 
     ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
-    the one that could not follow.  ``sample`` is the first that the most robust motion cannot be
-    brought to, None where it is not known; ``robustness`` is what that motion has.
+    the one that could not follow, through ``length`` cells.  So many paths with at most two cells
+    more are ``deferred``, as far as they were counted.  ``sample`` is the first that the most
+    robust motion cannot be brought to, None where it is not known; ``robustness`` is what that
+    motion has.
     """
 
     structure: int
     path: int
     effector: int
     cells: tuple[str, ...]
+    ordered: bool
+    length: int
+    deferred: int
     sample: int | None
     robustness: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathAttempt:
-    """What became of a path: a proved design, or what blocked it and what to exclude.
+    """What became of a path: a proved design, or what blocked it and what to defer.
+
+    ``excluded`` is a counterexample that so many paths are ``deferred`` by.
 
     Raises:
         ValueError: a path is excluded although a motion along it was found.
@@ -125,6 +132,7 @@ class PathAttempt:
     samples: tuple[Sample, ...] = ()
     excluded: CounterExample | None = None
     nearest: NearestMotion | None = None
+    deferred: int = 0
 
     def __post_init__(self) -> None:
         if self.excluded is not None and (self.nearest is None or self.nearest.feasible):
@@ -194,15 +202,23 @@ class StructureState:
             for path, each in enumerate(self.evaluated)
         )
 
-    def blocked(self, structure: int) -> tuple[BlockedPrefix, ...]:
+    @property
+    def is_deferred(self) -> bool:
+        """Whether no motion is expected along any path."""
+        return any(each.excluded is not None and not each.excluded.cells for each in self.attempts)
+
+    def counterexamples(self, structure: int) -> tuple[CounterExampleRecord, ...]:
         """The counterexamples, as they were found."""
-        found = list[BlockedPrefix]()
+        found = list[CounterExampleRecord]()
         for path, each in enumerate(self.evaluated):
             if each.excluded is not None and each.nearest is not None:
                 at = each.nearest
                 cells = at.abstraction.cells
-                names = tuple(cells[cell].name for cell in each.excluded.prefix)
+                names = tuple(cells[cell].name for cell in each.excluded.cells)
                 found.append(
-                    BlockedPrefix(structure, path, at.leader, names, at.sample, at.robustness)
-                )
+                    CounterExampleRecord(
+                        structure, path, at.leader, names, each.excluded.ordered, len(at.cells),
+                        each.deferred, at.sample, at.robustness,
+                    )
+                )  # fmt: skip
         return tuple(found)

@@ -1,10 +1,10 @@
 """P.Planning and P.Synthesis for one structure: plans, motions along them, counterexamples, cuts.
 
 Plans come from the SAT solver, fewest changes of cell first, and one of each homotopy kind before a
-second of any.  A plan whose beginning cannot be followed is excluded with all that begin so; where
-that leaves none, a cell at which it happened is cut in two and the planning goes on, with the
-counterexamples that say nothing of that cell.  After a proof, the other ways round are tried for a
-more robust design.
+second of any.  Where no motion was found along a plan, all that visit the same few cells are
+deferred; where that leaves none, one of these cells is cut in two and the planning goes on, with
+the counterexamples that say nothing of that cell.  What was deferred comes last.  After a proof,
+the other ways round are tried for a more robust design.
 
 A search is a generator of states: whoever asks for the next one pays for one attempt, and may stop
 at any time.
@@ -12,10 +12,11 @@ at any time.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from compiler.tasks.path_count import MOST, count_paths
 from compiler.tasks.specification import PlanningProblem, planning_problem
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.bisection import halving
@@ -37,6 +38,8 @@ from solvers.verdict import Holds, Unknown
 
 OTHER_WAYS = 2
 """So many other kinds of paths are tried for a more robust design than a proved one."""
+LONGER = 2
+"""Paths that are deferred are counted up to so many changes of cell more than that of the path."""
 NUMERIC_FAULTS = (OverflowError, ZeroDivisionError, FloatingPointError, MemoryError)
 TOO_LARGE = "the numbers of the task are too large or too small for the search"
 NO_EFFECTOR = "it has no effector that the task asks for"
@@ -45,7 +48,7 @@ Attempts: TypeAlias = Generator[PathAttempt, None, str]
 """Attempts one after another, and why they end."""
 Part: TypeAlias = Generator[PathAttempt, None, tuple[str, bool]]
 """The same of a part of them, and whether one had a design."""
-Taught: TypeAlias = "Generator[PathAttempt, None, tuple[str, bool, Lessons]]"
+Counted: TypeAlias = "Generator[PathAttempt, None, Planned]"
 """The same with what is known afterwards."""
 
 
@@ -95,9 +98,7 @@ class Lessons:
     def excludes(self, plan: Plan) -> bool:
         """Whether a counterexample excludes a plan."""
         return any(
-            path.effector == item.effector and path.cells[: len(item.prefix)] == item.prefix
-            for path in plan.paths
-            for item in self.blocked
+            item.meets(path.effector, path.cells) for path in plan.paths for item in self.blocked
         )
 
     def after(self, attempt: PathAttempt, path: EffectorPath) -> Lessons:
@@ -112,12 +113,14 @@ class Lessons:
     def _sparing(self, excluded: CounterExample, cells: tuple[int, ...]) -> CounterExample | None:
         """A counterexample with so much more of the cells of its path that it spares all others.
 
-        None where another path with a motion begins with all of them.
+        None where another path with a motion visits all of them in turn.
         """
-        others = [path for effector, path in self.followed if effector == excluded.effector]
-        for size in range(len(excluded.prefix), len(cells) + 1):
-            if all(path[:size] != cells[:size] for path in others):
-                return replace(excluded, prefix=cells[:size])
+        own = set(excluded.cells)
+        for size in range(len(cells) + 1):
+            more = tuple(cell for place, cell in enumerate(cells) if place < size or cell in own)
+            grown = excluded if set(more) == own else replace(excluded, cells=more, ordered=True)
+            if not any(grown.meets(*path) for path in self.followed):
+                return grown
         return None
 
     def in_finer_cells(self, whole: Mapping[int, int]) -> Lessons:
@@ -127,9 +130,9 @@ class Lessons:
         """
         return Lessons(
             tuple(
-                replace(item, prefix=tuple(whole[cell] for cell in item.prefix))
+                replace(item, cells=tuple(whole[cell] for cell in item.cells))
                 for item in self.blocked
-                if whole.keys() >= set(item.prefix)
+                if whole.keys() >= set(item.cells)
             ),
             tuple(
                 (effector, tuple(whole[cell] for cell in path))
@@ -137,6 +140,21 @@ class Lessons:
                 if whole.keys() >= set(path)
             ),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """Why attempts at plans ended, whether one had a design, what is known, and how many were."""
+
+    reason: str
+    found: bool
+    lessons: Lessons
+    count: int
+
+    @property
+    def deferred(self) -> bool:
+        """Whether there may be plans that were not tried for what is known of others."""
+        return bool(self.lessons.blocked)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,15 +179,23 @@ class _RoundSearch:
         if not self.given.numeric.graph.model.dofs:
             return (yield from self.standing())
         budget = self.given.context.paths
-        cells, lessons = self.cells, Lessons()
-        reason, found = "", False
-        for most in (budget, (budget + 1) // 2):
-            reason, found, lessons = yield from self.planned(cells, lessons, most)
-            finer = None if found else self.cut(cells, lessons)
+        stages = (budget, (budget + 1) // 2)
+        cells, lessons, count, first = self.cells, Lessons(), 0, set[Plan]()
+        ended = Planned("", found=False, lessons=lessons, count=0)
+        for most in stages:
+            tried = first if cells is self.cells else set[Plan]()
+            ended = yield from self.planned(cells, lessons, most, tried)
+            count += ended.count
+            finer = None if ended.found else self.cut(cells, ended.lessons)
             if finer is None:
                 break
             cells, lessons = finer
-        return reason, found
+        left = min(sum(stages) - count, stages[-1])
+        if ended.found or not left or not ended.deferred:
+            return ended.reason, ended.found
+        self.given.context.reporter.note("paths that were deferred are tried")
+        last = yield from self.planned(self.cells, Lessons(), left, first, learning=False)
+        return (last.reason if last.count else ended.reason), last.found
 
     def standing(self) -> Part:
         """A robot that cannot move does the task where it stands, or not at all."""
@@ -186,42 +212,54 @@ class _RoundSearch:
                 return "proved", True
         return "the robot cannot move, and no place to stand was found for it", False
 
-    def planned(self, cells: Abstraction, lessons: Lessons, budget: int) -> Taught:
+    def planned(
+        self,
+        cells: Abstraction,
+        lessons: Lessons,
+        budget: int,
+        tried: set[Plan],
+        *,
+        learning: bool = True,
+    ) -> Counted:
         """Attempts at plans until one leads to a design, none is left or the budget is used up.
 
         Where no plan goes through cells alone for which poses are found, others are tried, too.
+        None of those ``tried`` is tried again; without ``learning`` none is deferred.
         """
-        given, reason, found = self.given, "the task leaves no cell to start in", False
+        given, reason, found, count = self.given, "the task leaves no cell to start in", False, 0
         starts = start_cells(cells, self.task, given.numeric)
         problem = planning_problem(cells, self.task, self.paths.recorded, starts)
         problem = clear_of_bodies(problem, given.numeric, cells, self.task)
         for closed in closing(problem, self.paths.shape):
             reachable = within_reach(closed, given.numeric, cells, given.context.seed)
-            plans = _Plans(self.paths, reachable, cells, lessons, budget)
-            reason, found = yield from plans.attempts()
-            if not plans.count and reachable != closed:
-                plans = _Plans(self.paths, closed, cells, lessons, budget)
+            for posed in (reachable, closed) if reachable != closed else (closed,):
+                plans = _Plans(
+                    self.paths, posed, cells, lessons, budget - count, tried, learning=learning
+                )
                 reason, found = yield from plans.attempts()
-            lessons = plans.lessons
+                count, lessons = count + plans.count, plans.lessons
+                if plans.count:
+                    break
             if found:
                 break
-        return reason, found, lessons
+        return Planned(reason, found, lessons, count)
 
     def cut(self, cells: Abstraction, lessons: Lessons) -> tuple[Abstraction, Lessons] | None:
-        """The cells with that one cut at which the shortest excluded plan fails; None without one.
+        """The cells with the last one of the smallest counterexample cut; None without one.
 
         With them comes what is known of all other cells.
         """
-        if not lessons.blocked:
+        known = [item for item in lessons.blocked if item.cells]
+        if not known:
             return None
-        failed = min(lessons.blocked, key=lambda item: len(item.prefix))
+        failed = min(known, key=lambda item: len(item.cells)).cells
         direction = None
-        if len(failed.prefix) > 1:
-            line = polyline(cells, failed.prefix).points
+        if len(failed) > 1 and failed[-1] in cells.neighbours[failed[-2]]:
+            line = polyline(cells, failed[-2:]).points
             direction = (line[-1] - line[-2]).tolist()
-        finer, children = cells.refined([halving(cells, failed.prefix[-1], direction)])
+        finer, children = cells.refined([halving(cells, failed[-1], direction)])
         whole = {cell: parts[0] for cell, parts in enumerate(children) if len(parts) == 1}
-        name = cells.cells[failed.prefix[-1]].name
+        name = cells.cells[failed[-1]].name
         self.given.context.reporter.note(f"no plan is left: `{name}` is cut")
         return finer, lessons.in_finer_cells(whole)
 
@@ -229,7 +267,8 @@ class _RoundSearch:
 class _Plans:
     """The plans of one planning problem, one of each kind first, and the attempts at them.
 
-    ``count`` is the number of those that were tried, ``lessons`` what is known after them.
+    None of those ``tried`` is among them.  ``count`` is the number of those that were, ``lessons``
+    what is known after them; without ``learning`` it stays as it is.
     """
 
     def __init__(
@@ -239,6 +278,9 @@ class _Plans:
         cells: Abstraction,
         lessons: Lessons,
         budget: int,
+        tried: set[Plan],
+        *,
+        learning: bool,
     ) -> None:
         self.count = 0
         self.lessons = lessons
@@ -246,11 +288,13 @@ class _Plans:
         self._problem = problem
         self._cells = cells
         self._budget = budget
+        self._tried = tried
+        self._learning = learning
+        self._planner = Planner(problem)
 
     def attempts(self) -> Part:
         """Attempts until one has a design; then those that may make it more robust."""
-        context = self._paths.structure.context
-        planner, others, tried = Planner(self._problem), list[Plan](), set[Plan]()
+        context, planner, others = self._paths.structure.context, self._planner, list[Plan]()
         for counterexample in self.lessons.blocked:
             planner.block(counterexample)
         while self.count < self._budget:
@@ -264,23 +308,38 @@ class _Plans:
                         return f"planning: {limit.value}", False
                     case ended:
                         return exhausted_text(ended.counterexample, self._paths.shape.task), False
-            if plan in tried or self.lessons.excludes(plan):
+            if plan in self._tried or self.lessons.excludes(plan):
                 continue
-            tried.add(plan)
+            self._tried.add(plan)
             context.check_time()
             self.count += 1
-            attempt = self._paths.attempt(self._cells, plan)
+            attempt = self._paths.attempt(self._cells, plan, explaining=self._learning)
+            attempt = self._learnt(plan, attempt)
             yield attempt
             if attempt.design is not None:
-                yield from self._improvements(plan, attempt.design, tried)
+                yield from self._improvements(plan, attempt.design)
                 return "proved", True
-            before = self.lessons.blocked
-            self.lessons = self.lessons.after(attempt, self._paths.leader(plan))
-            for counterexample in self.lessons.blocked[len(before) :]:
-                planner.block(counterexample)
             if self.count == 1 < self._budget:
                 others = self._other_kinds(plan)
         return "the budget of paths is used up", False
+
+    def _learnt(self, plan: Plan, attempt: PathAttempt) -> PathAttempt:
+        """The attempt at a plan with what it teaches, and how many paths that defers."""
+        if attempt.design is not None or not self._learning:
+            return replace(attempt, excluded=None)
+        before, leader = len(self.lessons.blocked), self._paths.leader(plan)
+        self.lessons = self.lessons.after(attempt, leader)
+        if len(self.lessons.blocked) == before:
+            return replace(attempt, excluded=None)
+        known = self.lessons.blocked[-1]
+        changes = len(leader.cells) - 1 + LONGER
+        deferred = count_paths(
+            self._problem, known.effector, known.cells, changes, ordered=known.ordered
+        )
+        self._planner.block(known)
+        text = deferred_text(self._cells, known, deferred, changes)
+        self._paths.structure.context.reporter.note(text)
+        return replace(attempt, excluded=known, deferred=deferred)
 
     def _other_kinds(self, plan: Plan) -> list[Plan]:
         """Plans that go round the obstacles on other sides than a plan."""
@@ -288,9 +347,7 @@ class _Plans:
         points = obstacle_points(program.workspaces[task.workspace], task)
         return other_kinds(self._problem, plan, self._cells, points, self.lessons.blocked)
 
-    def _improvements(
-        self, plan: Plan, design: Design, tried: Collection[Plan]
-    ) -> Iterator[PathAttempt]:
+    def _improvements(self, plan: Plan, design: Design) -> Iterator[PathAttempt]:
         """Attempts at more robust designs along other kinds of paths, but those tried before.
 
         Where disturbances are named or motions go on for ever, a proof takes too long for that.
@@ -298,10 +355,21 @@ class _Plans:
         given = self._paths.structure
         if given.task.repeat or given.task.robust is not None:
             return
-        kinds = [other for other in self._other_kinds(plan) if other not in tried]
+        kinds = [other for other in self._other_kinds(plan) if other not in self._tried]
         for other in kinds[:OTHER_WAYS]:
             given.context.check_time()
             attempt = self._paths.improved(self._cells, other, design)
             yield attempt
             if attempt.design is not None and attempt.design.robustness > design.robustness:
                 design = attempt.design
+
+
+def deferred_text(cells: Abstraction, known: CounterExample, count: int, changes: int) -> str:
+    """What a counterexample defers, in words: so many paths of at most so many changes of cell."""
+    names = [f"`{cells.cells[cell].name}`" for cell in known.cells]
+    if not names:
+        return "all paths are deferred: no motion was found without cells and obstacles either"
+    joint = " and then " if known.ordered else " and "
+    more = " or more" if count == MOST else ""
+    paths = "1 path" if count == 1 else f"{count} paths"
+    return f"deferred: {joint.join(names)}, {paths}{more} of at most {changes} changes of cell"

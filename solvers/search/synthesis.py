@@ -27,7 +27,7 @@ from solvers.search.configuration_search import PathSamples
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.path_task import Design
 from solvers.search.search_queue import StructureUnderWay
-from solvers.search.search_state import BlockedPrefix, NearestMotion
+from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
 
@@ -59,7 +59,7 @@ class Synthesis:
     separation: SeparationClaim | None = None
     designs: tuple[Proved, ...] = ()
     samples: tuple[PathSamples, ...] = ()
-    blocked: tuple[BlockedPrefix, ...] = ()
+    counterexamples: tuple[CounterExampleRecord, ...] = ()
     nearest: NearestMotion | None = None
     ended: str | None = None
     unfinished: bool = False
@@ -160,7 +160,9 @@ def _result(
         run.counts,
         designs=designs,
         samples=tuple(sample for each in searched for sample in each.samples),
-        blocked=tuple(prefix for each in searched for prefix in each.state.blocked(each.number)),
+        counterexamples=tuple(
+            found for each in searched for found in each.state.counterexamples(each.number)
+        ),
         nearest=max(nearest, key=lambda motion: motion.rank, default=None),
         ended=(run.stopped if late is None else OUT_OF_TIME) if run.every else None,
         unfinished=late is not None,

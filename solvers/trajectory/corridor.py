@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -176,13 +176,21 @@ class MotionConstraints:
             path = zip(self.cells, entries, ends, strict=True)
             found += [self._stay(cell, first, last) for cell, first, last in path]
         found += self._within_bounds(with_own=entries is None)
-        found += self._ends()
+        found += self._ends(self.effector)
         for item in obligations:
             if item.inside:
                 found.append(Dwell(item.effector, item.first, item.last, self._set(item.region)))
                 samples = item.first, item.last
                 found += self._turned(item.poses, item.effector, samples, away=item.away)
         return tuple(found)
+
+    def relaxed(self, visits: Mapping[int, int]) -> tuple[Dwell, ...]:
+        """As ``dwells``, with the effector in a cell at one sample alone, by places on the path.
+
+        Instead of the cells at its ends, the regions bind that the task names.
+        """
+        found = [self._stay(self.cells[place], at, at) for place, at in visits.items()]
+        return (*found, *self._within_bounds(with_own=True), *self._ends(None))
 
     def _stay(self, cell: int, first: int, last: int) -> Dwell:
         """A stay in a cell of the path, near enough to the facets that it is entered through.
@@ -207,14 +215,14 @@ class MotionConstraints:
                 yield Dwell(effector, 0, k, bounds)
         yield from self.avoidances.bodies_within_bounds(k)
 
-    def _ends(self) -> Iterator[Dwell]:
-        """Start and target of effectors that follow no path of their own, and how these end."""
+    def _ends(self, but: int | None) -> Iterator[Dwell]:
+        """Start and target of effectors ``but`` the one whose cells bind it there; how they end."""
         k, start, reach = self.task.steps, self.task.start, self.task.reach
-        if isinstance(start, ir.StartIn) and self.start_effector != self.effector:
+        if isinstance(start, ir.StartIn) and self.start_effector != but:
             yield _planned_start(self.start_effector, self._set(start.region))
         if reach is None:
             return
-        if self.recorded != self.effector:
+        if self.recorded != but:
             yield Dwell(self.recorded, k, k, self._set(reach.region))
         yield from self._turned(reach.poses, self.recorded, (k + 1 - final_samples(self.task), k))
 

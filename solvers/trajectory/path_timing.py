@@ -69,6 +69,22 @@ def _centre(abstraction: Abstraction, cell: int) -> Array:
     return np.array([float(x) for x in abstraction.cells[cell].polytope.centre])
 
 
+def visit_times(
+    abstraction: Abstraction, cells: tuple[int, ...], places: Sequence[int], steps: int
+) -> dict[int, int]:
+    """The sample at which each of some places on a path is visited, on a way through these alone.
+
+    It leads straight from the centre of the first cell through theirs to that of the last one.
+    """
+    inner = [place for place in places if 0 < place < len(cells) - 1]
+    points = [_centre(abstraction, cells[place]) for place in (0, *inner, len(cells) - 1)]
+    line = Polyline(np.array(points), tuple(range(1, len(inner) + 1)))
+    entries = smooth_timing(line, steps)[1]
+    times = dict(zip(inner, entries[1:], strict=True))
+    ends = {0: 0, len(cells) - 1: steps}
+    return {place: times.get(place, ends.get(place, 0)) for place in places}
+
+
 def smooth_timing(line: Polyline, steps: int, stops: Sequence[int] = ()) -> tuple[Array, Entries]:
     """Lengths (steps + 1,) in m along the line, from rest to rest, and the entries.
 

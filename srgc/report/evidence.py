@@ -317,6 +317,8 @@ def _is_counterexample(one: Mapping[str, Any]) -> bool:
     return (
         isinstance(one.get("structure"), int)
         and _is_word(one.get("cells"))
+        and isinstance(one.get("ordered", True), bool)
+        and all(isinstance(one.get(name, 0), int) for name in ("of", "deferred"))
         and all(
             each is None or _is_number(each) for each in (one.get("time"), one.get("robustness"))
         )

@@ -148,12 +148,14 @@ def _counterexamples(evidence: Evidence) -> str:
     robots = "one robot" if len(numbers) == 1 else f"{len(numbers)} robots"
     return (
         f'<h3>Counterexamples</h3><details data-counterexamples="{len(found)}">'
-        f"<summary>{many(len(found), 'beginning')} of cell paths that {robots} could not follow"
-        "</summary>"
-        "<p>Each was the shortest beginning of a path that the best motion found cannot follow; "
-        "paths that begin so were not tried again. They steer the search and prove nothing.</p>"
+        f"<summary>{many(len(found), 'cell path')} that {robots} could not follow</summary>"
+        "<p>Through the cells that are named, of all those of the path, no motion was found, in "
+        "their order where there are arrows; without any, none was found whatever the cells. Paths "
+        "through the same cells were deferred: they come after all others. So many have at most "
+        "two cells more than this one. They steer the search and prove nothing.</p>"
         '<div class="scroll"><table><thead><tr><th class="figure">structure</th><th>word</th>'
-        '<th>cells</th><th class="figure">gets stuck by</th><th class="figure">robustness</th>'
+        '<th>cells</th><th class="figure">of the path</th><th class="figure">deferred</th>'
+        '<th class="figure">gets stuck by</th><th class="figure">robustness</th>'
         f"</tr></thead><tbody>{rows}</tbody></table></div>{rest}</details>"
     )
 
@@ -166,7 +168,9 @@ def _counterexample(one: Mapping[str, Any], words: Sequence[Sequence[str]]) -> s
     robustness = "" if one["robustness"] is None else number(one["robustness"])
     return (
         f'<tr><td class="figure">{structure}</td><td class="word">{text(word)}</td>'
-        f"<td>{text(' → '.join(one['cells']))}</td>"
+        f"<td>{text((' → ' if one.get('ordered', True) else ', ').join(one['cells']))}</td>"
+        f'<td class="figure">{one.get("of", "")}</td>'
+        f'<td class="figure">{one.get("deferred", "")}</td>'
         f'<td class="figure">{time}</td><td class="figure">{robustness}</td></tr>'
     )
 

@@ -25,7 +25,7 @@ from solvers.conclusion import StructureRecord
 from solvers.lemma import VariantLemma, WeightsLemma
 from solvers.search.configuration_search import PathSamples, Sample
 from solvers.search.path_task import Design
-from solvers.search.search_state import BlockedPrefix
+from solvers.search.search_state import CounterExampleRecord
 from solvers.search.synthesis import Synthesis
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.agreement import satisfied_formulas
@@ -203,15 +203,18 @@ def _lemma(claim: LemmaClaim) -> dict[str, Any]:
     return content
 
 
-def _counterexample(blocked: BlockedPrefix, task: ir.Task) -> dict[str, Any]:
-    stuck = None if blocked.sample is None or blocked.sample > task.steps else blocked.sample
+def _counterexample(found: CounterExampleRecord, task: ir.Task) -> dict[str, Any]:
+    stuck = None if found.sample is None or found.sample > task.steps else found.sample
     return {
-        "structure": blocked.structure,
-        "path": blocked.path,
-        "effector": blocked.effector,
-        "cells": list(blocked.cells),
+        "structure": found.structure,
+        "path": found.path,
+        "effector": found.effector,
+        "cells": list(found.cells),
+        "ordered": found.ordered,
+        "of": found.length,
+        "deferred": found.deferred,
         "time": None if stuck is None else float(stuck * task.step),
-        "robustness": blocked.robustness if isfinite(blocked.robustness) else None,
+        "robustness": found.robustness if isfinite(found.robustness) else None,
     }
 
 
@@ -247,7 +250,7 @@ def design_text(
         "cells": result.abstraction.describe(),
         "structures_tried": [_structure(result, i, r) for i, r in enumerate(result.records)],
         "nearest": None if design is not None else nearest_entry(result.nearest, task),
-        "counterexamples": [_counterexample(each, task) for each in result.blocked],
+        "counterexamples": [_counterexample(each, task) for each in result.counterexamples],
         "iterations": result.counts,
         "seed": identity.seed,
         "least_cells": identity.least_cells,

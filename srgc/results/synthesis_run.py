@@ -238,7 +238,7 @@ def _write_all(
 def alone(result: Synthesis, proved: Proved) -> Synthesis:
     """One design of a result as the result of a search of its structure alone."""
     samples = (each for each in result.samples if each.structure == proved.number)
-    blocked = (each for each in result.blocked if each.structure == proved.number)
+    known = (each for each in result.counterexamples if each.structure == proved.number)
     return replace(
         result,
         design=proved.design,
@@ -248,7 +248,7 @@ def alone(result: Synthesis, proved: Proved) -> Synthesis:
         designs=(replace(proved, number=0),),
         lemmas=(),
         samples=tuple(replace(each, structure=0) for each in samples),
-        blocked=tuple(replace(each, structure=0) for each in blocked),
+        counterexamples=tuple(replace(each, structure=0) for each in known),
     )
 
 

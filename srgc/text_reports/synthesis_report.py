@@ -14,7 +14,7 @@ from compiler.robots.state_and_input import dry_friction, input_bounds, robot_in
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
 from solvers.search.path_task import Design
-from solvers.search.search_state import NearestMotion
+from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from solvers.verifier.claims.certificate import exact
 from srgc.text_reports.nearest_motion import first_to_try, stuck_at
@@ -226,6 +226,8 @@ def synthesis_text(
         + (f", {undecided} undecided" if undecided and design is not None else "")
         + (f", {counted(len(result.lemmas), 'lemma')}" if result.lemmas else "")
     )
+    if result.counterexamples:
+        lines.append(f"paths:   {deferred_text(result.counterexamples)}")
     if table:
         lines.append(f"designs: {len(result.designs)}\n{table}")
     lines.append(f"results: {folder}")
@@ -234,3 +236,15 @@ def synthesis_text(
             f"         {OUT_OF_TIME} before it was improved or drawn: the same command goes on"
         )
     return "\n".join(lines)
+
+
+def deferred_text(found: Sequence[CounterExampleRecord]) -> str:
+    """How many paths were not followed, through how few cells that is, and what that deferred."""
+    sizes = sorted({len(each.cells) for each in found})
+    cells = f"{sizes[0]}" if len(sizes) == 1 else f"{sizes[0]} to {sizes[-1]}"
+    length = sum(each.length for each in found) / len(found)
+    deferred = sum(each.deferred for each in found)
+    return (
+        f"{counted(len(found), 'counterexample')}, {cells} of {length:.3g} cells, "
+        f"{counted(deferred, 'path')} deferred"
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any
 
 import pytest
@@ -47,8 +48,10 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> Watched:
     seen = Watched()
     attempt, block = path_search.PathSearch.attempt, Planner.block
 
-    def attempted(search: path_search.PathSearch, cells: Any, plan: Plan) -> PathAttempt:
-        tried = attempt(search, cells, plan)
+    def attempted(
+        search: path_search.PathSearch, cells: Any, plan: Plan, *, explaining: bool
+    ) -> PathAttempt:
+        tried = attempt(search, cells, plan, explaining=explaining)
         seen.attempts += 1
         seen.now = search.structure.number, search.recorded
         if tried.nearest is not None and tried.nearest.feasible:
@@ -58,12 +61,13 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> Watched:
         return tried
 
     def blocked(planner: Planner, item: CounterExample) -> None:
-        prefix = tuple(planner.problem.names[cell] for cell in item.prefix)
+        cells = tuple(planner.problem.names[cell] for cell in item.cells)
         for each in seen.found:
             where, effector, names = each
             same = (where, effector) == (seen.now, item.effector)
-            if same and names[: len(prefix)] == prefix:
-                seen.wrong.append((each, prefix))
+            in_turn = cells in combinations(names, len(cells))
+            if same and (in_turn if item.ordered else set(cells) <= set(names)):
+                seen.wrong.append((each, cells))
         block(planner, item)
 
     def unproved(_proof: Any, _problem: Any, found: Any, _label: str) -> motion_proof.ProofAttempt:

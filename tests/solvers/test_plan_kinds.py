@@ -66,4 +66,4 @@ def test_the_other_side_of_an_obstacle_is_another_kind() -> None:
     assert sides[(),] != sides[(1,),]
     blocked = CounterExample(0, other.paths[0].cells[:2], "")
     kinds = other_kinds(problem, answer.witness, cells, points, [blocked])
-    assert all(plan.paths[0].cells[:2] != blocked.prefix for plan in kinds)
+    assert not any(blocked.meets(0, plan.paths[0].cells) for plan in kinds)

@@ -6,10 +6,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 
 import networkx as nx
 import pytest
-from hypothesis import event, given, settings
+from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from compiler.tasks.sampled_formula import sampled
@@ -107,9 +108,16 @@ def test_all_plans_and_no_others_the_fewest_changes_first(case: Case) -> None:
         assert len(brute_force(Case(wider, case.formula))) == len(everything)
 
 
-def begins_with(plan: Sequence[tuple[int, Cells]], blocked: Sequence[CounterExample]) -> bool:
+def visits(path: Cells, cells: Cells, *, ordered: bool) -> bool:
+    """Whether a path has some cells, where ordered as a subsequence; by trying all choices."""
+    if not ordered:
+        return set(cells) <= set(path)
+    return any(chosen == cells for chosen in combinations(path, len(cells)))
+
+
+def is_blocked(plan: Sequence[tuple[int, Cells]], blocked: Sequence[CounterExample]) -> bool:
     return any(
-        effector == example.effector and cells[: len(example.prefix)] == example.prefix
+        effector == example.effector and visits(cells, example.cells, ordered=example.ordered)
         for effector, cells in plan
         for example in blocked
     )
@@ -117,18 +125,21 @@ def begins_with(plan: Sequence[tuple[int, Cells]], blocked: Sequence[CounterExam
 
 @settings(max_examples=examples(10, 30), deadline=None)
 @given(KINDS, st.data())
-def test_blocked_prefixes_are_respected(case: Case, data: st.DataObject) -> None:
+def test_blocked_cells_are_respected(case: Case, data: st.DataObject) -> None:
     numbers = [one.effector for one in case.problem.effectors]
     different = {tuple(map(without_stays, each)) for each in brute_force(case)}
     everything = sorted(different)
     planner = Planner(case.problem)
     blocked: list[CounterExample] = []
 
-    def block(cells: Sequence[Cells], reason: str) -> None:
+    def block(paths: Sequence[Cells], reason: str) -> None:
         which = data.draw(st.sampled_from(numbers))
-        path = cells[numbers.index(which)]
-        prefix = path[: data.draw(st.integers(1, len(path)))]
-        blocked.append(CounterExample(which, prefix, reason, "robot"))
+        path = paths[numbers.index(which)]
+        kept = data.draw(st.lists(st.booleans(), min_size=len(path), max_size=len(path)))
+        cells = tuple(cell for cell, chosen in zip(path, kept, strict=True) if chosen)
+        ordered = data.draw(st.booleans())
+        assume(cells or data.draw(st.integers(0, 9)) == 0)
+        blocked.append(CounterExample(which, cells, reason, "robot", ordered=ordered))
         planner.block(blocked[-1])
 
     # Before anything is laid out.
@@ -139,13 +150,15 @@ def test_blocked_prefixes_are_respected(case: Case, data: st.DataObject) -> None
         cells = sequences(verdict.witness)
         if cells in given_out:
             break
-        assert not begins_with(list(zip(numbers, cells, strict=True)), blocked)
+        plan = list(zip(numbers, cells, strict=True))
+        assert not is_blocked(plan, blocked)
+        assert not any(each.meets(*path) for path in plan for each in blocked)
         given_out.append(cells)
         if data.draw(st.booleans()):
             block(cells, f"after {len(given_out)}")
     if len(given_out) < 30:
         missing = different - set(given_out)
-        assert all(begins_with(list(zip(numbers, m, strict=True)), blocked) for m in missing)
+        assert all(is_blocked(list(zip(numbers, m, strict=True)), blocked) for m in missing)
     assert planner.blocked == tuple(blocked)
     if isinstance(verdict, Fails):
         assert verdict.counterexample.blocked == tuple(blocked)
@@ -169,8 +182,9 @@ def test_extended_is_as_made_anew(case: Case, data: st.DataObject) -> None:
         assert both[0].witness.changes == both[1].witness.changes
         # All that was given out is blocked, so that both know the same.
         path = data.draw(st.sampled_from(both[0].witness.paths))
-        prefix = path.cells[: data.draw(st.integers(1, len(path.cells)))]
-        planner.block(CounterExample(path.effector, prefix, "tried"))
+        first = data.draw(st.integers(0, len(path.cells) - 1))
+        cells = path.cells[first : data.draw(st.integers(first + 1, len(path.cells)))]
+        planner.block(CounterExample(path.effector, cells, "tried"))
 
 
 # --- simple paths --------------------------------------------------------------------------------
@@ -313,8 +327,8 @@ def test_bad_arguments() -> None:
     with pytest.raises(ValueError, match="at least 0"):
         Planner(simple(grid(2), [0], [1], [], -1))
     planner = Planner(simple(grid(2), [0], [1], [], 3))
-    for cells in ((), (4,), (-1,)):
-        with pytest.raises(ValueError, match="prefix"):
+    for cells in ((4,), (-1,)):
+        with pytest.raises(ValueError, match="no cells"):
             planner.block(CounterExample(0, cells, "no"))
     planner.block(CounterExample(1, (0,), "of an effector that is not planned"))
     assert planner.blocked == ()

@@ -54,6 +54,19 @@ def test_the_most_promising_goes_first_within_a_round() -> None:
     assert turns([[-5.0] * 9, [-1.0] * 9], every=False)[:6] == [0, 0, 1, 1, 0, 1]
 
 
+def test_what_no_motion_is_expected_for_comes_later() -> None:
+    """The first one has a counterexample without cells: others have turns before its second."""
+    excluded = CounterExample(0, (), "")
+    first = PathAttempt(Blocked(Cause.NOT_FOLLOWED), -1.0, excluded=excluded, nearest=nearest(-1.0))
+    queue = SearchQueue(every=False)
+    for number, own in ((0, (first,)), (1, ())):
+        candidate: Any = SimpleNamespace(number=number)
+        structure = StructureUnderWay(queue.entered, candidate, 0, lambda: None)
+        queue.enter(structure, states([-5.0] * 9))
+        structure.state = StructureState(own)
+    assert [queue.turn().number for _ in range(3)] == [1, 1, 1]
+
+
 def test_with_all_each_is_searched_to_its_end() -> None:
     assert turns([[-1.0] * 2, [-1.0]], every=True) == [0, 0, 0, 1, 1]
 
