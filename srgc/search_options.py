@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import inf
 from typing import TYPE_CHECKING
 
 from solvers.execution.process_pool import ProcessPool
@@ -68,6 +69,26 @@ def named_smt_solvers(names: str | None) -> tuple[SmtSolver, ...]:
         return named_solvers(names)
     except UnknownSolverError as error:
         raise UsageFault(str(error)) from None
+
+
+# --- Which gap a run is asked to close ------------------------------------------------------------
+
+
+def named_gap(text: str | float | None) -> float | None:
+    """A gap in percent, written with the sign or without.
+
+    Raises:
+        UsageFault: it is no number, or a negative one.
+    """
+    if text is None:
+        return None
+    try:
+        gap = float(str(text).strip().removesuffix("%").rstrip())
+    except ValueError:
+        gap = -inf
+    if not 0 <= gap < inf:
+        raise UsageFault(f"a gap is a percentage from 0 on, as `5 %`; `{text}` is none")
+    return gap
 
 
 # --- Who searches: this process, others beside it, or a cluster -----------------------------------

@@ -12,7 +12,7 @@ from compiler.robots.normal_form import RobotFamily
 from compiler.words.acceptance import accept_dfa
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
-from solvers.impossibility.drive_search import BEFORE_MOTIONS, drive_refutation
+from solvers.impossibility.drive_search import BEFORE_MOTIONS, DriveEffort, drive_refutation
 from solvers.lemma import VariantLemma, WeightsLemma
 
 MOST_SYMBOLS = 60
@@ -38,7 +38,9 @@ MOST_WEIGHTS = 4
 """So many of each module are asked about where nothing bounds their number."""
 
 
-def weights_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> WeightsLemma | None:
+def weights_lemma(
+    family: RobotFamily, task: ir.Task, base: Derivation, effort: DriveEffort = BEFORE_MOTIONS
+) -> WeightsLemma | None:
     """The lemma about a robot with weights anywhere, of one that its drives are too weak for."""
     kinds = weights(family, task)
     if not kinds or len(base.word) > MOST_SYMBOLS:
@@ -59,7 +61,7 @@ def weights_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> Weigh
     except ValueError:
         return None
     workspace = family.program.workspaces[task.workspace]
-    found = drive_refutation(model, graph, workspace, task, BEFORE_MOTIONS)
+    found = drive_refutation(model, graph, workspace, task, effort)
     if found is None:
         return None
     return WeightsLemma(condition, automaton, base.word, base.labels, most, found.boxes)

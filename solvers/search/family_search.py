@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 
 from compiler.lemmas.variants import is_about_poses
 from compiler.robots.candidate import Candidate
@@ -22,15 +23,24 @@ from solvers.conclusion import (
     with_lemmas,
 )
 from solvers.impossibility.box_evidence import out_of_reach_of_drives
+from solvers.impossibility.drive_search import AFTER_MOTIONS, DriveEffort
 from solvers.impossibility.structure_refutation import Refutation
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.path_search import StructureTask
-from solvers.search.path_task import Design
+from solvers.search.path_task import Design, robustness_share
 from solvers.search.prefetch import Prefetch
+from solvers.search.robustness_bound import (
+    FINER,
+    NoBoundError,
+    RobustnessBound,
+    Tried,
+    robustness_bound,
+)
 from solvers.search.search_queue import SearchQueue, StructureUnderWay
 from solvers.search.structure_search import StructureSearch
 from solvers.search.structures_left import StructuresLeft
+from solvers.verifier.claims.bound_claims import gap_above
 
 NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
 
@@ -49,7 +59,8 @@ class FamilySearch:
     """The search of a family in progress; ``every``: it goes on after a design.
 
     ``family`` has the robots that are left: what ``lemmas`` are about is taken from it.
-    ``told`` is called with the search when a design was proved.
+    ``told`` is called with the search when a design was proved.  With a ``gap`` it goes on, too,
+    until the best design is proved to be within that part of itself below all others.
     """
 
     program: ir.Program
@@ -59,6 +70,12 @@ class FamilySearch:
     abstraction: Abstraction
     every: bool
     told: Callable[[FamilySearch], None]
+    gap: Fraction | None = None
+    whole: RobotFamily = field(init=False)
+    """The family before any lemma."""
+    bound: RobustnessBound | None = None
+    unbounded: str | None = None
+    """Why there is no bound, once one was sought."""
     queue: SearchQueue = field(init=False)
     smt: int = 0
     records: dict[int, StructureRecord] = field(default_factory=dict[int, StructureRecord])
@@ -72,7 +89,8 @@ class FamilySearch:
     lemmas: list[Lemma] = field(default_factory=list[Lemma])
 
     def __post_init__(self) -> None:
-        self.queue = SearchQueue(self.every)
+        self.every |= self.gap is not None
+        self.queue, self.whole = SearchQueue(self.every), self.family
 
     def structures(self) -> None:
         """Let structures have their turns until one is proved, unless all are due."""
@@ -94,8 +112,43 @@ class FamilySearch:
             if structure.state.is_over:
                 self.leave(structure)
                 self.learn(left, structure.candidate)
-                if self.designs and not self.every:
+                if self.designs and (not self.every or self.is_closed()):
                     return
+        if self.designs and self.bound is not None and not self.is_closed():
+            self.seek_bound(FINER)
+
+    # --- how much more robust a design may be ---------------------------------------------------
+
+    def is_closed(self) -> bool:
+        """Whether no design is more robust than the best one by more than the gap asked for."""
+        if self.gap is None:
+            return False
+        if self.bound is None and self.unbounded is None:
+            self.seek_bound(AFTER_MOTIONS)
+        bound = self.bound
+        above = None if bound is None else gap_above(bound.share, self.best_share)
+        return above is not None and above <= self.gap
+
+    def seek_bound(self, effort: DriveEffort) -> None:
+        """Seek a bound on all designs; one that was found before stays unless it is larger."""
+        best = self.best_share
+        if best is None:
+            self.unbounded = "no input has a choice"
+            return
+        tried = Tried(self.all_records(""), tuple(self.lemmas))
+        try:
+            found = robustness_bound(self.whole, self.task, self.context, tried, best, effort)
+        except NoBoundError as why:
+            self.unbounded = str(why)
+            return
+        if self.bound is None or found.share < self.bound.share:
+            self.bound = found
+
+    @property
+    def best_share(self) -> float | None:
+        """The share that the inputs of the best design keep."""
+        designs = self.designs
+        return robustness_share(designs[0].design, self.task) if designs else None
 
     def learn(self, left: StructuresLeft, candidate: Candidate) -> None:
         """Narrow what is left by what became of a structure, if it is refuted."""
@@ -228,12 +281,15 @@ class FamilySearch:
 
     @property
     def designs(self) -> tuple[Proved, ...]:
-        """The designs of all structures, in their order."""
-        return tuple(
+        """The designs of all structures, in their order; with a gap the most robust one alone."""
+        found = tuple(
             Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **spent(each)})
             for each in self.all_searched
             if each.incumbent is not None
         )
+        if self.gap is None or not found:
+            return found
+        return (max(found, key=lambda proved: robustness_share(proved.design, self.task) or 0.0),)
 
     @property
     def counts(self) -> dict[str, int]:

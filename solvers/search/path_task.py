@@ -25,6 +25,7 @@ from solvers.search.configuration_search import Configuration
 from solvers.trajectory.control import shortfall
 from solvers.trajectory.path_following import SUBSTEPS, PathProblem
 from solvers.trajectory.task_size import least_margin
+from solvers.verifier.claims.claimed_inputs import input_margins
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,
     LoopClaim,
@@ -32,6 +33,7 @@ from solvers.verifier.claims.further_claims import (
     exact_loop,
 )
 from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.effort_bounds import Margin
 from solvers.verifier.proofs.trajectory_proof import Motion
 
 # --------------------------------------------------------------------------------------------------
@@ -227,3 +229,20 @@ def motion_of(design: Design) -> Motion:
         None if design.controller is None else exact_law(design.controller),
         None if design.loop is None else exact_loop(design.loop),
     )
+
+
+def stated_inputs(design: Design) -> list[tuple[Fraction, ...]]:
+    """The inputs of a design as they are stated, a row (m,) per step, exact."""
+    return [tuple(Fraction(text) for text in row) for row in design.inputs]
+
+
+def design_margins(design: Design, task: ir.Task) -> list[Margin]:
+    """What a design's planned inputs keep from each of their bounds."""
+    inputs = None if design.controller is not None else stated_inputs(design)
+    return input_margins(design.model, task, inputs, design.conditions)
+
+
+def robustness_share(design: Design, task: ir.Task) -> float | None:
+    """The least of these margins as a share of what it can be; None where no input has a choice."""
+    counted = [each for each in design_margins(design, task) if each.widest > 0]
+    return min((each.least / each.widest for each in counted), default=None)

@@ -26,7 +26,7 @@ from solvers.search.prefetch import Prefetch
 class StructuresLeft:
     """The structures of ``family`` that are left; ``following`` is the next one, None after all.
 
-    ``whole`` is the family before any lemma.
+    ``whole`` is the family before any lemma; ``lemmas`` are those known, which grow in place.
     """
 
     program: ir.Program
@@ -42,6 +42,8 @@ class StructuresLeft:
 
     def __post_init__(self) -> None:
         self.family = self.whole
+        for lemma in self.lemmas:
+            self.family = self.family.with_condition(ir.NotAccept(lemma.condition))
         self._draw()
 
     def taken(self) -> Candidate:
@@ -78,8 +80,11 @@ class StructuresLeft:
         if lemma is None:
             about = variant_lemma if by_poses else weights_lemma
             lemma = about(self.whole, self.task, refuted.derivation)
-        if lemma is None:
-            return
+        if lemma is not None:
+            self.add(lemma, word)
+
+    def add(self, lemma: Lemma, word: Sequence[str]) -> None:
+        """Narrow what is left by a lemma from a refuted word, if it is about more than that."""
         try:
             narrowed = self.family.with_condition(ir.NotAccept(lemma.condition))
             if not self._is_wider(lemma, word):

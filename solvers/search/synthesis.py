@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from compiler.robots.normal_form import family_of
 from compiler.tasks.obstacle_pieces import expanded
@@ -26,6 +27,7 @@ from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.path_task import Design
+from solvers.search.robustness_bound import RobustnessBound
 from solvers.search.search_queue import StructureUnderWay
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.verdict import Verdict
@@ -47,7 +49,8 @@ class Synthesis:
     trying all structures then.  ``nearest`` is, of an unknown task, the motion that came nearest to
     a design without being proved.  ``unfinished``: the time limit was reached, and another run can
     go on; ``last_step`` is what then took so long, if that could not be interrupted.  ``lemmas``
-    are about structures that were not tried, too.
+    are about structures that were not tried, too.  ``bound`` is on the robustness of all designs,
+    where one was asked for and proved; ``unbounded`` says why none was.
     """
 
     verdict: Verdict
@@ -65,6 +68,8 @@ class Synthesis:
     unfinished: bool = False
     last_step: str = ""
     lemmas: tuple[Lemma, ...] = ()
+    bound: RobustnessBound | None = None
+    unbounded: str | None = None
 
 
 def synthesise(
@@ -74,12 +79,15 @@ def synthesise(
     least_cells: int | None = None,
     *,
     every: bool = False,
+    gap: Fraction | None = None,
     told: Callable[[Synthesis], None] = lambda _: None,
 ) -> Synthesis:
     """Run Algorithm 1 on a task, from at least so many cells on if that is asked.
 
-    With ``every`` the search goes on after a design, over all structures up to the bound.  ``told``
-    is given a result with each design as it is proved, while the search goes on.
+    With ``every`` the search goes on after a design, over all structures up to the bound.  With a
+    ``gap`` it does, too, until no design is more robust than the best one by more than that part of
+    it; only the best one is kept.  ``told`` is given a result with each design as it is proved,
+    while the search goes on.
 
     Raises:
         MapFault: a map of obstacles cannot be used.
@@ -105,7 +113,7 @@ def synthesise(
         """Tell of a design, as if time were out."""
         told(_result(search, "found", None, cells, OutOfTimeError()))
 
-    run = FamilySearch(program, task, context, family, finer, every, better)
+    run = FamilySearch(program, task, context, family, finer, every, better, gap)
     try:
         run.structures()
         if run.designs:
@@ -168,4 +176,13 @@ def _result(
         unfinished=late is not None,
         last_step="" if late is None else late.step,
         lemmas=tuple(run.lemmas),
+        bound=run.bound if designs else None,
+        unbounded=_unbounded(run, late) if designs else None,
     )
+
+
+def _unbounded(run: FamilySearch, late: OutOfTimeError | None) -> str | None:
+    """Why there is no bound that was asked for."""
+    if run.gap is None or run.bound is not None:
+        return None
+    return run.unbounded or (None if late is None else OUT_OF_TIME)

@@ -344,6 +344,11 @@ def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch)
     claim, program, task, cells = claimed.claim, claimed.program, claimed.task, claimed.cells
     if isinstance(claim, FoundClaim):
         model, report = check_found(claim, program, task, cells, watch)
+        if claim.bound is not None and report.outcome is Outcome.VALID:
+            from solvers.verifier.refutations.bound_check import bound_condition
+
+            bound = bound_condition(folder, claim, claim.bound, program, task, watch)
+            report = replace(report, conditions=(*report.conditions, bound))
     else:
         model, report = None, _impossible(folder, claim, program, task, trust, watch)
     if report.outcome is not Outcome.REFUTED:

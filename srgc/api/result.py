@@ -90,6 +90,12 @@ class Result:
         return None if self.word is None else float(self.design["robustness"])
 
     @property
+    def bound(self) -> float | None:
+        """The share of their bounds that no robot's inputs keep; None where none was proved."""
+        found = self.design.get("bound")
+        return None if found is None else float(found["share"])
+
+    @property
     def effort_peak(self) -> float | None:
         """The largest effort; None without a robot."""
         return None if self.word is None else float(self.design["effort_peak"])

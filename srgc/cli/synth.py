@@ -36,6 +36,11 @@ from srgc.time_limit import TimeLimit
     "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
 )
 @click.option(
+    "--gap",
+    metavar="PERCENT",
+    help="Go on until no robot is proved to be able to be more robust by more, as 5 %.",
+)
+@click.option(
     "--paths",
     type=click.IntRange(1),
     help="Tried for a structure, and half as many once a cell is cut; default 6.",
@@ -64,6 +69,7 @@ def synth(
     time_limit: float | None,
     cells: int | None,
     every: bool,  # noqa: FBT001
+    gap: str | None,
     paths: int | None,
     evaluations: int | None,
     solver: str | None,
@@ -84,6 +90,8 @@ def synth(
     limit = TimeLimit(time_limit)
     if jobs is not None and cluster is not None:
         raise UsageFault("--jobs does not go with --cluster, which has its own workers")
+    if every and gap is not None:
+        raise UsageFault("--all does not go with --gap, which keeps the most robust design alone")
     from solvers.execution.one_thread import ONE_THREAD
     from srgc.session import chosen, program_of, refuse_cycles
 
@@ -92,7 +100,7 @@ def synth(
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
-    from srgc.search_options import named_search, named_smt_solvers, named_solver
+    from srgc.search_options import named_gap, named_search, named_smt_solvers, named_solver
     from srgc.text_reports.synthesis_report import change_of, synthesis_text
 
     named_smt_solvers(smt)
@@ -100,7 +108,7 @@ def synth(
     options = SynthesisOptions(
         folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster, every,
         named_solver(solver), named_search(search), paths, evaluations,
-        not no_lemmas, smt,
+        not no_lemmas, smt, named_gap(gap),
     )  # fmt: skip
     result = run_synthesis(file, program, chosen_task, options)
     table = ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from solvers.verifier.claims.bound_claims import bound_text
 from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim, control_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome
@@ -231,6 +232,8 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
         yield "control", control_of(found.claim)
     if used:
         yield "robustness", robustness_text(used, with_unit)
+    if found.claim.bound is not None:
+        yield "bound on robustness", bound_text(found.claim.bound)
     for place, each in enumerate(design["satisfy"], start=1):
         value = each["robustness"]
         yield f"satisfy {place}, robustness", "always" if value is None else f"{number(value)} m"

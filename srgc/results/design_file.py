@@ -22,43 +22,28 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
-from solvers.lemma import VariantLemma, WeightsLemma
 from solvers.search.configuration_search import PathSamples, Sample
-from solvers.search.path_task import Design
+from solvers.search.path_task import Design, design_margins, stated_inputs
 from solvers.search.search_state import CounterExampleRecord
 from solvers.search.synthesis import Synthesis
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.agreement import satisfied_formulas
+from solvers.verifier.claims.bound_claims import bound_entry
 from solvers.verifier.claims.certificate import (
     FoundClaim,
     ImpossibleClaim,
     SeparationClaim,
-    StructureClaim,
     cut_claim,
     parameter_claims,
     to_text,
 )
-from solvers.verifier.claims.claimed_inputs import held_bounds, input_margins, robustness_entry
+from solvers.verifier.claims.claimed_inputs import SHARE, held_bounds, robustness_entry
 from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_text
 from solvers.verifier.claims.spec_copy import bounded_text
-from solvers.verifier.proofs.effort_bounds import Margin, planned_efforts
+from solvers.verifier.proofs.effort_bounds import planned_efforts
+from srgc.results.evidence_claims import Evidence, bound_claim_of
 from srgc.results.result_folder import Identity
 from srgc.text_reports.nearest_motion import nearest_entry
-
-
-def proof_name(index: int) -> str:
-    """The file of the script that refutes the structure with that index."""
-    return f"proofs/{index:04d}.smt2"
-
-
-def boxes_name(index: int) -> str:
-    """The file of the covering that refutes the structure with that index."""
-    return f"proofs/{index:04d}.boxes"
-
-
-def weights_name(index: int) -> str:
-    """The file of the covering of the structure with that index and all weights it may have."""
-    return f"proofs/{index:04d}.weights.boxes"
 
 
 def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
@@ -67,7 +52,7 @@ def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
         proved = planned_efforts(design.model, task, design.conditions)
         return decimal(proved[0]), decimal(proved[1])
     peak, margins = Fraction(0), list[Fraction]()
-    for bound, held in held_bounds(design.model, task, _rows(design)):
+    for bound, held in held_bounds(design.model, task, stated_inputs(design)):
         largest, margin = held.largest, held.margin
         if not held.exact:
             largest = Fraction(decimal(float(largest)))
@@ -79,17 +64,6 @@ def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
         return exact_decimal(peak), exact_decimal(rho)
     except ValueError:
         return exact_decimal(peak), decimal(float(rho))
-
-
-def _rows(design: Design) -> list[tuple[Fraction, ...]]:
-    """The stated inputs, exact."""
-    return [tuple(Fraction(text) for text in row) for row in design.inputs]
-
-
-def design_margins(design: Design, task: ir.Task) -> list[Margin]:
-    """What a design's planned inputs keep from each of their bounds."""
-    inputs = None if design.controller is not None else _rows(design)
-    return input_margins(design.model, task, inputs, design.conditions)
 
 
 def certificate_text(
@@ -108,6 +82,8 @@ def certificate_text(
     design = result.design
     if design is not None:
         peak, rho = efforts(design, task)
+        bound = None if result.bound is None else bound_claim_of(result.bound)
+        further = design.controller, design.loop, bound
         return to_text(
             FoundClaim(
                 task.name,
@@ -125,59 +101,26 @@ def certificate_text(
                 peak,
                 rho,
                 tuple(cut_claim(cut.cell, cut.half_space) for cut in design.abstraction.cuts),
-                tuple(claim for claim in (design.controller, design.loop) if claim is not None),
+                tuple(claim for claim in further if claim is not None),
             )
         )
     if separation is not None:
         return to_text(ImpossibleClaim(task.name, spec, spec_sha256, None, (), separation))
     if result.verdict == "impossible":
-        lemmas = _lemma_claims(result)
-        claims = _structure_claims(result)
+        lemmas = _evidence(result).lemma_claims()
+        claims = _evidence(result).structure_claims()
         return to_text(ImpossibleClaim(task.name, spec, spec_sha256, modules, claims, None, lemmas))
     return None
 
 
-def _lemma_claims(result: Synthesis) -> tuple[LemmaClaim, ...]:
-    """The lemmas, with the evidence of the robots whose variants they are about."""
-    index = {record.derivation: i for i, record in enumerate(result.records)}
-    found: list[LemmaClaim] = []
-    for lemma in result.lemmas:
-        if isinstance(lemma, VariantLemma):
-            script, _, boxes = _evidence(result, index[lemma.labels])
-            found.append(lemma.claim(script, boxes))
-        elif isinstance(lemma, WeightsLemma):
-            found.append(lemma.claim(weights_name(index[lemma.labels])))
-        else:
-            found.append(lemma.claim())
-    return tuple(found)
-
-
-def _structure_claims(result: Synthesis) -> tuple[StructureClaim, ...]:
-    """The structures that no lemma is about; what is the same robot is numbered among them."""
-    alone = [i for i, record in enumerate(result.records) if record.lemma is None]
-    place = {index: number for number, index in enumerate(alone)}
-    found: list[StructureClaim] = []
-    for index in alone:
-        script, same, boxes = _evidence(result, index)
-        record = result.records[index]
-        first = None if same is None else place[same]
-        found.append(StructureClaim(record.word, record.derivation, script, first, boxes))
-    return tuple(found)
-
-
-def _evidence(result: Synthesis, index: int) -> tuple[str | None, int | None, str | None]:
-    """The script of a structure, the structure whose robot it is again, and its covering."""
-    record = result.records[index]
-    first = index if record.same_robot_as is None else record.same_robot_as
-    judged = result.records[first]
-    script = proof_name(first) if judged.script is not None else None
-    boxes = boxes_name(first) if judged.boxes is not None else None
-    return script, record.same_robot_as, boxes
+def _evidence(result: Synthesis) -> Evidence:
+    """What a result knows of structures and lemmas."""
+    return Evidence(result.records, result.lemmas)
 
 
 def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[str, Any]:
     first = result.records[record.same_robot_as] if record.same_robot_as is not None else record
-    script, same, boxes = _evidence(result, index)
+    script, same, boxes = _evidence(result).of(index)
     about = {} if record.lemma is None else {"lemma": record.lemma}
     return {
         "word": list(record.word),
@@ -282,12 +225,17 @@ def design_text(
         }
         if design.loop is not None:
             content["loop"] = design.loop.first
+        if identity.gap is not None:
+            bound, share = result.bound, content[SHARE]
+            content["bound"] = None if bound is None else bound_entry(bound_claim_of(bound), share)
     if identity.one_by_one:
         content["one_by_one"] = True
     if identity.smt is not None:
         content["smt"] = identity.smt
+    if identity.gap is not None:
+        content["gap"] = identity.gap
     if result.lemmas:
-        content["lemmas"] = [_lemma(claim) for claim in _lemma_claims(result)]
+        content["lemmas"] = [_lemma(claim) for claim in _evidence(result).lemma_claims()]
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 

@@ -33,7 +33,7 @@ class Identity:
     the first design; ``solver`` is that of its convex programs, None: our own; ``search`` is that
     of its parameters, None: the usual one; ``paths`` and ``evaluations`` are its budgets, None: the
     usual ones; ``one_by_one``: without lemmas; ``smt`` are the solvers of scripts, None: z3 as
-    a library.
+    a library; ``gap``, in percent, is the one that the search was to close, None: none.
     """
 
     spec_sha256: str
@@ -48,6 +48,7 @@ class Identity:
     evaluations: int | None = None
     one_by_one: bool = False
     smt: str | None = None
+    gap: float | None = None
 
 
 @dataclass(slots=True)
@@ -183,6 +184,7 @@ def _difference(a: Identity, b: Identity) -> str:
         "evaluations": "number of evaluations",
         "one_by_one": "search, with lemmas or without",
         "smt": "SMT solver",
+        "gap": "gap to be closed",
     }
     for name in (item.name for item in fields(Identity)):
         if getattr(a, name) != getattr(b, name):
@@ -209,6 +211,7 @@ def _owner(path: Path) -> Identity | None:
                 None if content.get("evaluations") is None else int(content["evaluations"]),
                 bool(content.get("one_by_one", False)),
                 None if content.get("smt") is None else str(content["smt"]),
+                None if content.get("gap") is None else float(content["gap"]),
             )
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
             continue

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import islice
 from pathlib import Path
 
@@ -17,7 +18,6 @@ from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
-from solvers.lemma import WeightsLemma
 from solvers.run_context import EVALUATIONS, PATHS, RunContext
 from solvers.search.family_search import Proved
 from solvers.search.path_task import Design
@@ -28,15 +28,13 @@ from solvers.verifier.refutations.solver_process import DisagreementError
 from srgc.faults import SolversDisagree
 from srgc.interruption import resumable
 from srgc.results.design_file import (
-    boxes_name,
     certificate_text,
     design_text,
     evaluations_csv,
-    proof_name,
     samples_csv,
     trajectory_csv,
-    weights_name,
 )
+from srgc.results.evidence_claims import Evidence, bound_evidence
 from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
@@ -71,6 +69,8 @@ class SynthesisOptions:
     evaluations: int | None = None
     lemmas: bool = True
     smt: str | None = None
+    gap: float | None = None
+    """In percent."""
 
 
 def run_synthesis(
@@ -96,7 +96,7 @@ def _run(
     identity = Identity(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
         options.solver, options.search, unusual(options.paths, PATHS),
-        unusual(options.evaluations, EVALUATIONS), not options.lemmas, options.smt,
+        unusual(options.evaluations, EVALUATIONS), not options.lemmas, options.smt, options.gap,
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,
@@ -173,7 +173,13 @@ def _searched(
         )
         with limit.holds():
             result = synthesise(
-                program, task, context, options.cells, every=options.every, told=told
+                program,
+                task,
+                context,
+                options.cells,
+                every=options.every,
+                gap=None if options.gap is None else Fraction(options.gap) / 100,
+                told=told,
             )
     return _told(result, limit)
 
@@ -268,15 +274,11 @@ def _write(
     Returns:
         whether they were drawn, or there is nothing to draw.
     """
-    for index, record in enumerate(result.records):
-        if record.script is not None:
-            files.write(proof_name(index), record.script)
-        if record.boxes is not None:
-            files.write(boxes_name(index), record.boxes)
-    for lemma in result.lemmas:
-        if isinstance(lemma, WeightsLemma):
-            index = next(i for i, r in enumerate(result.records) if r.derivation == lemma.labels)
-            files.write(weights_name(index), lemma.boxes)
+    evidence = Evidence(result.records, result.lemmas).files()
+    if result.bound is not None:
+        evidence |= bound_evidence(result.bound).files()
+    for name, content in evidence.items():
+        files.write(name, content)
     if result.samples:
         files.write("evaluations.csv", evaluations_csv(result.samples))
     design = result.design

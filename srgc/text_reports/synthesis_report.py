@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context, Decimal
+from fractions import Fraction
 
 import numpy as np
 
@@ -13,9 +15,10 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import dry_friction, input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
-from solvers.search.path_task import Design
+from solvers.search.path_task import Design, robustness_share
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
+from solvers.verifier.claims.bound_claims import gap_above, share_text
 from solvers.verifier.claims.certificate import exact
 from srgc.text_reports.nearest_motion import first_to_try, stuck_at
 
@@ -200,6 +203,25 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
     return lines
 
 
+def gap_text(gap: Fraction) -> str:
+    """A gap in percent, in two digits that say no less than it is."""
+    percent = 100 * gap
+    digits = Context(prec=2, rounding=ROUND_CEILING)
+    return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"
+
+
+def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:
+    """What no robot exceeds, if that was asked for, and how far the design is below it."""
+    if result.unbounded is not None:
+        yield f"bound:   none was proved: {result.unbounded}"
+    if result.bound is None:
+        return
+    gap = gap_above(result.bound.share, robustness_share(design, task))
+    shown = "" if gap is None else f" (gap {gap_text(gap)})"
+    ended = f"; {result.ended}" if result.ended else ""
+    yield f"bound:   {share_text(result.bound.share, result.bound.modules)}{shown}{ended}"
+
+
 def synthesis_text(
     result: Synthesis,
     task: ir.Task,
@@ -215,6 +237,7 @@ def synthesis_text(
     design = result.design
     if design is not None:
         lines += _design(design, task, change)
+        lines += _bound(result, design, task)
     elif result.nearest is not None:
         lines += _nearest(result.nearest, task)
     refuted = sum(1 for r in result.records if r.verdict == "refuted")

@@ -20,7 +20,8 @@ from solvers.impossibility import structure_refutation
 from solvers.impossibility.pose_search import clear_poses
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
 from solvers.run_context import RunContext
-from solvers.verifier.claims.certificate import ImpossibleClaim, StructureClaim
+from solvers.verifier.claims.certificate import ImpossibleClaim
+from solvers.verifier.claims.structure_claims import StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
 from solvers.verifier.refutations.solver_process import smt_solver
 from tests.oracles.formulas import program, spec

@@ -14,7 +14,6 @@ from solvers.verifier.claims.certificate import (
     ImpossibleClaim,
     ParameterClaim,
     SeparationClaim,
-    StructureClaim,
     cut_claim,
     exact,
     exact_cuts,
@@ -23,6 +22,7 @@ from solvers.verifier.claims.certificate import (
     spec_files,
     to_text,
 )
+from solvers.verifier.claims.structure_claims import StructureClaim
 from tests.oracles import result_files
 from tests.oracles.some_cases import examples
 

@@ -14,6 +14,7 @@ from compiler.robots.robot import RobotModel
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from grammar_lang.ir.formula_parts import formula_text
+from solvers.verifier.claims.bound_claims import bound_entry
 from solvers.verifier.claims.certificate import (
     Claim,
     FoundClaim,
@@ -65,6 +66,9 @@ def disagreement(
         expected["control"] = control_of(claim)
     if isinstance(claim, FoundClaim) and (claim.loop is not None or "loop" in design):
         expected["loop"] = None if claim.loop is None else claim.loop.first
+    if isinstance(claim, FoundClaim) and (claim.bound is not None or "bound" in design):
+        share = design.get("robustness_share")
+        expected["bound"] = None if claim.bound is None else bound_entry(claim.bound, share)
     for key, value in expected.items():
         if not _says(design.get(key), value):
             return f"design.json and certificate.json differ in `{key}`"

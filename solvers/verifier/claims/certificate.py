@@ -21,6 +21,7 @@ from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.files.file_tree import IMAGE_LIMIT, LIMIT, TooLarge, read_file
 from solvers.verdict import Claimed
+from solvers.verifier.claims.bound_claims import BoundClaim
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,
     FurtherClaim,
@@ -35,6 +36,7 @@ from solvers.verifier.claims.lemma_claims import (
     VariantClaim,
     WeightsClaim,
 )
+from solvers.verifier.claims.structure_claims import StructureClaim, structure_claims
 
 FORMAT, WITH_CLAIMS = 3, 4
 """2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes; 4: a
@@ -97,19 +99,11 @@ class FoundClaim:
         found = [claim for claim in self.claims if isinstance(claim, LoopClaim)]
         return found[0] if found else None
 
-
-@dataclass(frozen=True, slots=True)
-class StructureClaim:
-    """One structure, refuted by a script (``evidence``), by a covering (``boxes``), or by both.
-
-    Paths of files; those of a structure that is the same robot as an earlier one are its.
-    """
-
-    word: tuple[str, ...]
-    derivation: tuple[str, ...]
-    evidence: str | None
-    same_robot_as: int | None
-    boxes: str | None = None
+    @property
+    def bound(self) -> BoundClaim | None:
+        """What no robot of the family exceeds; None where nothing is claimed."""
+        found = [claim for claim in self.claims if isinstance(claim, BoundClaim)]
+        return found[0] if found else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -363,22 +357,15 @@ def _cuts(items: object) -> tuple[CutClaim, ...]:
 def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
     fields = {"claims": [], **fields}
     expect_keys(fields, ImpossibleClaim)
-    fields["structures"] = tuple(
-        StructureClaim(
-            texts(s["word"]),
-            texts(s["derivation"]),
-            None if s["evidence"] is None else text(s["evidence"]),
-            None if s["same_robot_as"] is None else number(s["same_robot_as"]),
-            None if s["boxes"] is None else text(s["boxes"]),
-        )
-        for s in objects(fields["structures"], StructureClaim)
-    )
+    fields["structures"] = structure_claims(fields["structures"])
     for name in ("task", "spec", "spec_sha256"):
         text(fields[name])
     if fields["modules"] is not None:
         number(fields["modules"])
     fields["separation"] = _separation(fields["separation"])
     fields["claims"] = further_claims(fields["claims"])
+    if any(isinstance(claim, BoundClaim) for claim in fields["claims"]):
+        raise ValueError("a bound is claimed of a task that no robot does")
     return ImpossibleClaim(**fields)
 
 

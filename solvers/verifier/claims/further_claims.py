@@ -1,4 +1,4 @@
-"""What a certificate of format 4 claims besides: a controller, a loop, lemmas; unknown kinds."""
+"""What a certificate of format 4 claims besides: a controller, a loop, lemmas, a bound, others."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
 from compiler.expressions.exact_numbers import exact_number
+from solvers.verifier.claims.bound_claims import BoundClaim, bound_claim
 from solvers.verifier.claims.json_fields import number, objects, rows, text, texts
 from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
@@ -82,7 +83,7 @@ def exact_loop(claim: LoopClaim) -> Loop:
     )
 
 
-FurtherClaim: TypeAlias = ControllerClaim | LoopClaim | LemmaClaim | UnknownClaim
+FurtherClaim: TypeAlias = ControllerClaim | LoopClaim | LemmaClaim | BoundClaim | UnknownClaim
 
 
 def further_claims(items: object) -> tuple[FurtherClaim, ...]:
@@ -102,9 +103,11 @@ def further_claims(items: object) -> tuple[FurtherClaim, ...]:
                 found.append(_loop(item))
             case "lemma":
                 found.append(lemma_claim(item))
+            case "bound":
+                found.append(bound_claim(item))
             case kind:
                 found.append(UnknownClaim(kind, item))
-    for kind in ("controller", "loop"):
+    for kind in ("controller", "loop", "bound"):
         if sum(claim.kind == kind for claim in found) > 1:
             raise ValueError(f"more than one {kind} is claimed")
     return tuple(found)
@@ -135,7 +138,9 @@ def claim_content(claim: FurtherClaim) -> dict[str, Any]:
     if isinstance(claim, UnknownClaim):
         return dict(claim.content)
     content = asdict(claim)
-    return {key: value for key, value in content.items() if value is not None}
+    if isinstance(claim, ControllerClaim | LoopClaim):
+        return {key: value for key, value in content.items() if value is not None}
+    return content
 
 
 def unknown_claims(claims: Sequence[FurtherClaim]) -> list[CheckedCondition]:

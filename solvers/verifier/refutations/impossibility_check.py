@@ -19,7 +19,8 @@ from compiler.robots.robot_key import robot_key_in_task
 from compiler.words.structures import InfiniteAmbiguityError
 from compiler.workspaces.abstraction import abstract
 from grammar_lang import ir
-from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim, StructureClaim
+from solvers.verifier.claims.certificate import ImpossibleClaim, SeparationClaim
+from solvers.verifier.claims.structure_claims import StructureClaim
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.refutations.lemma_check import check_covered, checked_lemma
 from solvers.verifier.refutations.separation_check import misstated_separation

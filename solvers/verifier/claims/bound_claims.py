@@ -1,0 +1,85 @@
+"""What a certificate of *found* claims of all robots: none has inputs with a larger share to spare.
+
+The evidence is that of an impossibility: of the task with narrower bounds on its inputs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf
+from typing import Any
+
+from compiler.expressions.exact_numbers import exact_number, exact_text
+from solvers.verifier.claims.json_fields import number, objects, text
+from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
+from solvers.verifier.claims.structure_claims import StructureClaim, structure_claims
+
+
+@dataclass(frozen=True, slots=True)
+class BoundClaim:
+    """No robot with at most ``modules`` modules (None: none at all) keeps more than ``share``.
+
+    ``share``, a decimal, is that of what inputs can keep from their bounds at most.  ``structures``
+    and ``lemmas`` are as those of an ``ImpossibleClaim``, about the task with bounds that leave out
+    this share; all are refuted by coverings, so that no solver has to be believed.
+    """
+
+    share: str
+    modules: int | None
+    structures: tuple[StructureClaim, ...]
+    lemmas: tuple[LemmaClaim, ...]
+    kind: str = "bound"
+
+
+def bound_claim(item: dict[str, Any]) -> BoundClaim:
+    """The bound of a JSON object.
+
+    Raises:
+        TypeError, KeyError, ValueError: it is malformed.
+    """
+    (fields,) = objects([item], BoundClaim)
+    if not 0 <= exact_number(text(fields["share"])) < 1:
+        raise ValueError("the share of a bound is at least 0 and less than 1")
+    lemmas = fields["lemmas"]
+    if not isinstance(lemmas, list) or not all(isinstance(each, dict) for each in lemmas):
+        raise TypeError("a list of lemmas is due")
+    return BoundClaim(
+        fields["share"],
+        None if fields["modules"] is None else number(fields["modules"]),
+        structure_claims(fields["structures"]),
+        tuple(lemma_claim(each) for each in lemmas),
+    )
+
+
+def bound_text(claim: BoundClaim) -> str:
+    """A bound in words."""
+    return share_text(exact_number(claim.share), claim.modules)
+
+
+def share_text(share: Fraction, modules: int | None) -> str:
+    """The same of a share and a bound on modules."""
+    percent = exact_text(100 * share)
+    which = "of the family" if modules is None else f"of at most {modules} modules"
+    return f"no robot {which} has more than {percent} %"
+
+
+def gap_above(bound: Fraction, share: float | None) -> Fraction | None:
+    """By which part of the share of a design the bound is above it; None where that is not known.
+
+    Exact for the share as it is stated.
+    """
+    if share is None or not 0 < share < inf:
+        return None
+    return bound / Fraction(share) - 1
+
+
+def bound_entry(claim: BoundClaim, share: object) -> dict[str, Any]:
+    """What ``design.json`` says of a bound, and of its gap above the ``share`` of the design."""
+    bound = exact_number(claim.share)
+    gap = gap_above(bound, share if isinstance(share, float) else None)
+    return {
+        "share": float(bound),
+        "modules": claim.modules,
+        "gap": None if gap is None else float(gap),
+    }

@@ -1,0 +1,105 @@
+"""What a certificate claims of structures and lemmas, and the files that their evidence is in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from compiler.expressions.exact_numbers import exact_decimal
+from solvers.conclusion import StructureRecord
+from solvers.lemma import Lemma, VariantLemma, WeightsLemma
+from solvers.search.robustness_bound import RobustnessBound
+from solvers.verifier.claims.bound_claims import BoundClaim
+from solvers.verifier.claims.lemma_claims import LemmaClaim
+from solvers.verifier.claims.structure_claims import StructureClaim
+
+PROOFS, BOUND = "proofs", "proofs/bound"
+"""The folders of what refutes structures in the task, and with narrower bounds on the inputs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What is known of structures and of lemmas, whose evidence is in files of one ``folder``."""
+
+    records: Sequence[StructureRecord]
+    lemmas: Sequence[Lemma]
+    folder: str = PROOFS
+
+    def files(self) -> dict[str, str]:
+        """The evidence by the names of files."""
+        found: dict[str, str] = {}
+        for index, record in enumerate(self.records):
+            if record.script is not None:
+                found[self.script_name(index)] = record.script
+            if record.boxes is not None:
+                found[self.boxes_name(index)] = record.boxes
+        for lemma in self.lemmas:
+            if isinstance(lemma, WeightsLemma):
+                found[self.weights_name(self._places[lemma.labels])] = lemma.boxes
+        return found
+
+    def script_name(self, index: int) -> str:
+        """The file of the script that refutes the structure with that index."""
+        return f"{self.folder}/{index:04d}.smt2"
+
+    def boxes_name(self, index: int) -> str:
+        """The file of the covering that refutes the structure with that index."""
+        return f"{self.folder}/{index:04d}.boxes"
+
+    def weights_name(self, index: int) -> str:
+        """That of the covering of the structure with that index and all weights it may have."""
+        return f"{self.folder}/{index:04d}.weights.boxes"
+
+    @property
+    def _places(self) -> dict[tuple[str, ...], int]:
+        """The structures by their derivations."""
+        return {record.derivation: i for i, record in enumerate(self.records)}
+
+    def lemma_claims(self) -> tuple[LemmaClaim, ...]:
+        """The lemmas, with the evidence of the robots whose variants they are about."""
+        places = self._places
+        found: list[LemmaClaim] = []
+        for lemma in self.lemmas:
+            if isinstance(lemma, VariantLemma):
+                script, _, boxes = self.of(places[lemma.labels])
+                found.append(lemma.claim(script, boxes))
+            elif isinstance(lemma, WeightsLemma):
+                found.append(lemma.claim(self.weights_name(places[lemma.labels])))
+            else:
+                found.append(lemma.claim())
+        return tuple(found)
+
+    def structure_claims(self) -> tuple[StructureClaim, ...]:
+        """The structures that no lemma is about; what is the same robot is numbered among them."""
+        alone = [i for i, record in enumerate(self.records) if record.lemma is None]
+        place = {index: number for number, index in enumerate(alone)}
+        found: list[StructureClaim] = []
+        for index in alone:
+            script, same, boxes = self.of(index)
+            record = self.records[index]
+            first = None if same is None else place[same]
+            found.append(StructureClaim(record.word, record.derivation, script, first, boxes))
+        return tuple(found)
+
+    def of(self, index: int) -> tuple[str | None, int | None, str | None]:
+        """The script of a structure, the structure whose robot it is again, and its covering."""
+        record = self.records[index]
+        first = index if record.same_robot_as is None else record.same_robot_as
+        judged = self.records[first]
+        script = self.script_name(first) if judged.script is not None else None
+        boxes = self.boxes_name(first) if judged.boxes is not None else None
+        return script, record.same_robot_as, boxes
+
+
+def bound_evidence(bound: RobustnessBound) -> Evidence:
+    """What a bound rests on."""
+    return Evidence(bound.records, bound.lemmas, BOUND)
+
+
+def bound_claim_of(bound: RobustnessBound) -> BoundClaim:
+    """A bound as a certificate states it."""
+    rests_on = bound_evidence(bound)
+    return BoundClaim(
+        exact_decimal(bound.share), bound.modules, rests_on.structure_claims(),
+        rests_on.lemma_claims(),
+    )  # fmt: skip
