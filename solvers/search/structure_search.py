@@ -337,7 +337,7 @@ class _Plans:
             self._problem, known.effector, known.cells, changes, ordered=known.ordered
         )
         self._planner.block(known)
-        text = deferred_text(self._cells, known, deferred, changes)
+        text = deferred_text(self._cells, known, len(leader.cells), deferred)
         self._paths.structure.context.reporter.note(text)
         return replace(attempt, excluded=known, deferred=deferred)
 
@@ -364,12 +364,13 @@ class _Plans:
                 design = attempt.design
 
 
-def deferred_text(cells: Abstraction, known: CounterExample, count: int, changes: int) -> str:
-    """What a counterexample defers, in words: so many paths of at most so many changes of cell."""
+def deferred_text(cells: Abstraction, known: CounterExample, length: int, count: int) -> str:
+    """What a counterexample of a path of so many cells defers, in words, and how many paths."""
     names = [f"`{cells.cells[cell].name}`" for cell in known.cells]
     if not names:
         return "all paths are deferred: no motion was found without cells and obstacles either"
     joint = " and then " if known.ordered else " and "
-    more = " or more" if count == MOST else ""
+    what = joint.join(names) if len(names) < length else "all cells of the path"
+    more, changes = " or more" if count == MOST else "", length - 1 + LONGER
     paths = "1 path" if count == 1 else f"{count} paths"
-    return f"deferred: {joint.join(names)}, {paths}{more} of at most {changes} changes of cell"
+    return f"deferred: {what}, {paths}{more} of at most {changes} changes of cell"

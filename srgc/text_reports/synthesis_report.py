@@ -268,6 +268,6 @@ def deferred_text(found: Sequence[CounterExampleRecord]) -> str:
     length = sum(each.length for each in found) / len(found)
     deferred = sum(each.deferred for each in found)
     return (
-        f"{counted(len(found), 'counterexample')}, {cells} of {length:.3g} cells, "
+        f"{counted(len(found), 'counterexample')} of {cells} cells, on paths of {length:.2g}; "
         f"{counted(deferred, 'path')} deferred"
     )
