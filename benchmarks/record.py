@@ -114,6 +114,16 @@ BENCHMARKS = {
         "motions, against simulations and published times.",
         "benchmarks/arch_closed_loop.py",
     ),
+    "lemmas": Benchmark(
+        "Lemmas",
+        "Arms that are all too short, refuted with lemmas and structure by structure.",
+        "benchmarks/lemmas.py",
+    ),
+    "smt_agreement": Benchmark(
+        "Scripts by two solvers",
+        "All scripts of refutations of shipped, small and random families, by z3 and by cvc5.",
+        "benchmarks/smt_agreement.py",
+    ),
     "case_study": Benchmark(
         "The case study",
         "`specs/planar_arm.srg` from the command line, and the parts of it.",

@@ -238,6 +238,17 @@ def test_recorded_benchmarks_are_those_that_there_are() -> None:
         assert str(ROOT) not in file.read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize(
+    ("page", "benchmark"),
+    [("docs/explanation/lemmas.md", "lemmas"), ("docs/how-to/solvers.md", "smt_agreement")],
+)
+def test_tables_on_pages_are_those_that_were_recorded(page: str, benchmark: str) -> None:
+    file = ROOT / "benchmarks" / "results" / f"{benchmark}.json"
+    output = json.loads(file.read_text(encoding="utf-8"))["output"]
+    for table in "\n".join(output).strip().split("\n\n")[:2]:
+        assert f"\n{table}\n" in TEXTS[page]
+
+
 def test_targets_named_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     targets = set(re.findall(r"^([\w-]+):", makefile, re.MULTILINE))

@@ -19,6 +19,9 @@ from tests.oracles.reaching_families import reaching_family
 MOST, EFFECTORS = 30, 2
 """Structures of a family, and their effectors, that are looked at."""
 
+FEW = (1, 3, 4, 5, 7, 12, 14, 20)
+"""Families of all kinds that take little time."""
+
 
 def check_family(seed: int) -> Counter[str]:
     """No poses are found of any structure that a lemma is about."""
@@ -50,18 +53,18 @@ def check_family(seed: int) -> Counter[str]:
     return seen
 
 
-@pytest.mark.parametrize("block", range(3))
-def test_random_families(block: int) -> None:
+def test_random_families() -> None:
     seen: Counter[str] = Counter()
-    for seed in range(8 * block, 8 * block + 8):
+    for seed in FEW:
         seen += check_family(seed)
-    assert seen["learnt"] > 20
-    assert seen["reached"] > 0
-    assert seen["too far"] > 3
+    assert seen["learnt"] > 60
+    assert seen["reached"] > 5
+    assert seen["too far"] > 9
+    assert seen["too near"] > 2
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(35))
+@pytest.mark.parametrize("block", range(38))
 def test_three_hundred_random_families(block: int) -> None:
-    for seed in range(8 * block + 24, 8 * block + 32):
+    for seed in range(8 * block, 8 * block + 8):
         check_family(seed)

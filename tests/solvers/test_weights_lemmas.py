@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -36,11 +37,8 @@ def replaced(text: str, before: str, after: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def learnt(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("weak")
-    (folder / "weak.srg").write_text(SPEC, encoding="utf-8")
-    assert run(["synth", str(folder / "weak.srg"), "-o", str(folder / "out"), "-q"]) == 3
-    return folder / "out"
+def learnt(made: Callable[[str], Path]) -> Path:
+    return made("weak_drives") / "out"
 
 
 def test_one_lemma_is_about_all(learnt: Path) -> None:

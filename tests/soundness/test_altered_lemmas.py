@@ -17,30 +17,19 @@ from grammar_lang import ir
 from grammar_lang.conditions import condition_of
 from solvers.verifier.claims.spec_copy import read_copy
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.cli import run
 from tests.oracles.result_files import alter, read
-from tests.oracles.small_specs import BEYOND_REACH
 
 Content = dict[str, Any]
 
 
 @pytest.fixture(scope="module")
-def learnt(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("learnt")
-    (folder / "far.srg").write_text(BEYOND_REACH, encoding="utf-8")
-    assert run(["synth", str(folder / "far.srg"), "-o", str(folder / "out"), "-q"]) == 3
-    return folder / "out"
-
-
-VARIANTS = (Path(__file__).parents[2] / "specs" / "walled_arm.srg").read_text(encoding="utf-8")
+def learnt(made: Callable[[str], Path]) -> Path:
+    return made("learnt") / "out"
 
 
 @pytest.fixture(scope="module")
-def varied(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("varied")
-    (folder / "walled.srg").write_text(VARIANTS, encoding="utf-8")
-    assert run(["synth", str(folder / "walled.srg"), "-o", str(folder / "out"), "-q"]) == 3
-    return folder / "out"
+def varied(made: Callable[[str], Path]) -> Path:
+    return made("walled_arm") / "out"
 
 
 def outcome(folder: Path, target: Path, change: Callable[[Content], None]) -> Outcome:
@@ -142,7 +131,7 @@ def altered_variants(content: Content) -> list[Content]:
         {"condition": "count(L) == 2"},
         {"evidence": None, "boxes": None},
         {"evidence": "proofs/9999.smt2", "boxes": None},
-        {"evidence": "../spec/walled.srg", "boxes": None},
+        {"evidence": "../spec/walled_arm.srg", "boxes": None},
         {"derivation": ["tool", "base"]},
         {"derivation": claim["derivation"][:-1]},
         {"word": claim["word"][:-1]},
