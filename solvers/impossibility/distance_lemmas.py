@@ -99,7 +99,7 @@ def distance_lemma(family: RobotFamily, task: ir.Task, word: Sequence[str]) -> D
         place = place_of(workspace, region)
         if place.is_empty or not place.is_bounded:
             continue
-        search = _Weakening(family, place)
+        search = _Weakening(family, place, task.modules)
         bound = search.bound(counts)
         if bound is not None:
             weakest, bound = search.weakened(counts, bound)
@@ -116,6 +116,7 @@ def distance_lemma(family: RobotFamily, task: ir.Task, word: Sequence[str]) -> D
 class _Weakening:
     family: RobotFamily
     place: Polytope
+    modules: int | None
 
     def bound(self, counts: _Counts) -> EffectorBound | None:
         """A bound that the effectors keep to and that excludes the place; None: none was found."""
@@ -149,12 +150,17 @@ class _Weakening:
     def _raised(
         self, counts: _Counts, bound: EffectorBound, names: Sequence[str]
     ) -> tuple[_Counts, EffectorBound]:
-        """Counts of some modules raised as far as that goes: by doubling, then by halving."""
-        step, known = 1, 0
+        """Counts of some modules raised as far as that goes: by doubling, then by halving.
+
+        That of one among others is not raised beyond the bound on modules, which says it already.
+        """
+        step, known, most = 1, 0, MOST_OF_ONE
+        if self.modules is not None and len(names) < len(counts.most):
+            most = max(0, self.modules - min(counts.most[name] for name in names))
         going_up = True
         while names and step:
             found = None
-            if known + step <= MOST_OF_ONE:
+            if known + step <= most:
                 found = self.bound(counts.raised(names, known + step))
             if found is not None:
                 known, bound = known + step, found
