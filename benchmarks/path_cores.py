@@ -8,7 +8,7 @@ filter, each a cell at a position of the path.  *none* leaves out the path alone
 plans, in the same order, and the same search along a path; proofs are not asked for.  The deferred
 paths are those of the first plans that a clause is about.
 
-    python benchmarks/path_cores.py --tasks 40 --json benchmarks/results/path_cores.json
+    python benchmarks/path_cores.py --tasks 40 --json out/path_cores.json
 """
 
 from __future__ import annotations

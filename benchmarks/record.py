@@ -119,6 +119,11 @@ BENCHMARKS = {
         "Arms that are all too short, refuted with lemmas and structure by structure.",
         "benchmarks/lemmas.py",
     ),
+    "path_cores": Benchmark(
+        "Cores of paths",
+        "Paths that cannot be followed, explained by cores, by an IIS as in SMC-LTL, or not at all.",
+        "benchmarks/path_cores.py",
+    ),
     "smt_agreement": Benchmark(
         "Scripts by two solvers",
         "All scripts of refutations of shipped, small and random families, by z3 and by cvc5.",
