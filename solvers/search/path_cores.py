@@ -3,8 +3,8 @@
 Source: QuickXplain (Junker, *QuickXplain: preferred explanations and relaxations for
 over-constrained problems*, AAAI 2004), on convex programs about the nearest motion, parameters
 being unknowns of them.  First nothing binds but the start, the target and the limits: where no
-motion is found then, none is expected along any path.  All of this is local optimisation: it puts
-paths off and proves nothing.
+motion is found then, none is expected along any path.  All of this is local optimisation: it
+defers paths and proves nothing.
 """
 
 from __future__ import annotations
@@ -194,7 +194,7 @@ class _Trials:
         if not self.fails(places):
             return None
         least = quick_explanation(places, self.fails)
-        if not self.fails(least, ROUNDS):
+        if not least or not self.fails(least, ROUNDS):
             return None
         return PathCore(least, ordered=not self._fail_in_any_order(least))
 

@@ -300,9 +300,8 @@ class PathProblem:
         radius: float = 0.5,
     ) -> ControlOutcome:
         """Control synthesis from a seed; with ``box``, bounds (p,), parameters are unknowns too."""
-        if entries is None:
-            entries = self.waypoints()[1]
-        return self._solve(self.problem(entries), start, box, budget, radius)
+        problem = self.problem(entries or self.waypoints()[1])
+        return self.solved(problem, start, box, budget, radius)
 
     def released(
         self,
@@ -316,9 +315,9 @@ class PathProblem:
 
         ``box`` are bounds (p,) of the parameters, or None.
         """
-        return self._solve(self.problem(entries, released=True), start, box, budget, radius)
+        return self.solved(self.problem(entries, released=True), start, box, budget, radius)
 
-    def _solve(
+    def solved(
         self,
         problem: ControlProblem,
         start: Trajectory,
@@ -326,6 +325,7 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
+        """Control synthesis of a problem of this path; the arguments are those of ``released``."""
         if self.loop is not None:
             # As many turns as the seed makes.
             turned = np.zeros(self.numeric.size)

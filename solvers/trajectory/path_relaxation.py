@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compiler.arrays import Array
-from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import ControlOutcome, ControlProblem, IterationBudget
 from solvers.trajectory.convex_set import convex_set
 from solvers.trajectory.path_following import PathProblem
@@ -49,9 +48,7 @@ class PathRelaxation:
         budget: IterationBudget,
     ) -> ControlOutcome:
         """Control synthesis from a seed; ``box`` bounds the parameters (p,) that are unknowns."""
-        # Trial motions may diverge; what is not finite counts as infeasible.
-        with np.errstate(all="ignore"):
-            return synthesise_control(self.problem(entries), start, box, budget, RADIUS)
+        return self.path_problem.solved(self.problem(entries), start, box, budget, RADIUS)
 
 
 def straight_visits(path_problem: PathProblem, places: Sequence[int]) -> dict[int, int]:
@@ -65,12 +62,14 @@ def nearest_visits(
 ) -> dict[int, int]:
     """When a motion comes nearest to the cells at some places (from 0), in turn, by samples."""
     numeric, steps = path_problem.numeric, path_problem.task.steps
-    points = numeric.points(motion.x[:, : numeric.n], motion.theta).value
+    with np.errstate(all="ignore"):
+        points = numeric.points(motion.x[:, : numeric.n], motion.theta).value
     at, found, first = points[:, path_problem.effector], dict[int, int](), 0
     ends = {0: 0, len(path_problem.cells) - 1: steps}
     for place in places:
         cell = convex_set(path_problem.abstraction.cells[path_problem.cells[place]].polytope)
-        beyond = np.max(at[first:] @ cell.normals.T - cell.offsets, axis=1)
+        with np.errstate(all="ignore"):
+            beyond = np.max(at[first:] @ cell.normals.T - cell.offsets, axis=1)
         found[place] = ends.get(place, first + int(np.argmin(beyond)))
         first = min(found[place] + 1, steps)
     return found
