@@ -75,7 +75,7 @@ def cluttered_task(seed: int) -> str:
         )
         obstacles.append(f"  obstacle O{len(obstacles)} hull {corners} m;")
     time, steps = rng.choice([3, 4, 5]), rng.choice([12, 16, 20])
-    force = 4 * MASS * WAY / time**2 * rng.uniform(0.55, 0.85)
+    force = 4 * MASS * WAY / time**2 * rng.uniform(0.65, 1.0)
     text = TASK.replace("OBSTACLES", "\n".join(obstacles))
     text = text.replace("NAMES", ", ".join(f"O{k}" for k in range(len(obstacles))))
     text = text.replace("FORCE", f"{force:.2f}").replace("STEPS", f"{steps}")

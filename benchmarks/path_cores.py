@@ -46,6 +46,8 @@ from solvers.trajectory.path_relaxation import PathRelaxation
 from solvers.verdict import Holds
 
 MOST_PATHS = 20
+FEW = 2
+"""So many cells are few."""
 PLANS = 300
 """So many plans, the first ones, are looked at for what a clause defers."""
 Clause = Callable[[tuple[int, ...]], bool]
@@ -60,6 +62,7 @@ class Tried:
     by_explanation: bool = False
     paths: int = 0
     seconds: float = 0.0
+    sizes: list[int] = field(default_factory=list[int])
     shares: list[float] = field(default_factory=list[float])
     deferred: list[int] = field(default_factory=list[int])
 
@@ -171,6 +174,7 @@ def loop(case: Case, explain: Callable[[Case, PathProblem, Configuration], Expla
             else:
                 clause, size = why
                 clauses.append(clause)
+                tried.sizes.append(size)
                 tried.shares.append(size / len(path.cells))
                 tried.deferred.append(sum(clause(p.paths[0].cells) for p in case.plans))
         if tried.found or tried.paths == MOST_PATHS:
@@ -195,6 +199,7 @@ def shown(name: str, results: list[Tried]) -> dict[str, Any]:
         "paths": sum(each.paths for each in results),
         "median paths": median(each.paths for each in results),
         "counterexamples": len(shares),
+        "few cells": sum(size <= FEW for each in results for size in each.sizes),
         "mean share": mean(shares) if shares else None,
         "mean deferred": mean(deferred) if deferred else None,
         "seconds": sum(each.seconds for each in results),
@@ -202,7 +207,7 @@ def shown(name: str, results: list[Tried]) -> dict[str, Any]:
     share = "" if line["mean share"] is None else f"{100 * line['mean share']:.0f} %"
     more = "" if line["mean deferred"] is None else f"{line['mean deferred']:.1f}"
     cells = [line["found"], line["by explanation"], line["paths"], line["median paths"]]
-    print(row(name, *cells, len(shares), share, more, f"{line['seconds']:.1f}"))
+    print(row(name, *cells, len(shares), line["few cells"], share, more, f"{line['seconds']:.1f}"))
     return line
 
 
@@ -235,7 +240,20 @@ def main() -> None:
         for name, explain in LOOPS.items():
             results[name].append(loop(case, explain))
     print(f"{len(chosen)} tasks whose first path has no motion, at most {MOST_PATHS} paths each")
-    print(row("loop", "found", "explained", "paths", "median", "clauses", "cells", "deferred", "s"))
+    print(
+        row(
+            "loop",
+            "found",
+            "explained",
+            "paths",
+            "median",
+            "clauses",
+            "few",
+            "cells",
+            "deferred",
+            "s",
+        )
+    )
     lines = [shown(name, each) for name, each in results.items()]
     if options.json:
         content = {"tasks": chosen, "loops": lines}

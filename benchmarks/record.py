@@ -121,7 +121,7 @@ BENCHMARKS = {
     ),
     "path_cores": Benchmark(
         "Cores of paths",
-        "Paths that cannot be followed, explained by cores, by an IIS as in SMC-LTL, or not at all.",
+        "Paths that cannot be followed, explained by cores, by an IIS as in SMC-LTL, or not.",
         "benchmarks/path_cores.py",
     ),
     "smt_agreement": Benchmark(
