@@ -343,7 +343,7 @@ def test_a_horizon_of_too_many_steps() -> None:
 def test_a_search_whose_numbers_overflow_knows_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def overflowing(*_: object) -> object:
+    def overflowing(*_: object, **__: object) -> object:
         raise OverflowError("too large")
 
     monkeypatch.setattr("solvers.search.path_search.PathSearch.attempt", overflowing)
