@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from compiler.lemmas.conditioned_derivations import conditioned_derivations
 from compiler.lemmas.embedding import are_variants
 from compiler.lemmas.neutral_productions import NeutralProductions, neutral_productions
@@ -21,15 +19,29 @@ def neutral_in_task(family: RobotFamily, task: ir.Task) -> NeutralProductions:
     """What of a family is neutral for poses in a task.
 
     Nothing where the start pose is given by coordinates, of which a variant has others, or values
-    of the existing robot are kept, which are those of other symbols in a variant.  Nothing is
-    removable where bodies of one robot keep apart: those of one link need not, and a joint less
-    makes two links one.
+    of the existing robot are kept, which are those of other symbols in a variant.
+
+    A variant has to collide with all that the refuted robot collides with.  A shape hides the
+    points and solids of its link, so where bodies bind, none is added; and nothing is removable
+    where there is a shape, for a joint less makes two links one.  Where a robot keeps apart from
+    itself, rods hide them, too, and bodies of one link need not keep apart: then what is added
+    emits nothing, and nothing is removable.
     """
     kept = task.origin is not None and bool(task.origin.fixed)
     if isinstance(task.start, ir.StartAt) or kept:
         return NONE
     found = neutral_productions(family.program, family.grammar)
-    return found if task.avoid_self is None else replace(found, removable=frozenset())
+    productions, blocks = family.grammar.productions, family.grammar.semantics or {}
+    emitted = [blocks[each.label].emissions if each.label in blocks else () for each in productions]
+    if task.avoid_self is not None:
+        silent = frozenset(number for number in found.transparent if not emitted[number])
+        return NeutralProductions(frozenset(), silent)
+    if not task.bounds_body and all(clause.subject == "effector" for clause in task.avoid):
+        return found
+    shaped = {k for k, own in enumerate(emitted) if any(isinstance(e, ir.Shape) for e in own)}
+    return NeutralProductions(
+        frozenset() if shaped else found.removable, found.transparent - shaped
+    )
 
 
 def holds_of_variants(
