@@ -8,7 +8,7 @@ scripts answer is asked a covering by boxes, which sees ways between poses and w
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
@@ -88,11 +88,13 @@ def refute_structure(
     for question in pose_questions(asked.workspace, task):
         refuted = asked.poses(question) or asked.bodies(question)
         if refuted is not None:
-            return refuted
+            return replace(refuted, unanswered=asked.unanswered)
     effector = _recorded(task, asked.witnesses[0])
     found = asked.boxes() or asked.drives()
     if found is not None:
-        return Refutation(found.reason, None, None, asked.calls, found.boxes)
+        return Refutation(
+            found.reason, None, None, asked.calls, found.boxes, unanswered=asked.unanswered
+        )
     if not asked.calls:
         return Refutation("poses were found", None, effector, 0)
     reason = "neither poses nor a refutation were found"

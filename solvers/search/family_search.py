@@ -201,6 +201,9 @@ class FamilySearch:
         screened = ahead.screening(candidate)
         answer = screened.refutation
         self.smt += answer.solver_calls
+        if answer.unanswered:
+            self.unanswered[candidate.number] = answer.unanswered
+            self.context.reporter.note(answer.unanswered)
         if answer.refuted:
             self.record(candidate, "refuted", answer.reason, answer.script, boxes=answer.boxes)
             return
@@ -220,9 +223,6 @@ class FamilySearch:
             robot=key,
             listener=entered,
         )
-        if answer.unanswered:
-            self.unanswered[candidate.number] = answer.unanswered
-            self.context.reporter.note(answer.unanswered)
         effectors = self.effectors(candidate.model, answer)
         self.queue.enter(entered, StructureSearch(given, self.abstraction).states(effectors))
 

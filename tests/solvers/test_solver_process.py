@@ -6,6 +6,7 @@ import os
 import pickle
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -129,7 +130,33 @@ def test_a_command_by_its_path(tmp_path: Path) -> None:
     command.write_text(f"#!{sys.executable}\nimport sys\nsys.stdin.read()\nprint('unsat')\n")
     command.chmod(0o755)
     solver = smt_solver(str(command))
-    assert (solver.name, solver.run(SAT)) == ("mine", Fails(None))
+    assert (solver.name, solver.run(SAT)) == (str(command), Fails(None))
+
+
+def test_a_flood_is_no_answer() -> None:
+    answer = says("[print('unsat' * 1000) for _ in iter(int, 1)]").run(SAT)
+    assert isinstance(answer, Unknown)
+    assert answer.reason is Reason.INCOMPLETE
+    assert len(answer.detail) < 300
+
+
+def test_what_a_command_starts_ends_with_it(tmp_path: Path) -> None:
+    """A wrapper waits for a solver that goes on for ever, and tells its number first."""
+    told = tmp_path / "child"
+    wrapper = (
+        "import subprocess; child = subprocess.Popen([sys.executable, '-c', "
+        f"'import time; time.sleep(600)']); open({str(told)!r}, 'w').write(str(child.pid)); "
+        "child.wait()"
+    )
+    answer = says(wrapper).run(SAT, seconds=2.0)
+    assert isinstance(answer, Unknown)
+    assert answer.reason is Reason.TIME_LIMIT
+    status = Path(f"/proc/{told.read_text()}/stat")
+    for _ in range(50):
+        if not status.exists() or status.read_text().split()[2] == "Z":
+            return
+        time.sleep(0.1)
+    pytest.fail("it lives on")
 
 
 def test_a_solver_that_pysmt_has(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -89,16 +89,50 @@ def test_solvers_that_disagree(
     liar = solver(tmp_path, "liar", "print('sat')")
     out = tmp_path / "out"
     said = disagreeing("synth", spec, "-o", out, "--smt", f"z3,{liar}", "--no-lemmas")
-    assert "z3 says unsat, liar says sat" in said
+    assert f"z3 says unsat, {liar} says sat" in said
     kept = json.loads((out / "proofs" / "disagreement.json").read_text())
-    assert kept == {"answers": {"z3": "unsat", "liar": "sat"}}
+    assert kept == {"answers": {"z3": "unsat", str(liar): "sat"}}
     assert "(check-sat)" in (out / "proofs" / "disagreement.smt2").read_text()
     assert not (out / "certificate.json").exists()
     said = disagreeing("verify", unchecked, "--trust", f"z3,{liar}")
     assert said.startswith("disagreement: ")
-    assert "proofs/0000.smt2: z3 says unsat, liar says sat" in said
+    assert f"proofs/0000.smt2: z3 says unsat, {liar} says sat" in said
     # Alone it is believed, and then the claim is refuted.
     assert srgc("verify", unchecked, "--trust", liar).status == 1
+
+
+def test_a_liar_of_the_same_name(
+    disagreeing: Callable[..., str], tmp_path: Path, unchecked: Path
+) -> None:
+    (tmp_path / "other").mkdir()
+    liar = solver(tmp_path / "other", "z3", "print('sat')")
+    for names in (f"z3,{liar}", f"{liar},z3"):
+        said = disagreeing("verify", unchecked, "--trust", names)
+        assert "z3 says unsat" in said
+        assert f"{liar} says sat" in said
+
+
+def test_a_solver_that_fails_is_named_also_where_coverings_decide(
+    srgc: Srgc, spec: Path, tmp_path: Path
+) -> None:
+    bad = solver(tmp_path, "bad", "sys.exit(3)")
+    ran = srgc("synth", spec, "-o", tmp_path / "out", "--smt", bad, "--no-lemmas")
+    assert f"{bad} ended with status 3" in ran.err
+
+
+@pytest.mark.parametrize("names", ["z3,", ",", ""])
+def test_an_empty_name(srgc: Srgc, unchecked: Path, names: str) -> None:
+    ran = srgc("verify", unchecked, "--trust", names)
+    assert (ran.status, ran.out) == (2, "")
+    assert "is empty" in ran.err
+
+
+def test_a_file_that_is_no_command(srgc: Srgc, spec: Path, tmp_path: Path) -> None:
+    plain = tmp_path / "plain"
+    plain.write_text("unsat")
+    ran = srgc("synth", spec, "-o", tmp_path / "out", "--smt", plain)
+    assert (ran.status, ran.out) == (2, "")
+    assert "is not executable" in ran.err
 
 
 def test_a_lie_that_the_library_sees(
@@ -111,15 +145,16 @@ def test_a_lie_that_the_library_sees(
     liar = solver(tmp_path, "liar", "print('unsat')")
     (tmp_path / "turn.srg").write_text(TURNER, encoding="utf-8")
     said = disagreeing("synth", tmp_path / "turn.srg", "-o", tmp_path / "out", "--smt", liar)
-    assert "liar says unsat, z3 as a library says sat" in said
+    assert f"{liar} says unsat, z3 as a library says sat" in said
 
 
 @pytest.mark.parametrize(
     ("program", "said"),
     [
-        ("sys.exit(3)", "bad ended with status 3"),
-        ("print('unknown')", "bad answers unknown"),
-        ("print('perhaps')", "bad prints what is no answer: perhaps"),
+        ("sys.exit(3)", "ended with status 3"),
+        ("print('unknown')", "answers unknown"),
+        ("print('perhaps')", "prints what is no answer: perhaps"),
+        ("print('\\x1b[31mred\\a')", "prints what is no answer: \ufffd[31mred\ufffd"),
     ],
 )
 def test_a_solver_without_an_answer(
@@ -128,4 +163,4 @@ def test_a_solver_without_an_answer(
     bad = solver(tmp_path, "bad", program)
     ran = srgc("verify", unchecked, "--trust", bad)
     assert ran.status == 4
-    assert ran.out.startswith(f"undecided: the script of structure 0 is not decided: {said}")
+    assert ran.out.startswith(f"undecided: the script of structure 0 is not decided: {bad} {said}")

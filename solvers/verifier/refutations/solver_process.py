@@ -9,7 +9,9 @@ or nothing for too long) is no answer, and is said by the solver's name.
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
@@ -18,8 +20,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
+from typing import IO
 
 from compiler.time_limits.time_limit import check_time
+from grammar_lang.files.file_tree import visible
 from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
 # As much again as the searchers spend, so that what they decided is decided here too.
@@ -30,6 +35,8 @@ PULSE = 0.2
 """Seconds between two looks at a limit of time."""
 SHOWN = 200
 """Characters of what a process says in a message."""
+MOST = 1_000_000
+"""A process that prints more bytes than this is ended."""
 
 # -P keeps the working directory out of the module path.
 _Z3 = """\
@@ -109,25 +116,23 @@ class SmtSolver:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
-                text=True,
-                encoding="utf-8",
-                errors="replace",
+                # A command may start others, which end with it.
+                start_new_session=True,
             )
         except OSError as error:
             return Unknown(Reason.INCOMPLETE, f"{self.name} does not start: {error.strerror}")
+        talk = _Talk(process, script)
         try:
-            ended = _communicate(process, script, limit)
+            ended = talk.ended_within(limit)
         finally:
-            process.kill()
-            process.wait()
-            for pipe in (process.stdin, process.stdout, process.stderr):
-                with suppress(OSError):
-                    if pipe is not None:
-                        pipe.close()
-        if ended is None:
+            talk.close()
+        output, errors = (each.text for each in talk.said)
+        if talk.flooded:
+            return self._no_answer(output or errors)
+        if not ended:
             said = f"{self.name} did not answer within {limit:g} s"
             return Unknown(Reason.TIME_LIMIT, said)
-        return self._answer(process.returncode, *ended)
+        return self._answer(process.returncode, output, errors)
 
     def _answer(self, status: int, output: str, errors: str) -> Answer[None, None]:
         match status, output.strip():
@@ -139,32 +144,88 @@ class SmtSolver:
                 said = f"{self.name} answers unknown"
                 return Unknown(Reason.RESOURCE_LIMIT, said)
             case 0, output:
-                message = " ".join((output or errors).split())[:SHOWN] or "nothing"
-                said = f"{self.name} prints what is no answer: {message}"
-                return Unknown(Reason.INCOMPLETE, said)
+                return self._no_answer(output or errors)
             case code, output:
                 message = next(iter(reversed((errors or output).strip().splitlines())), "")[:SHOWN]
-                said = f"{self.name} ended with status {code}: {message}"
+                said = f"{self.name} ended with status {code}: {visible(message)}"
                 return Unknown(Reason.INCOMPLETE, said)
 
+    def _no_answer(self, printed: str) -> Unknown:
+        """What is printed is no answer."""
+        message = visible(" ".join(printed[: 2 * SHOWN].split())[:SHOWN]) or "nothing"
+        said = f"{self.name} prints what is no answer: {message}"
+        return Unknown(Reason.INCOMPLETE, said)
 
-def _communicate(
-    process: subprocess.Popen[str], script: str, limit: float
-) -> tuple[str, str] | None:
-    """What a process prints and reports; None where it has not ended within so many seconds."""
-    given: str | None = script
-    left = limit
-    while True:
-        try:
-            return process.communicate(given, timeout=min(PULSE, max(left, 0.0)))
-        except subprocess.TimeoutExpired:
-            given = None
+
+class _Printed(Thread):
+    """What comes out of a pipe, up to ``MOST`` bytes."""
+
+    def __init__(self, pipe: IO[bytes]) -> None:
+        super().__init__(daemon=True)
+        self.content = bytearray()
+        self._pipe = pipe
+        self.start()
+
+    def run(self) -> None:
+        """Read to the end, or until there is too much."""
+        with suppress(OSError, ValueError):
+            while len(self.content) <= MOST and (part := os.read(self._pipe.fileno(), 65536)):
+                self.content += part
+
+    @property
+    def text(self) -> str:
+        """As text, without what is too much."""
+        return self.content[:MOST].decode("utf-8", "replace")
+
+
+class _Talk:
+    """A process that is given a script; threads write and read, so that nobody waits for a pipe."""
+
+    def __init__(self, process: subprocess.Popen[bytes], script: str) -> None:
+        self._process = process
+        self.said = tuple(_Printed(pipe) for pipe in (process.stdout, process.stderr) if pipe)
+        self._given = Thread(target=self._give, args=(script.encode(),), daemon=True)
+        self._given.start()
+
+    def _give(self, script: bytes) -> None:
+        pipe = self._process.stdin
+        # It may end without reading all.
+        with suppress(OSError, ValueError):
+            if pipe is not None:
+                pipe.write(script)
+                pipe.close()
+
+    @property
+    def flooded(self) -> bool:
+        """Whether it prints too much."""
+        return any(len(each.content) > MOST for each in self.said)
+
+    def ended_within(self, limit: float) -> bool:
+        """Whether it ended within so many seconds, having printed no more than it may."""
+        left = limit
+        while left > 0 and not self.flooded:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(min(PULSE, left))
+                for each in self.said:
+                    each.join(PULSE)
+                return not self.flooded
             left -= PULSE
             check_time()
-            if left <= 0:
-                return None
-        except BrokenPipeError:  # it has ended without reading all
-            given = None
+        return False
+
+    def close(self) -> None:
+        """End the process, and those that it started."""
+        if hasattr(os, "killpg"):
+            with suppress(OSError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.kill()
+        self._process.wait()
+        for each in (self._given, *self.said):
+            each.join(PULSE)
+        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+            with suppress(OSError, ValueError):
+                if pipe is not None:
+                    pipe.close()
 
 
 # --- Several solvers ------------------------------------------------------------------------------
@@ -276,9 +337,11 @@ def smt_solver(name: str) -> SmtSolver:
         UnknownSolverError: there is none.
     """
     if any(separator in name for separator in ("/", "\\")):
-        if Path(name).is_file():
-            return SmtSolver(Path(name).name, (str(Path(name).resolve()),))
-        raise UnknownSolverError(f"there is no command `{name}`")
+        if not Path(name).is_file():
+            raise UnknownSolverError(f"there is no command `{name}`")
+        if not os.access(name, os.X_OK):
+            raise UnknownSolverError(f"`{name}` cannot be run: it is not executable")
+        return SmtSolver(name, (str(Path(name).resolve()),))
     command = COMMANDS[name]() if name in COMMANDS else None
     if command is not None:
         return SmtSolver(name, command)
@@ -300,4 +363,6 @@ def named_solvers(names: str | None) -> tuple[SmtSolver, ...]:
     if names is None:
         return ()
     each = dict.fromkeys(part.strip() for part in names.split(","))
+    if "" in each:
+        raise UnknownSolverError(f"a name of a solver is empty in `{names}`")
     return tuple(smt_solver(name) for name in each)
