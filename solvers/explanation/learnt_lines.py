@@ -40,10 +40,11 @@ def learnt(posed: PosedTask, claims: Sequence[LemmaClaim]) -> tuple[Learnt, ...]
 
 
 def _lines(posed: PosedTask, claim: LemmaClaim) -> Iterator[TaskLine]:
-    """Who has to be in the region, and the parameters of the modules that are counted."""
+    """What a lemma is about: where poses have to be and to keep clear, what drives, what counts."""
     task, program = posed.task, posed.program
     if isinstance(claim, VariantClaim):
-        yield from (line for line in task_lines(posed) if line.kind in ("start", "reach"))
+        kinds = ("start", "reach", "avoid", "avoid_self", "bounds_body")
+        yield from (line for line in task_lines(posed) if line.kind in kinds)
         return
     if isinstance(claim, WeightsClaim):
         kinds = ("start", "reach", "effort", "joint_effort", "horizon")
