@@ -262,12 +262,22 @@ def synthesis_text(
 
 
 def deferred_text(found: Sequence[CounterExampleRecord]) -> str:
-    """How many paths were not followed, through how few cells that is, and what that deferred."""
-    sizes = sorted({len(each.cells) for each in found})
-    cells = f"{sizes[0]}" if len(sizes) == 1 else f"{sizes[0]} to {sizes[-1]}"
-    length = sum(each.length for each in found) / len(found)
-    deferred = sum(each.deferred for each in found)
-    return (
-        f"{counted(len(found), 'counterexample')} of {cells} cells, on paths of {length:.2g}; "
-        f"{counted(deferred, 'path')} deferred"
+    """How many paths were not followed, through how few cells that is, and what each defers."""
+    cells, length, deferred = (
+        between(values)
+        for values in (
+            [len(each.cells) for each in found],
+            [each.length for each in found],
+            [each.deferred for each in found],
+        )
     )
+    return (
+        f"{counted(len(found), 'counterexample')}, {cells} cells of {length}, "
+        f"{deferred} paths deferred by each"
+    )
+
+
+def between(values: Sequence[int]) -> str:
+    """The least and the greatest of some numbers, one where they are the same."""
+    least, most = min(values), max(values)
+    return f"{least}" if least == most else f"{least} to {most}"
