@@ -6,6 +6,8 @@ which then are no longer blocked: by hand, the sphere of 1 cm on the slide passe
 
 from __future__ import annotations
 
+import random
+
 import pytest
 
 from compiler.lemmas.variants import neutral_in_task
@@ -126,3 +128,42 @@ def test_what_binds_no_body_has_all_variants() -> None:
     assert {labels[number] for number in neutral.removable} == {"slide", "lift", "turn"}
     added = {"post", "mid", "mast", "pad", "cap", "plate"}
     assert {labels[number] for number in neutral.transparent} == added
+
+
+PARTS = ("Post", "Mid", "Pad", "Cap", "Plate", "JO", "SY")
+CLAUSES = (
+    "avoid O with body",
+    "bounds with body",
+    "avoid self with body margin 30 cm",
+    "avoid O with effector",
+)
+
+
+def random_text(seed: int) -> str:
+    """A mast and other parts in some order, which may be there or not; one demand on bodies."""
+    rng = random.Random(seed)
+    chosen = ["eps Mast", *(f"(eps {part})?" for part in rng.sample(PARTS, 3))]
+    rng.shuffle(chosen)
+    found = MASTS.replace("WORDS", f"B eps Post eps SX {' '.join(chosen)} eps EN")
+    found = found.replace("CLAUSE", rng.choice(CLAUSES))
+    found = found.replace("HIDES", rng.choice((SPHERE, ROD)))
+    height = "0.9" if "bounds with body" in found else "2"
+    post = found.replace("move((2, 1) m)", "move((2, 0.7) m)") if height == "0.9" else found
+    return post.replace("HEIGHT", height).replace("0.85]", "1.2]")
+
+
+@pytest.mark.parametrize(
+    "seed", [pytest.param(n, marks=() if n < 8 else pytest.mark.slow) for n in range(120)]
+)
+def test_lemmas_contradict_no_search(seed: int) -> None:
+    """What is *impossible* with lemmas is not *found* without, nor the other way round."""
+    text = random_text(seed)
+    program = load_text(text, "masts.srg").program
+    if program is None:  # A demand on what is not there.
+        pytest.skip("no task")
+    task = program.tasks["Go"]
+    one_by_one, learnt = (
+        synthesise(program, task, RunContext(paths=1, evaluations=2, lemmas=lemmas)).verdict
+        for lemmas in (False, True)
+    )
+    assert {one_by_one, learnt} != {"found", "impossible"}
