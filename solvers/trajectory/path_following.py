@@ -325,7 +325,7 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
-        """Control synthesis of a problem of this path; the arguments are those of ``released``."""
+        """Control synthesis of a problem of this path; ``box`` are bounds (p,), or None."""
         if self.loop is not None:
             # As many turns as the seed makes.
             turned = np.zeros(self.numeric.size)
