@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import NoReturn
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -323,6 +324,6 @@ def _model(candidate: Candidate) -> RobotModel:
     return candidate.model
 
 
-def _lost(derivation: Derivation) -> str:
+def _lost(derivation: Derivation) -> NoReturn:
     word = " ".join(derivation.word)
     raise NoBoundError(f"what refutes {word} at one share does not at a larger one")

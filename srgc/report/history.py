@@ -149,12 +149,12 @@ def _counterexamples(evidence: Evidence) -> str:
     return (
         f'<h3>Counterexamples</h3><details data-counterexamples="{len(found)}">'
         f"<summary>{many(len(found), 'cell path')} that {robots} could not follow</summary>"
-        "<p>Through the cells that are named, of all those of the path, no motion was found, in "
-        "their order where there are arrows; without any, none was found whatever the cells. Paths "
-        "through the same cells were deferred: they come after all others. So many have at most "
-        "two cells more than this one. They steer the search and prove nothing.</p>"
+        "<p>No motion was found that visits the cells named here, in this order where arrows join "
+        "them; where none is named, none was found whatever the cells. Paths through the same "
+        "cells were deferred until after all others; counted are those with at most two cells "
+        "more. This steers the search and proves nothing.</p>"
         '<div class="scroll"><table><thead><tr><th class="figure">structure</th><th>word</th>'
-        '<th>cells</th><th class="figure">of the path</th><th class="figure">deferred</th>'
+        '<th>cells</th><th class="figure">cells on the path</th><th class="figure">deferred</th>'
         '<th class="figure">gets stuck by</th><th class="figure">robustness</th>'
         f"</tr></thead><tbody>{rows}</tbody></table></div>{rest}</details>"
     )

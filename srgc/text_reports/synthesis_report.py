@@ -250,7 +250,7 @@ def synthesis_text(
         + (f", {counted(len(result.lemmas), 'lemma')}" if result.lemmas else "")
     )
     if result.counterexamples:
-        lines.append(f"paths:   {deferred_text(result.counterexamples)}")
+        lines.append(f"paths:   {counterexamples_text(result.counterexamples)}")
     if table:
         lines.append(f"designs: {len(result.designs)}\n{table}")
     lines.append(f"results: {folder}")
@@ -261,7 +261,7 @@ def synthesis_text(
     return "\n".join(lines)
 
 
-def deferred_text(found: Sequence[CounterExampleRecord]) -> str:
+def counterexamples_text(found: Sequence[CounterExampleRecord]) -> str:
     """How many paths were not followed, through how few cells that is, and what each defers."""
     cells, length, deferred = (
         between(values)

@@ -24,7 +24,7 @@ def test_they_are_cells_of_paths_that_fail(weak: Made) -> None:
         assert one["time"] is None or 0 < one["time"] <= end
         assert design["structures_tried"][one["structure"]]["same_robot_as"] is None
     assert design["iterations"]["paths"] >= len(found)
-    assert "of the path</th>" in page.source
+    assert "cells on the path</th>" in page.source
 
 
 def test_what_fails_without_cells_is_said_once(weak: Made) -> None:
