@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from compiler.lemmas.variants import is_about_poses
+from compiler.objectives.least_values import Amount, amounts
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
@@ -27,6 +28,7 @@ from solvers.impossibility.drive_search import AFTER_MOTIONS, DriveEffort
 from solvers.impossibility.structure_refutation import Refutation
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
+from solvers.search.design_values import design_values, limits_of
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.prefetch import Prefetch
@@ -87,15 +89,38 @@ class FamilySearch:
     unanswered: dict[int, str] = field(default_factory=dict[int, str])
     """By the number of a structure which solver has not answered, and why."""
     lemmas: list[Lemma] = field(default_factory=list[Lemma])
+    amounts: tuple[Amount, ...] = field(init=False)
+    """What is to be least."""
+    valued: dict[int, tuple[Design, tuple[Fraction, ...]]] = field(
+        default_factory=dict[int, tuple[Design, tuple[Fraction, ...]]]
+    )
+    """By the number of a structure its design and what that is worth."""
 
     def __post_init__(self) -> None:
         self.every |= self.gap is not None
         self.queue, self.whole = SearchQueue(self.every), self.family
+        self.amounts = amounts(self.program, self.task)
 
     def structures(self) -> None:
         """Let structures have their turns until one is proved, unless all are due."""
         left = StructuresLeft(self.program, self.task, self.context, self.family, self.lemmas)
-        while left.following is not None or self.queue.under_way:
+        for _ in self.turns(left):
+            if self.designs and (not self.every or self.is_closed()):
+                return
+        if self.designs and self.bound is not None and not self.is_closed():
+            self.seek_bound(FINER)
+
+    def turns(
+        self, left: StructuresLeft, prepare: Callable[[], None] = lambda: None
+    ) -> Iterator[None]:
+        """Let structures have their turns; after each one that is searched to its end, go on.
+
+        ``prepare`` is called before each turn.
+        """
+        while True:
+            prepare()
+            if left.following is None and not self.queue.under_way:
+                return
             self.context.check_time()
             if left.following is not None and self.may_enter():
                 if self.at_limit():
@@ -112,10 +137,7 @@ class FamilySearch:
             if structure.state.is_over:
                 self.leave(structure)
                 self.learn(left, structure.candidate)
-                if self.designs and (not self.every or self.is_closed()):
-                    return
-        if self.designs and self.bound is not None and not self.is_closed():
-            self.seek_bound(FINER)
+                yield
 
     # --- how much more robust a design may be ---------------------------------------------------
 
@@ -194,6 +216,10 @@ class FamilySearch:
             self.record(candidate, "inadmissible", candidate.fault)
             return
         key = robot_key_in_task(candidate.model, self.task)
+        if self.amounts:
+            # One robot may be had at several prices.
+            word = candidate.derivation.word
+            key += f"|{[str(amount.of_word(word)) for amount in self.amounts]}"
         if key in self.seen:
             self.record(candidate, "same", "", same=self.seen[key])
             return
@@ -220,7 +246,7 @@ class FamilySearch:
             derivation=candidate.derivation,
             numeric=ahead.numeric(candidate),
             number=candidate.number,
-            robot=key,
+            robot=robot_key_in_task(candidate.model, self.task),
             listener=entered,
         )
         effectors = self.effectors(candidate.model, answer)
@@ -277,19 +303,42 @@ class FamilySearch:
     @property
     def all_searched(self) -> list[StructureUnderWay]:
         """The structures that were searched, or are, in their order."""
-        return sorted([*self.searched, *self.queue.under_way], key=lambda each: each.number)
+        known = [*self.searched, *self.queue.under_way, *self.queue.parked]
+        return sorted(known, key=lambda each: each.number)
 
     @property
-    def designs(self) -> tuple[Proved, ...]:
-        """The designs of all structures, in their order; with a gap the most robust one alone."""
-        found = tuple(
+    def every_design(self) -> tuple[Proved, ...]:
+        """The designs of all structures, in their order."""
+        return tuple(
             Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **spent(each)})
             for each in self.all_searched
             if each.incumbent is not None
         )
-        if self.gap is None or not found:
+
+    @property
+    def designs(self) -> tuple[Proved, ...]:
+        """The same, the best one first by what is to be least; that alone unless all are asked for.
+
+        With a gap the most robust one alone.
+        """
+        found = self.every_design
+        if self.gap is not None and found:
+            best = max(found, key=lambda each: robustness_share(each.design, self.task) or 0.0)
+            return (best,)
+        _, first = limits_of([self.values(each) for each in found], self.amounts)
+        if first is None or not self.amounts:
             return found
-        return (max(found, key=lambda proved: robustness_share(proved.design, self.task) or 0.0),)
+        others = (each for number, each in enumerate(found) if number != first)
+        return (found[first], *others) if self.every else (found[first],)
+
+    def values(self, proved: Proved) -> tuple[Fraction, ...]:
+        """What a design is worth in what is to be least."""
+        design = proved.design
+        known = self.valued.get(proved.number)
+        if known is None or known[0] is not design:
+            known = design, design_values(design, self.amounts, self.task)
+            self.valued[proved.number] = known
+        return known[1]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -306,7 +355,7 @@ class FamilySearch:
         ``why`` says what ended the search of those that are under way.
         """
         found = dict(self.records)
-        for each in self.queue.under_way:
+        for each in (*self.queue.under_way, *self.queue.parked):
             if each.incumbent is not None:
                 found[each.number] = record_of(each.candidate, "found", "proved")
                 continue

@@ -95,6 +95,8 @@ class SearchQueue:
     entered: int = 0
     """How many structures have been searched."""
     under_way: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
+    parked: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
+    """Those that have no turns for now."""
     current: StructureUnderWay | None = None
     """The one that had the last turn."""
 
@@ -127,3 +129,9 @@ class SearchQueue:
     def leave(self, structure: StructureUnderWay) -> None:
         """A structure has no turn any more."""
         self.under_way.remove(structure)
+
+    def give_turns(self, due: Callable[[StructureUnderWay], bool]) -> None:
+        """Only those structures have turns from now on that are due."""
+        unfinished = sorted([*self.under_way, *self.parked], key=lambda each: each.place)
+        self.under_way = [each for each in unfinished if due(each)]
+        self.parked = [each for each in unfinished if not due(each)]

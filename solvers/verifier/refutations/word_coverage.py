@@ -8,8 +8,9 @@ demand, not minimal automata; one table of what each nonterminal derives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TypeAlias, assert_never
 
 from compiler.time_limits.time_limit import check_time
@@ -215,6 +216,23 @@ def within(modules: Iterable[str], bound: int) -> Reader:
     """The reader of the words with at most so many modules."""
     counted = frozenset(modules)
     return _counting(counted.__contains__, "<=", bound)
+
+
+def weighing(weights: Mapping[str, Fraction], bound: Fraction, *, strict: bool) -> Reader:
+    """The reader of the words whose symbols weigh at most ``bound`` together; ``strict``: less.
+
+    A state is the weight of what was read, None once it is too much; none is negative.
+    """
+
+    def kept(weight: Fraction) -> Fraction | None:
+        return weight if weight < bound or (weight == bound and not strict) else None
+
+    def step(state: State, symbol: str) -> State:
+        if not isinstance(state, Fraction):
+            return None
+        return kept(state + weights.get(symbol, Fraction(0)))
+
+    return Reader(kept(Fraction(0)), step, lambda state: state is not None)
 
 
 def word_left(grammar: ir.Grammar, asked: Sequence[Reader], covered: Sequence[Reader]) -> bool:

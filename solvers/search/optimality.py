@@ -1,0 +1,227 @@
+"""What is proved of the least of each objective, and what that rests on.
+
+No robot has less than so much, as far as all structures that may have less are refuted.  A refuted
+structure counts if a covering shows it; a script that a solver has answered does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from compiler.objectives.least_values import Amount
+from compiler.objectives.ordered_structures import Limit, structures_by, words_below
+from compiler.robots.candidate import Candidate
+from compiler.robots.normal_form import RobotFamily
+from grammar_lang import ir
+from solvers.conclusion import StructureRecord, with_lemmas
+from solvers.impossibility.box_evidence import covered
+from solvers.lemma import Lemma, VariantLemma
+from solvers.run_context import RunContext
+from solvers.search.least_search import searched_modules
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectiveResult:
+    """What the design has of an objective, and the least that is proved of all robots.
+
+    ``value`` and ``least`` are in SI units: no robot that has of the objectives before what these
+    leave has less than ``least``.  So many robots that may have less than ``value`` are
+    ``undecided``; where not all of them were looked at, there may be ``more``.
+    """
+
+    amount: Amount
+    value: Fraction
+    least: Fraction
+    undecided: int
+    more: bool
+
+    @property
+    def is_least(self) -> bool:
+        """Whether no robot has less."""
+        return self.least >= self.value
+
+
+@dataclass(frozen=True, slots=True)
+class Optimality:
+    """The objectives of a design, and the evidence for the least of each.
+
+    ``modules`` is the bound on modules that they are about, None without one.  ``records`` are the
+    structures that may have less, all with coverings, and those whose variants the ``lemmas`` are
+    about; ``dearer`` are words of which each robot has as much.
+    """
+
+    objectives: tuple[ObjectiveResult, ...]
+    modules: int | None
+    records: tuple[StructureRecord, ...]
+    dearer: tuple[tuple[str, ...], ...]
+    lemmas: tuple[Lemma, ...]
+
+
+def optimality(
+    family: RobotFamily,
+    task: ir.Task,
+    amounts: Sequence[Amount],
+    values: Sequence[Fraction],
+    known: Sequence[StructureRecord],
+    lemmas: Sequence[Lemma],
+    context: RunContext,
+) -> Optimality:
+    """What is proved of the least of each objective.
+
+    Args:
+        family: the whole family of the task, without maps.
+        task: the task, without maps.
+        amounts: its objectives.
+        values: what the design has of each.
+        known: what became of the structures that were tried.
+        lemmas: those of the search.
+        context: how to search for coverings.
+
+    Raises:
+        OutOfTimeError: there was no time for the coverings.
+    """
+    limits = tuple(map(Limit, amounts, values))
+    due = {
+        number
+        for number, record in enumerate(known)
+        if any(_may_be_less(record, limits[: k + 1]) for k in range(len(limits)))
+    }
+    labels = {lemma.labels for lemma in lemmas if isinstance(lemma, VariantLemma)}
+    due |= {number for number, record in enumerate(known) if record.derivation in labels}
+    due |= {same for n in due if (same := known[n].same_robot_as) is not None}
+    records, late = covered(known, family, task, context, due)
+    if late is not None:
+        raise late
+    return _Judgement(family, task, limits, records, lemmas).result()
+
+
+def _may_be_less(record: StructureRecord, limits: Sequence[Limit]) -> bool:
+    """Whether a structure may be within all limits and below the last one, by its word."""
+    *before, last = limits
+    word = record.word
+    within = all(limit.amount.of_word(word) <= limit.most for limit in before)
+    return within and last.amount.of_word(word) < last.least
+
+
+@dataclass(slots=True)
+class _Judgement:
+    """What the structures that may have less come to."""
+
+    family: RobotFamily
+    task: ir.Task
+    limits: tuple[Limit, ...]
+    known: Sequence[StructureRecord]
+    lemmas: Sequence[Lemma]
+    modules: int | None = field(init=False)
+    records: dict[tuple[str, ...], StructureRecord] = field(init=False)
+    left: RobotFamily = field(init=False)
+    """The robots that no lemma with a covering is about."""
+
+    def __post_init__(self) -> None:
+        self.records = {record.derivation: record for record in self.known}
+        amounts = tuple(limit.amount for limit in self.limits)
+        self.modules = searched_modules(self.family, self.task, amounts)
+        self.lemmas = [lemma for lemma in self.lemmas if self._has_covering(lemma)]
+        conditions = tuple(lemma.condition for lemma in self.lemmas)
+        self.left = self.family
+        if conditions:
+            self.left = self.family.with_condition(ir.NotAccept(ir.AnyOf(conditions)))
+
+    def _has_covering(self, lemma: Lemma) -> bool:
+        """Whether no solver has to be believed for a lemma."""
+        if not isinstance(lemma, VariantLemma):
+            return True
+        record = self.records.get(lemma.labels)
+        return record is not None and record.boxes is not None
+
+    def result(self) -> Optimality:
+        """The least of each objective, with what it rests on."""
+        results = [self._objective(k) for k in range(len(self.limits))]
+        used = _Used()
+        dearer: dict[tuple[str, ...], None] = {}
+        for k, result in enumerate(results):
+            if not result.least > 0:
+                continue
+            for candidate in self._below(k, result.least):
+                used.add(*self._refuted(candidate))
+            words = words_below(
+                self.limits[k].amount, self.left, self.modules, self.limits[:k], result.least
+            )
+            dearer |= dict.fromkeys(words)
+        for lemma in self.lemmas:
+            if isinstance(lemma, VariantLemma):
+                used.add(self.records[lemma.labels], self.records[lemma.labels])
+        listed = {record.word for record in used.records}
+        return Optimality(
+            tuple(results),
+            self.modules,
+            with_lemmas(used.records, self.lemmas),
+            tuple(word for word in dearer if word not in listed),
+            tuple(self.lemmas),
+        )
+
+    def _below(self, place: int, bound: Fraction) -> Sequence[Candidate]:
+        """The structures that may have less than so much of an objective, in order."""
+        amount, found = self.limits[place].amount, list[Candidate]()
+        every = structures_by(
+            amount, self.left, self.modules, self.limits[:place], self.task.origin
+        )
+        for candidate in every:
+            if amount.of_robot(candidate.derivation.word, candidate.model) >= bound:
+                break
+            found.append(candidate)
+            if candidate.derivation.labels not in self.records:
+                break
+        return found
+
+    def _objective(self, place: int) -> ObjectiveResult:
+        limit = self.limits[place]
+        if not limit.amount.is_ordering:
+            return ObjectiveResult(limit.amount, limit.least, Fraction(0), 0, more=False)
+        least, undecided, more = limit.least, 0, False
+        for candidate in self._below(place, limit.least):
+            record = self.records.get(candidate.derivation.labels)
+            if record is not None and self._refuted(candidate)[1] is not None:
+                continue
+            own = limit.amount.of_robot(candidate.derivation.word, candidate.model)
+            least, more = min(least, own), more or record is None
+            if record is not None and record.verdict not in ("found", "same"):
+                undecided += 1
+        return ObjectiveResult(limit.amount, limit.least, least, undecided, more)
+
+    def _refuted(
+        self, candidate: Candidate
+    ) -> tuple[StructureRecord | None, StructureRecord | None]:
+        """The record of a structure, and that of its robot if a covering refutes it."""
+        record = self.records.get(candidate.derivation.labels)
+        if record is None:
+            return None, None
+        first = record if record.same_robot_as is None else self.known[record.same_robot_as]
+        if first.verdict != "refuted" or first.boxes is None:
+            return record, None
+        return record, first
+
+
+@dataclass(slots=True)
+class _Used:
+    """Structures with coverings, each once; what is the same robot as others is numbered here."""
+
+    records: list[StructureRecord] = field(default_factory=list[StructureRecord])
+    places: dict[tuple[str, ...], int] = field(default_factory=dict[tuple[str, ...], int])
+    robots: dict[tuple[str, ...], int] = field(default_factory=dict[tuple[str, ...], int])
+
+    def add(self, record: StructureRecord | None, first: StructureRecord | None) -> None:
+        """A structure; ``first`` is the record with the evidence about its robot."""
+        if record is None or first is None or record.derivation in self.places:
+            return
+        place = self.places[record.derivation] = len(self.records)
+        same = self.robots.setdefault(first.derivation, place)
+        self.records.append(
+            replace(
+                first, word=record.word, derivation=record.derivation, script=None, lemma=None,
+                boxes=first.boxes if same == place else None,
+                same_robot_as=None if same == place else same,
+            )  # fmt: skip
+        )
