@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 from grammar_lang.ir.expressions import NOWHERE, Expr
 from grammar_lang.ir.family import DofKind
 from grammar_lang.ir.formula import And, Atom, Eventually, Formula, Pose, Window
+from grammar_lang.ir.objective import Objective
 from grammar_lang.source import Span, node
 
 
@@ -325,10 +326,11 @@ class Task:
 
     ``reach`` is None only where ``satisfy`` holds a formula.  ``clauses`` are the places of those
     clauses that are plain values here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``,
-    ``control``, ``repeat``.
+    ``control``, ``repeat``, ``minimize``.
 
     With ``repeat`` the motion goes on for ever: ``steps`` bounds a prefix and one loop together.
     ``control`` says whether the inputs are a fixed list or follow what is measured; None: either.
+    Of the objectives in ``minimize``, each counts among what is left by those before it.
     """
 
     name: str
@@ -354,6 +356,7 @@ class Task:
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
     payloads: tuple[Payload, ...] = ()
     carries: tuple[Carry, ...] = ()
+    minimize: tuple[Objective, ...] = ()
 
     @property
     def demanded(self) -> tuple[Satisfy, ...]:

@@ -60,6 +60,13 @@ def excepted_modules(item: t.TaskItem) -> Iterator[s.Ident]:
         yield from pair
 
 
+def summed_attributes(item: t.TaskItem) -> Iterator[s.Ident]:
+    """The attributes of modules that objectives add up."""
+    for objective in item.objectives if isinstance(item, t.Minimize) else ():
+        if objective.attribute is not None:
+            yield objective.attribute
+
+
 def _atoms(formula: f.Formula) -> Iterator[s.Ident]:
     match formula:
         case f.Atom(region=region):

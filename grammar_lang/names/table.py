@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import field
 from functools import cached_property
 
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.names.clause_names import summed_attributes
 from grammar_lang.names.declarations import Declarations, Entity, Kind, Occurrences, members, named
 from grammar_lang.source import Span, node
 from grammar_lang.syntax import Ident
+from grammar_lang.syntax import tasks as t
 
 # --- The names of a specification: every place that mentions an entity ----------------------------
 #
@@ -154,26 +156,37 @@ def _check_attributes(names: NameTable, sink: Sink) -> None:
 
 def _described(names: NameTable) -> Iterator[str]:
     """The modules in the productions to which a semantics or their ports give a meaning."""
-    for grammar in names.declared.grammars.values():
-        if grammar.from_ports:
-            yield from _listed(grammar)
-    for semantics in names.declared.semantics.values():
-        grammar = names.declared.grammars[semantics.grammar.text]
-        for item in grammar.items:
-            if isinstance(item, s.Production):
-                yield from (each.symbol.text for each in item.right)
+    for name, grammar in names.declared.grammars.items():
+        if grammar.from_ports or name in names.declared.semantics:
+            yield from _symbols(grammar)
 
 
-def _listed(grammar: s.Grammar) -> Iterator[str]:
-    """The modules of a grammar from ports."""
+def _symbols(grammar: s.Grammar) -> Iterator[str]:
+    """What stands on right sides; of a grammar from ports, its modules."""
     for item in grammar.items:
         match item:
-            case s.StartSymbol(name=name):
+            case s.Production(right=right):
+                yield from (each.symbol.text for each in right)
+            case s.StartSymbol(name=name) if grammar.from_ports:
                 yield name.text
             case s.Listed(names=modules):
                 yield from (name.text for name in modules)
             case _:
                 pass
+
+
+def _summed_up(names: NameTable) -> set[Entity]:
+    """The members of modules that objectives of tasks add up."""
+    declared, found = names.declared, set[Entity]()
+    for task in declared.tasks.values():
+        robots = {item.name.text for item in task.items if isinstance(item, t.Robot)}
+        summed = {name.text for item in task.items for name in summed_attributes(item)}
+        grammars = (declared.grammars[name] for name in robots & declared.grammars.keys())
+        for module in {symbol for grammar in grammars for symbol in _symbols(grammar)}:
+            if summed and module in declared.modules:
+                known = members(declared.modules[module])
+                found.update(known[name] for name in summed & known.keys())
+    return found
 
 
 def _made_of(names: NameTable, members: Iterable[Entity]) -> dict[Entity, set[Entity]]:
@@ -204,14 +217,14 @@ def _used_in(kind: Kind, entity: Entity, names: NameTable) -> bool:
     return any(user is not None and user.kind == kind for user in users)
 
 
-def _check_module(module: str, names: NameTable, sink: Sink) -> None:
-    """Warn of what neither the semantics nor a degree of freedom depends on."""
+def _check_module(module: str, summed: Set[Entity], names: NameTable, sink: Sink) -> None:
+    """Warn of what neither the semantics nor a degree of freedom or an objective depends on."""
     owns = s.owns_body(names.declared.modules[module])
     made = _made_of(names, members(names.declared.modules[module]).values())
     users: tuple[Kind, ...] = ("production", "module")
     read = (m for m in made if any(_used_in(kind, m, names) for kind in users))
     moving = (m for m in made if m.kind == "degree of freedom")
-    live = _live(made, [*read, *moving])
+    live = _live(made, [*read, *moving, *(m for m in made if m in summed)])
     for member in made:
         if member in live:
             continue
@@ -255,8 +268,9 @@ def report_unused(names: NameTable, sink: Sink) -> None:
     if sink.has_errors:
         return
     _check_attributes(names, sink)
+    summed = _summed_up(names)
     for module in dict.fromkeys(_described(names)):
         if module in names.declared.modules:
-            _check_module(module, names, sink)
+            _check_module(module, summed, names, sink)
     if names.declared.tasks:
         _check_tasks(names, sink)

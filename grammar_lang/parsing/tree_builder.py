@@ -218,6 +218,8 @@ _TASKS: dict[str, Builder] = {
     "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span=span),
     "payload": lambda c, span: t.Payload(c[0], c[1], span),
     "carry": _carry,
+    "minimize": lambda c, span: t.Minimize(tuple(c), span),
+    "objective": lambda c, span: t.Objective(_ident(c[0]), _optional(c[1]), c[2], span),
     "robust_payload": lambda c, span: t.RobustPercent("payload", c[0], span=span),
     "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], _optional(c[1]), span),
     "item": lambda c, _: c[0],
