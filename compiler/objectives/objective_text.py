@@ -9,7 +9,7 @@ from grammar_lang import ir
 
 LONGEST = 12
 """Numbers with more digits are rounded where people read them."""
-UNITS = {"modules": "", "mass": "kg", "effort": "%"}
+UNITS = {"modules": "", "mass": "kg", "effort": ""}
 
 
 def objective_text(objective: ir.Objective) -> str:
@@ -23,14 +23,15 @@ def objective_name(objective: ir.Objective) -> str:
 
 
 def objective_unit(objective: ir.Objective) -> str:
-    """The unit of its values; "" for none."""
+    """The SI unit of its values; "" for none."""
     return objective.unit if objective.kind == "sum" else UNITS[objective.kind]
 
 
 def amount_text(objective: ir.Objective, value: Fraction) -> str:
     """An objective with its value, as "price 120" or "mass 2.31 kg"."""
-    unit = objective_unit(objective)
-    shown = 100 * value if objective.kind == "effort" else value
+    is_share = objective.kind == "effort"
+    unit = "%" if is_share else objective_unit(objective)
+    shown = 100 * value if is_share else value
     exact = exact_text(shown)
     number = exact if len(exact) <= LONGEST else f"{float(shown):.6g}"
     return f"{objective_name(objective)} {number}{' ' if unit else ''}{unit}"

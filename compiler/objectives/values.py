@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from compiler.expressions.exact_numbers import Bounds, rational_bounds
+from compiler.expressions.exact_numbers import Bounds, rational_bounds, shortest_decimal
 from compiler.objectives.least_values import Amount, mass_bounds
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
@@ -32,7 +32,7 @@ def value_bounds(
     """
     match amount.objective.kind:
         case "effort":
-            used = Fraction(0) if share is None else 1 - Fraction(share)
+            used = Fraction(0) if share is None else 1 - shortest_decimal(share)
             return used, used
         case "mass":
             return mass_bounds(model, [value.ball for value in parameters])

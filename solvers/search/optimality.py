@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from compiler.objectives.least_values import Amount
+from compiler.objectives.objective_text import amount_text
 from compiler.objectives.ordered_structures import Limit, structures_by, words_below
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
@@ -41,6 +42,34 @@ class ObjectiveResult:
     def is_least(self) -> bool:
         """Whether no robot has less."""
         return self.least >= self.value
+
+    @property
+    def gap(self) -> Fraction | None:
+        """By which part of the least that is proved the value is above it; None where that is 0."""
+        return self.value / self.least - 1 if self.least > 0 else None
+
+    @property
+    def text(self) -> str:
+        """What is known of it, in words."""
+        stated = amount_text(self.amount.objective, self.value)
+        if not self.amount.is_ordering:
+            return stated
+        if self.is_least:
+            return f"least {stated}"
+        if self.undecided or self.more:
+            robots = "a robot that was not tried does it"
+            if self.undecided:
+                which = "the undecided robot" if self.undecided == 1 else (
+                    f"one of {self.undecided} undecided robots"
+                )
+                robots = f"{which}, or one that was not tried, does it" if self.more else (
+                    f"{which} does it"
+                )
+            return f"least {stated}, unless {robots} for less"
+        if self.gap is None:
+            return stated
+        least = amount_text(self.amount.objective, self.least)
+        return f"{stated}; no robot has less than {least} (gap {float(100 * self.gap):.2g} %)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +126,13 @@ def optimality(
     return _Judgement(family, task, limits, records, lemmas).result()
 
 
+def stated(amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
+    """The objectives of a design of which nothing is proved but what it has."""
+    pairs = zip(amounts, values, strict=True)
+    found = tuple(ObjectiveResult(*pair, Fraction(0), 0, more=True) for pair in pairs)
+    return Optimality(found, None, (), (), ())
+
+
 def _may_be_less(record: StructureRecord, limits: Sequence[Limit]) -> bool:
     """Whether a structure may be within all limits and below the last one, by its word."""
     *before, last = limits
@@ -137,7 +173,7 @@ class _Judgement:
         return record is not None and record.boxes is not None
 
     def result(self) -> Optimality:
-        """The least of each objective, with what it rests on."""
+        """What is proved of each objective, and what that rests on."""
         results = [self._objective(k) for k in range(len(self.limits))]
         used = _Used()
         dearer: dict[tuple[str, ...], None] = {}

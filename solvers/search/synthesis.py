@@ -10,7 +10,7 @@ by a covering that the verifier's own replay accepts, or by both.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from compiler.robots.normal_form import family_of
@@ -26,6 +26,8 @@ from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
+from solvers.search.least_search import LeastSearch
+from solvers.search.optimality import Optimality, optimality, stated
 from solvers.search.path_task import Design
 from solvers.search.robustness_bound import RobustnessBound
 from solvers.search.search_queue import StructureUnderWay
@@ -50,7 +52,8 @@ class Synthesis:
     a design without being proved.  ``unfinished``: the time limit was reached, and another run can
     go on; ``last_step`` is what then took so long, if that could not be interrupted.  ``lemmas``
     are about structures that were not tried, too.  ``bound`` is on the robustness of all designs,
-    where one was asked for and proved; ``unbounded`` says why none was.
+    where one was asked for and proved; ``unbounded`` says why none was.  ``optimality`` is what the
+    design has of the task's objectives.
     """
 
     verdict: Verdict
@@ -70,6 +73,7 @@ class Synthesis:
     lemmas: tuple[Lemma, ...] = ()
     bound: RobustnessBound | None = None
     unbounded: str | None = None
+    optimality: Optimality | None = None
 
 
 def synthesise(
@@ -115,10 +119,13 @@ def synthesise(
 
     run = FamilySearch(program, task, context, family, finer, every, better, gap)
     try:
-        run.structures()
+        if run.amounts:
+            LeastSearch(run, run.amounts).search()
+        else:
+            run.structures()
         if run.designs:
             check_time()
-            return _result(run, "found", None, cells)
+            return replace(_result(run, "found", None, cells), optimality=_optimality(run))
         records: Sequence[StructureRecord] = run.all_records(PUT_OFF)
         verdict, reason = conclude(records, run.family, task, run.stopped)
     except OutOfTimeError as late:
@@ -130,6 +137,16 @@ def synthesise(
     if uncovered is not None:
         reason = f"{reason}; {NOT_COVERED}"
     return _result(run, verdict, reason, cells, uncovered, records)
+
+
+def _optimality(run: FamilySearch) -> Optimality | None:
+    """What is proved of the objectives of the best design."""
+    if not run.amounts:
+        return None
+    values, records = run.values(run.designs[0]), run.all_records(PUT_OFF)
+    return optimality(
+        run.whole, run.task, run.amounts, values, records, run.lemmas, run.context
+    )
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:
@@ -178,6 +195,7 @@ def _result(
         lemmas=tuple(run.lemmas),
         bound=run.bound if designs else None,
         unbounded=_unbounded(run, late) if designs else None,
+        optimality=stated(run.amounts, run.values(designs[0])) if designs and run.amounts else None,
     )
 
 

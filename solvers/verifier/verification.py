@@ -38,7 +38,7 @@ from solvers.verifier.claims.claimed_inputs import (
 )
 from solvers.verifier.claims.further_claims import exact_law, exact_loop, unknown_claims
 from solvers.verifier.claims.spec_copy import ClaimedTask, claimed_task, read_claim
-from solvers.verifier.proofs.checked_condition import decisive
+from solvers.verifier.proofs.checked_condition import CheckedCondition, decisive
 from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.loop_set import Loop
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
@@ -344,11 +344,9 @@ def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch)
     claim, program, task, cells = claimed.claim, claimed.program, claimed.task, claimed.cells
     if isinstance(claim, FoundClaim):
         model, report = check_found(claim, program, task, cells, watch)
-        if claim.bound is not None and report.outcome is Outcome.VALID:
-            from solvers.verifier.refutations.bound_check import bound_condition
-
-            bound = bound_condition(folder, claim, claim.bound, program, task, watch)
-            report = replace(report, conditions=(*report.conditions, bound))
+        if report.outcome is Outcome.VALID:
+            further = _of_all_robots(folder, claim, program, task, model, report, watch)
+            report = replace(report, conditions=(*report.conditions, *further))
     else:
         model, report = None, _impossible(folder, claim, program, task, trust, watch)
     if report.outcome is not Outcome.REFUTED:
@@ -361,6 +359,25 @@ def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch)
         if reason is not None:
             raise Refused(reason)
     return report
+
+
+def _of_all_robots(
+    folder: Path,
+    claim: FoundClaim,
+    program: ir.Program,
+    task: ir.Task,
+    model: RobotModel | None,
+    report: Report,
+    watch: Watch,
+) -> tuple[CheckedCondition, ...]:
+    """What a claim of a robot, which is valid, says besides of all others."""
+    if model is None or (claim.bound is None and claim.objectives is None):
+        return ()
+    # Not for others, whose check should not wait for it.
+    from solvers.verifier.refutations.further_check import further_conditions
+
+    margins = claimed_margins(claim, model, task, report.conditions)
+    return further_conditions(folder, claim, program, task, model, margins, watch)
 
 
 def _impossible(

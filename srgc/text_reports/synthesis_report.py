@@ -222,6 +222,13 @@ def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:
     yield f"bound:   {share_text(result.bound.share, result.bound.modules)}{shown}{ended}"
 
 
+def objectives_text(result: Synthesis) -> str:
+    """What is known of the objectives of a design, in words; "" without any."""
+    if result.optimality is None:
+        return ""
+    return "; then ".join(each.text for each in result.optimality.objectives)
+
+
 def synthesis_text(
     result: Synthesis,
     task: ir.Task,
@@ -233,7 +240,8 @@ def synthesis_text(
 
     ``table`` is about all designs, ``change`` about what becomes of the existing robot.
     """
-    lines = [f"verdict: {result.verdict}" + (f" ({result.reason})" if result.reason else "")]
+    reason = result.reason or objectives_text(result)
+    lines = [f"verdict: {result.verdict}" + (f" ({reason})" if reason else "")]
     design = result.design
     if design is not None:
         lines += _design(design, task, change)

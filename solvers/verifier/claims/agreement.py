@@ -8,6 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from compiler.objectives.objective_text import objective_unit
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import reconfiguration
 from compiler.robots.robot import RobotModel
@@ -23,6 +24,7 @@ from solvers.verifier.claims.certificate import (
     control_of,
     exact,
 )
+from solvers.verifier.claims.objective_claims import ObjectivesClaim, objective_entries
 from solvers.verifier.claims.spec_copy import bounded_bytes
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 
@@ -69,12 +71,30 @@ def disagreement(
     if isinstance(claim, FoundClaim) and (claim.bound is not None or "bound" in design):
         share = design.get("robustness_share")
         expected["bound"] = None if claim.bound is None else bound_entry(claim.bound, share)
+    if isinstance(claim, FoundClaim) and (claim.objectives is not None or "objectives" in design):
+        expected["objectives"] = _objectives(claim.objectives, task)
+        design["objectives"] = _without_counts(design.get("objectives"))
     for key, value in expected.items():
         if not _says(design.get(key), value):
             return f"design.json and certificate.json differ in `{key}`"
     if isinstance(claim, ImpossibleClaim) and not _says(_tried(design), _claimed(claim)):
         return "design.json and certificate.json differ in `structures_tried`"
     return None
+
+
+def _objectives(claim: ObjectivesClaim | None, task: ir.Task) -> list[dict[str, Any]] | None:
+    """What ``design.json`` says of the objectives that a claim states."""
+    if claim is None:
+        return None
+    return objective_entries(claim.values, [objective_unit(each) for each in task.minimize])
+
+
+def _without_counts(stated: object) -> object:
+    """What it says without how many robots are undecided, which no certificate claims."""
+    if not isinstance(stated, list) or not all(isinstance(each, dict) for each in stated):
+        return stated
+    counts = ("undecided", "all_tried")
+    return [{k: value for k, value in each.items() if k not in counts} for each in stated]
 
 
 def _says(stated: object, meant: object) -> bool:
