@@ -1,4 +1,4 @@
-"""The words of a language in the order of the sum of the weights of their symbols."""
+"""Words by the sum of the weights of their symbols: listed in order, and up to a bound accepted."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from heapq import heapify, heappop, heappush
-from math import lcm
+from math import ceil, floor, lcm
 from typing import TypeAlias
 
 from compiler.time_limits.time_limit import check_time
+from compiler.words.finite_automaton import STATE_LIMIT, AutomatonTooLargeError, Dfa, minimal
 from compiler.words.intersection import BinaryGrammar, RightSide
 from compiler.words.language import Language
 
@@ -183,3 +184,48 @@ class _RankedWords:
             part = found[rank]
             weight, length, word = weight + part[0], length + part[1], word + part[2]
         return weight, length, word
+
+
+# --- The words up to a weight ---------------------------------------------------------------------
+
+
+def weight_at_most(
+    alphabet: tuple[str, ...],
+    weights: Mapping[str, Fraction],
+    bound: Fraction,
+    *,
+    strict: bool = False,
+) -> Dfa:
+    """The minimal automaton of the words whose weight is at most the bound; or, strict, below it.
+
+    Args:
+        alphabet: the symbols.
+        weights: of symbols, none negative; symbols that are not named weigh 0.
+        bound: of the sum of the weights.
+        strict: whether the sum has to be below the bound.
+
+    Raises:
+        ValueError: a weight is negative.
+        AutomatonTooLargeError: with a state for each sum up to the bound, there are more than
+            ``STATE_LIMIT`` states.
+    """
+    scaled, scale = _scaled(alphabet, weights)
+    most = ceil(bound * scale) - 1 if strict else floor(bound * scale)
+    if most < 0:
+        return Dfa(alphabet, (0,) * len(alphabet), (False,))
+    totals = [0]
+    number = {0: 0}
+    table: list[int | None] = []
+    for total in totals:
+        check_time()
+        for weight in scaled:
+            after = total + weight
+            if after <= most and after not in number:
+                if len(totals) + 1 == STATE_LIMIT:  # all other words have one state
+                    raise AutomatonTooLargeError
+                number[after] = len(totals)
+                totals.append(after)
+            table.append(number.get(after))
+    dead = len(totals)
+    moves = [dead if target is None else target for target in table] + [dead] * len(alphabet)
+    return minimal(Dfa(alphabet, tuple(moves), (*(True,) * dead, False)))

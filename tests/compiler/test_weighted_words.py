@@ -8,8 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from compiler.words import weighted_words
+from compiler.words.acceptance import at_most
+from compiler.words.finite_automaton import STATE_LIMIT, AutomatonTooLargeError
 from compiler.words.language import Language, language
-from compiler.words.weighted_words import words_by_weight
+from compiler.words.weighted_words import weight_at_most, words_by_weight
 from grammar_lang import ir
 from tests.oracles.brute_force_grammar import all_words, satisfies, words_of
 from tests.oracles.grammars import (
@@ -172,3 +175,58 @@ def test_words_of_two_thousand_symbols_need_no_recursion() -> None:
         (*("a",) * (long - 1), "b"),
         (*("a",) * (long - 2), "b", "a"),
     ]
+
+
+# --- Words up to a weight -------------------------------------------------------------------------
+
+
+@settings(deadline=None, max_examples=examples(60, 300))
+@given(weightings(SOME), st.fractions(-1, 2, max_denominator=6), st.booleans())
+def test_the_automaton_of_a_bound_is_minimal_and_decides_it(
+    weights: Weights, bound: Fraction, strict: bool
+) -> None:
+    dfa = weight_at_most(AB, weights, bound, strict=strict)
+    words = all_words(AB, 7)
+    totals = {word: total(word, weights) for word in words}
+    for word, weight in totals.items():
+        assert dfa.accepts(word) == (weight < bound if strict else weight <= bound), word
+    # Words differ where a continuation tells them apart (Myhill, Nerode); seven symbols suffice.
+    sums = sorted(set(totals.values()))
+    rows = {tuple(s + t < bound if strict else s + t <= bound for t in sums) for s in sums}
+    assert dfa.size == len(rows)
+
+
+def test_bounds_that_count_symbols() -> None:
+    for n in range(4):
+        counted = at_most(ALPHABET, "ac", n)
+        weights = {"a": ONE, "b": Fraction(0), "c": ONE}
+        assert weight_at_most(ALPHABET, weights, Fraction(n)) == counted
+        assert weight_at_most(ALPHABET, weights, Fraction(n) + HALF, strict=True) == counted
+        assert weight_at_most(ALPHABET, weights, Fraction(n + 1), strict=True) == counted
+
+
+def test_sums_with_the_same_continuations_are_one_state() -> None:
+    # Of the sums 0, 2, 3 and 4 nothing is added to the last two.
+    dfa = weight_at_most(AB, {"a": Fraction(3), "b": Fraction(2)}, Fraction(4))
+    assert dfa.size == 4
+    assert dfa.run("a") == (0, 1)
+    assert dfa.run("bb") == (0, 2, 1)
+
+
+def test_bounds_that_no_word_or_every_word_keeps() -> None:
+    assert not weight_at_most(AB, {}, Fraction(0), strict=True).accepts(())
+    assert not weight_at_most(AB, {}, -HALF).accepts(())
+    every = weight_at_most(AB, {"c": ONE}, Fraction(0))
+    assert every.accepting == (True,)
+    with pytest.raises(ValueError, match="the weight of `a` is negative"):
+        weight_at_most(AB, {"a": -ONE}, ONE)
+
+
+def test_the_number_of_states_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+    small = {"a": Fraction(1, 1_000_000), "b": ONE}
+    with pytest.raises(AutomatonTooLargeError, match=f"over {STATE_LIMIT} states"):
+        weight_at_most(AB, small, ONE)
+    monkeypatch.setattr(weighted_words, "STATE_LIMIT", 12)
+    assert weight_at_most(AB, {"a": ONE}, Fraction(10)).size == 12
+    with pytest.raises(AutomatonTooLargeError):
+        weight_at_most(AB, {"a": ONE}, Fraction(11))
