@@ -7,24 +7,33 @@ below zero, so that no part of a sum takes away from another.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import prod
+from typing import TypeAlias
 
 from flint import arb
 
 from compiler.expressions.evaluator import evaluate_expression
-from compiler.expressions.evaluators.balls import ball, scalar_balls, working_precision
+from compiler.expressions.evaluators.balls import (
+    ball,
+    closed_ball,
+    scalar_balls,
+    working_precision,
+)
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, between
 from compiler.expressions.exact_numbers import Bounds, outward, rational_bounds
+from compiler.expressions.scalars import MonomialEvaluator, evaluate_scalars
 from compiler.neutral_modules.neutral_parameters import inlined
 from compiler.objectives.objective_text import objective_text
-from compiler.robots.robot import Body, PointBody, RobotModel, RodBody, SolidBody
+from compiler.robots.parameter_values import ExactValue
+from compiler.robots.robot import PointBody, RobotModel, RodBody, SolidBody
 from grammar_lang import ir
 
 PRECISION = 128
 NONE = Fraction(0)
-Weights = Mapping[str, Fraction]
+Weights: TypeAlias = Mapping[str, Fraction]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,36 +107,68 @@ def parameter_bounds(domain: ir.Interval | ir.Choices) -> Bounds:
     return min(low for low, _ in every), max(high for _, high in every)
 
 
-def _range(domain: ir.Interval | ir.Choices) -> arb:
+def _range(domain: ir.Interval | ir.Choices) -> Fraction | arb:
+    """The only value of a parameter, or a ball around its range."""
     low, high = parameter_bounds(domain)
-    return ball(low).union(ball(high))
+    return low if low == high else ball(low).union(ball(high))
 
 
 # --- Masses ---------------------------------------------------------------------------------------
 
 
-def mass_bounds(model: RobotModel, parameters: Sequence[arb]) -> Bounds | None:
-    """Bounds of the mass of all bodies but payloads, in kg, with parameters in balls.
+def mass_bounds(model: RobotModel, parameters: Sequence[ExactValue | arb]) -> Bounds | None:
+    """Bounds of the mass of all bodies but payloads, in kg; equal ones where it is rational.
 
-    None where it has no finite value.
+    Args:
+        model: the robot.
+        parameters: the value of each of its parameters, or a ball around its range.
+
+    Returns:
+        None where it has no finite value.
     """
+    exact = _exact_mass(model, parameters)
+    if exact is not None:
+        return exact, exact
     with working_precision(PRECISION):
-        scalars = scalar_balls(model.scalars, parameters)
+        scalars = scalar_balls(model.scalars, [_ball(value) for value in parameters])
         total = ball(0)
-        for number, body in enumerate(model.bodies):
-            if number not in model.payloads:
-                total += _mass(body, scalars)
+        for factors in _masses_of(model):
+            total += prod((scalars[factor] for factor in factors), start=ball(1))
         return outward(total)
 
 
-def _mass(body: Body, scalars: Sequence[arb]) -> arb:
-    match body:
-        case RodBody(length=length, density=density):
-            return scalars[length] * scalars[density]
-        case PointBody(mass=mass, load=load):
-            return scalars[mass] if load is None else ball(0)
-        case SolidBody(mass=mass):
-            return scalars[mass]
+def _exact_mass(model: RobotModel, parameters: Sequence[ExactValue | arb]) -> Fraction | None:
+    """The mass of all bodies but payloads where it is seen to be rational."""
+    known = [(value, 0) if isinstance(value, Fraction) else None for value in parameters]
+    evaluator = MonomialEvaluator()
+    scalars = evaluate_scalars(model.scalars, evaluator, known)
+    total = evaluator.constant(0)
+    for factors in _masses_of(model):
+        mass = evaluator.constant(1)
+        for factor in factors:
+            mass = evaluator.mul(mass, scalars[factor])
+        total = evaluator.add(total, mass)
+    return total[0] if total is not None and total[1] == 0 else None
+
+
+def _masses_of(model: RobotModel) -> Iterator[tuple[int, ...]]:
+    """The scalars of which the product is the mass of a body, of each body but payloads."""
+    for number, body in enumerate(model.bodies):
+        if number in model.payloads:
+            continue
+        match body:
+            case RodBody(length=length, density=density):
+                yield length, density
+            case PointBody(mass=mass, load=None) | SolidBody(mass=mass):
+                yield (mass,)
+            case _:
+                continue
+
+
+def _ball(value: ExactValue | arb) -> arb:
+    if isinstance(value, arb):
+        return value
+    return ball(value) if isinstance(value, Fraction) else closed_ball(value)
 
 
 def _masses(program: ir.Program, grammar: ir.Grammar) -> Weights:
@@ -172,9 +213,13 @@ def _emitted(program: ir.Program, production: ir.Production, emission: ir.Emissi
                 value = evaluate_expression(factor, INTERVALS, leaf)
             except (_UnknownError, ValueError):
                 return NONE
-            bounds = None if value.undefined else outward(value.low)
-            product *= NONE if bounds is None else max(NONE, bounds[0])
+            product *= NONE if value.undefined else max(NONE, _below(value.low))
     return product
+
+
+def _below(value: arb) -> Fraction:
+    bounds = outward(value)
+    return NONE if bounds is None else bounds[0]
 
 
 class _UnknownError(Exception):

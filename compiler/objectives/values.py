@@ -35,7 +35,7 @@ def value_bounds(
             used = Fraction(0) if share is None else 1 - shortest_decimal(share)
             return used, used
         case "mass":
-            return mass_bounds(model, [value.ball for value in parameters])
+            return mass_bounds(model, [value.exact for value in parameters])
         case _:
             return _sum(amount, word, parameters)
 

@@ -94,9 +94,7 @@ class LeastSearch:
         return self.amount.of_robot(word, candidate.model) < least
 
 
-def searched_modules(
-    family: RobotFamily, task: ir.Task, amounts: Sequence[Amount]
-) -> int | None:
+def searched_modules(family: RobotFamily, task: ir.Task, amounts: Sequence[Amount]) -> int | None:
     """The number of modules up to which structures are tried; None where objectives bound it."""
     if task.modules is not None:
         return task.modules

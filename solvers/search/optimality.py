@@ -59,11 +59,15 @@ class ObjectiveResult:
         if self.undecided or self.more:
             robots = "a robot that was not tried does it"
             if self.undecided:
-                which = "the undecided robot" if self.undecided == 1 else (
-                    f"one of {self.undecided} undecided robots"
+                which = (
+                    "the undecided robot"
+                    if self.undecided == 1
+                    else (f"one of {self.undecided} undecided robots")
                 )
-                robots = f"{which}, or one that was not tried, does it" if self.more else (
-                    f"{which} does it"
+                robots = (
+                    f"{which}, or one that was not tried, does it"
+                    if self.more
+                    else (f"{which} does it")
                 )
             return f"least {stated}, unless {robots} for less"
         if self.gap is None:
@@ -256,7 +260,11 @@ class _Used:
         same = self.robots.setdefault(first.derivation, place)
         self.records.append(
             replace(
-                first, word=record.word, derivation=record.derivation, script=None, lemma=None,
+                first,
+                word=record.word,
+                derivation=record.derivation,
+                script=None,
+                lemma=None,
                 boxes=first.boxes if same == place else None,
                 same_robot_as=None if same == place else same,
             )  # fmt: skip

@@ -144,9 +144,7 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     if not run.amounts:
         return None
     values, records = run.values(run.designs[0]), run.all_records(PUT_OFF)
-    return optimality(
-        run.whole, run.task, run.amounts, values, records, run.lemmas, run.context
-    )
+    return optimality(run.whole, run.task, run.amounts, values, records, run.lemmas, run.context)
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:

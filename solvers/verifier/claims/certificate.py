@@ -22,7 +22,6 @@ from grammar_lang import ir
 from grammar_lang.files.file_tree import IMAGE_LIMIT, LIMIT, TooLarge, read_file
 from solvers.verdict import Claimed
 from solvers.verifier.claims.bound_claims import BoundClaim
-from solvers.verifier.claims.objective_claims import ObjectivesClaim
 from solvers.verifier.claims.further_claims import (
     ControllerClaim,
     FurtherClaim,
@@ -37,6 +36,7 @@ from solvers.verifier.claims.lemma_claims import (
     VariantClaim,
     WeightsClaim,
 )
+from solvers.verifier.claims.objective_claims import ObjectivesClaim
 from solvers.verifier.claims.structure_claims import StructureClaim, structure_claims
 
 FORMAT, WITH_CLAIMS = 3, 4

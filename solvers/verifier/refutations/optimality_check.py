@@ -95,9 +95,7 @@ def objective_conditions(
         _check_least(folder, found, claim, program, task, stated, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         raise Refused(f"it is not proved that no robot has less: {error}") from None
-    return tuple(
-        CheckedCondition(_says(each), Status.HOLDS, NO_MARGIN, "") for each in stated
-    )
+    return tuple(CheckedCondition(_says(each), Status.HOLDS, NO_MARGIN, "") for each in stated)
 
 
 def _says(stated: _Stated) -> str:
