@@ -38,7 +38,8 @@ class LeastSearch:
     def search(self) -> None:
         """Try structures until no other one may have less, as far as the limits of the run go."""
         run = self.run
-        for self.place in range(len(self.amounts)):
+        for place in range(len(self.amounts)):
+            self.place = place
             left = StructuresLeft(
                 run.program, run.task, run.context, run.whole, run.lemmas, self.tried, self.order
             )

@@ -258,14 +258,6 @@ class _Used:
             return
         place = self.places[record.derivation] = len(self.records)
         same = self.robots.setdefault(first.derivation, place)
-        self.records.append(
-            replace(
-                first,
-                word=record.word,
-                derivation=record.derivation,
-                script=None,
-                lemma=None,
-                boxes=first.boxes if same == place else None,
-                same_robot_as=None if same == place else same,
-            )  # fmt: skip
-        )
+        copied = replace(first, word=record.word, derivation=record.derivation, script=None)
+        boxes, first_place = (first.boxes, None) if same == place else (None, same)
+        self.records.append(replace(copied, lemma=None, boxes=boxes, same_robot_as=first_place))

@@ -64,15 +64,8 @@ def disagreement(
         return "design.json is no JSON object"
     expected = _expected(claim, model) | {"cells": cells.describe()}
     expected["reconfiguration"] = _reconfiguration(claim, program, task)
-    if isinstance(claim, FoundClaim) and "control" in design:
-        expected["control"] = control_of(claim)
-    if isinstance(claim, FoundClaim) and (claim.loop is not None or "loop" in design):
-        expected["loop"] = None if claim.loop is None else claim.loop.first
-    if isinstance(claim, FoundClaim) and (claim.bound is not None or "bound" in design):
-        share = design.get("robustness_share")
-        expected["bound"] = None if claim.bound is None else bound_entry(claim.bound, share)
-    if isinstance(claim, FoundClaim) and (claim.objectives is not None or "objectives" in design):
-        expected["objectives"] = _objectives(claim.objectives, task)
+    if isinstance(claim, FoundClaim):
+        expected |= _further(claim, design, task)
         design["objectives"] = _without_counts(design.get("objectives"))
     for key, value in expected.items():
         if not _says(design.get(key), value):
@@ -80,6 +73,21 @@ def disagreement(
     if isinstance(claim, ImpossibleClaim) and not _says(_tried(design), _claimed(claim)):
         return "design.json and certificate.json differ in `structures_tried`"
     return None
+
+
+def _further(claim: FoundClaim, design: Mapping[str, Any], task: ir.Task) -> dict[str, Any]:
+    """What a claim determines of fields that not every ``design.json`` has."""
+    found: dict[str, Any] = {}
+    if "control" in design:
+        found["control"] = control_of(claim)
+    if claim.loop is not None or "loop" in design:
+        found["loop"] = None if claim.loop is None else claim.loop.first
+    if claim.bound is not None or "bound" in design:
+        share = design.get("robustness_share")
+        found["bound"] = None if claim.bound is None else bound_entry(claim.bound, share)
+    if claim.objectives is not None or "objectives" in design:
+        found["objectives"] = _objectives(claim.objectives, task)
+    return found
 
 
 def _objectives(claim: ObjectivesClaim | None, task: ir.Task) -> list[dict[str, Any]] | None:
