@@ -171,6 +171,8 @@ THERE_ARE = "the objectives are `modules`, `mass`, `effort` and `sum(NAME)`"
     [
         ("minimize speed;", "speed", "`speed` is no objective", THERE_ARE),
         ("minimize time;", "time", "`time` is no objective", THERE_ARE),
+        ("minimize sums;", "sums", "`sums` is no objective", THERE_ARE),
+        ("minimize masss(price);", "masss", "`masss` is no objective", THERE_ARE),
         ("minimize energy;", "energy", "`energy` is no objective", THERE_ARE),
         (
             "minimize module;",
@@ -182,13 +184,13 @@ THERE_ARE = "the objectives are `modules`, `mass`, `effort` and `sum(NAME)`"
             "minimize summ(price);",
             "summ",
             "`summ` is no objective",
-            f"did you mean `sum(NAME)`? {THERE_ARE}",
+            f"did you mean `sum`? {THERE_ARE}",
         ),
         (
             "minimize price;",
             "price",
             "`price` is no objective",
-            f"write `sum(price)` for the sum over the modules; {THERE_ARE}",
+            f"did you mean `sum(price)`? {THERE_ARE}",
         ),
         (
             "minimize sum;",
