@@ -23,10 +23,11 @@ from grammar_lang.units import ONE, describe, symbol
 _KINDS: Mapping[str, ir.ObjectiveKind] = {
     "modules": "modules",
     "mass": "mass",
+    "time": "time",
     "effort": "effort",
     "sum": "sum",
 }
-_THERE_ARE = "the objectives are `modules`, `mass`, `effort` and `sum(NAME)`"
+_THERE_ARE = "the objectives are `modules`, `mass`, `time`, `effort` and `sum(NAME)`"
 _SHOWN = 6
 
 
