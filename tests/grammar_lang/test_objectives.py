@@ -309,6 +309,41 @@ def test_within_is_a_plain_rational_number(within: str, code: str) -> None:
     assert at == within
 
 
+@pytest.mark.parametrize(
+    ("clause", "message", "hint"),
+    [
+        (
+            "minimize modules, mass;",
+            "expected `(`, `;`, `then` or `within`, found `,`",
+            "write `then` between objectives",
+        ),
+        (
+            "minimize sum(price) and mass;",
+            "expected `;`, `then` or `within`, found `and`",
+            "write `then` between objectives",
+        ),
+        (
+            "minimize modules within 5 % and mass;",
+            "expected `;` or `then`, found `and`",
+            "write `then` between objectives",
+        ),
+        (
+            "minimize modules within 5 then mass;",
+            "expected `%`, found `then`",
+            "write `%` here",
+        ),
+        ("minimize;", "expected a name, found `;`", "write a name here"),
+        ("minimise mass;", None, "did you mean `minimize`?"),
+    ],
+)
+def test_what_cannot_be_read(clause: str, message: str | None, hint: str) -> None:
+    found = load_text(spec(clause), "spec.srg").diagnostics
+    (error,) = [each for each in found if each.severity is Severity.ERROR]
+    assert error.code is Code.SYNTAX
+    assert message in {None, error.message}
+    assert error.hint == hint
+
+
 def test_repeated_objectives_and_clauses() -> None:
     clause = "minimize modules then sum(price) then mass then sum(price);"
     assert marked(clause) == [("error SRG0702", "a second `sum(price)`", "sum(price)")]
