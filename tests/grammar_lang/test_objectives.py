@@ -10,6 +10,7 @@ from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.load import load_text
+from tests.oracles.loaded_modules import loaded_after
 from tests.oracles.small_specs import TURNER, replaced
 
 MEMBERS = {
@@ -398,3 +399,37 @@ def test_objectives_of_a_robot_that_is_unknown() -> None:
         if each.severity is Severity.ERROR
     ]
     assert errors == [Code.UNKNOWN_NAME]
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "1/0",
+        "sqrt(-1)",
+        "tan(pi/2)",
+        "1e300 * 1e300",
+        "10^9999",
+        "sqrt(2)^2 - 2",
+        "pi - pi",
+        "0 * sqrt(2)",
+        "1e-300",
+        "world",
+        "rot(x, 1)",
+    ],
+)
+def test_odd_values_raise_nothing(value: str) -> None:
+    for own in (f"const price = {value};", f"param price in [{value}, 9];"):
+        text = spec("minimize sum(price);", {**MEMBERS, "L": own})
+        program = load_text(text, "spec.srg").program
+        if program is not None:
+            (objective,) = program.tasks["Turn"].minimize
+            assert dict(objective.amounts)["L"] in {None, 0, Fraction(1, 10**300)}
+
+
+def test_the_clause_loads_what_reads_it() -> None:
+    run = "from srgc.session import check_file; from pathlib import Path; check_file(Path({!r}))"
+    loaded = loaded_after(run.format("specs/planar_arm.srg"))
+    assert "grammar_lang.elaboration.tasks" in loaded
+    lazy = {"grammar_lang.elaboration.objectives", "compiler.checks.objective_checks"}
+    assert not lazy & loaded
+    assert lazy <= loaded_after(run.format("tests/oracles/complete.srg"))
