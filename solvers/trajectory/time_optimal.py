@@ -112,7 +112,7 @@ class _Places:
         second = np.gradient(first, self.width, axis=0)
         self.fastest = _rate_limits(limits, first)
         rest, push, square = _dynamics(numeric, limits, theta, way, first)
-        inverse: Array = np.linalg.pinv(push)
+        inverse = np.linalg.pinv(push)
 
         def inputs(acceleration: Array) -> Array:
             found: Array = np.einsum("smn,sn->sm", inverse, acceleration)
