@@ -253,7 +253,7 @@ class FamilySearch:
             listener=entered,
         )
         effectors = self.effectors(candidate.model, answer)
-        search = HorizonSearch if self.task.at_most else StructureSearch
+        search = HorizonSearch if self.task.at_most or self.amounts else StructureSearch
         self.queue.enter(entered, search(given, self.abstraction).states(effectors))
 
     def leave(self, structure: StructureUnderWay) -> None:
