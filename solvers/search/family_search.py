@@ -30,16 +30,11 @@ from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.design_values import design_values, limits_of
 from solvers.search.horizon_search import HorizonSearch
+from solvers.search.narrowed_family import NoBoundError, Tried
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.prefetch import Prefetch
-from solvers.search.robustness_bound import (
-    FINER,
-    NoBoundError,
-    RobustnessBound,
-    Tried,
-    robustness_bound,
-)
+from solvers.search.robustness_bound import FINER, RobustnessBound, robustness_bound
 from solvers.search.search_queue import SearchQueue, StructureUnderWay
 from solvers.search.structure_search import StructureSearch
 from solvers.search.structures_left import StructuresLeft

@@ -21,6 +21,7 @@ from solvers.impossibility.box_evidence import covered
 from solvers.lemma import Lemma, VariantLemma
 from solvers.run_context import RunContext
 from solvers.search.least_search import searched_modules
+from solvers.search.time_bound import TimeBound
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +53,9 @@ class ObjectiveResult:
     def text(self) -> str:
         """What is known of it, in words."""
         stated = amount_text(self.amount.objective, self.value)
-        if not self.amount.is_ordering:
-            return stated
         if self.is_least:
             return f"least {stated}"
-        if self.undecided or self.more:
+        if self.amount.is_ordering and (self.undecided or self.more):
             robots = "a robot that was not tried does it"
             if self.undecided:
                 which = (
@@ -82,7 +81,8 @@ class Optimality:
 
     ``modules`` is the bound on modules that they are about, None without one.  ``records`` are the
     structures that may have less, all with coverings, and those whose variants the ``lemmas`` are
-    about; ``dearer`` are words of which each robot has as much.
+    about; ``dearer`` are words of which each robot has as much.  The least time rests on ``time``,
+    ``untimed`` says why there is no bound on it.
     """
 
     objectives: tuple[ObjectiveResult, ...]
@@ -90,6 +90,17 @@ class Optimality:
     records: tuple[StructureRecord, ...]
     dearer: tuple[tuple[str, ...], ...]
     lemmas: tuple[Lemma, ...]
+    time: TimeBound | None = None
+    untimed: str | None = None
+
+    def with_time(self, bound: TimeBound, step: Fraction) -> Optimality:
+        """The same with a bound on the time of all robots, in steps of so many seconds."""
+        least = (bound.steps + 1) * step
+        objectives = (
+            replace(each, least=least, more=False) if each.amount.objective.kind == "time" else each
+            for each in self.objectives
+        )
+        return replace(self, objectives=tuple(objectives), time=bound)
 
 
 def optimality(

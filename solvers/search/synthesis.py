@@ -27,11 +27,13 @@ from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.least_search import LeastSearch
+from solvers.search.narrowed_family import NoBoundError, Tried
 from solvers.search.optimality import Optimality, optimality, stated
 from solvers.search.path_task import Design
 from solvers.search.robustness_bound import RobustnessBound
 from solvers.search.search_queue import StructureUnderWay
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
+from solvers.search.time_bound import time_bound
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
 
@@ -144,7 +146,15 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     if not run.amounts:
         return None
     values, records = run.values(run.designs[0]), run.all_records(PUT_OFF)
-    return optimality(run.whole, run.task, run.amounts, values, records, run.lemmas, run.context)
+    found = optimality(run.whole, run.task, run.amounts, values, records, run.lemmas, run.context)
+    if not any(each.objective.kind == "time" for each in run.amounts) or not run.task.at_most:
+        return found
+    best, tried = len(run.designs[0].design.inputs), Tried(records, tuple(run.lemmas))
+    try:
+        bound = time_bound(run.whole, run.task, run.context, tried, best)
+    except NoBoundError as why:
+        return replace(found, untimed=str(why))
+    return found.with_time(bound, run.task.step)
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:

@@ -19,14 +19,15 @@ from compiler.objectives.values import value_bounds
 from compiler.robots.candidate import Candidate, candidates_of
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
+from compiler.tasks.tightened import shortened
 from compiler.words.structures import InfiniteAmbiguityError
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim, claimed_values, exact
-from solvers.verifier.claims.objective_claims import ObjectivesClaim
+from solvers.verifier.claims.objective_claims import ObjectivesClaim, TimeClaim
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.scene import Watch
 from solvers.verifier.proofs.tube_checks import Status
-from solvers.verifier.refutations.impossibility_check import refuted_structures
+from solvers.verifier.refutations.impossibility_check import check_impossible, refuted_structures
 from solvers.verifier.refutations.lemma_check import checked_lemma
 from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
 from solvers.verifier.refutations.word_coverage import (
@@ -93,6 +94,9 @@ def objective_conditions(
         _check_value(each, found, model, share, task.step)
     try:
         _check_least(folder, found, claim, program, task, stated, watch)
+        for each in stated:
+            if each.amount.objective.kind == "time" and each.least > 0:
+                _check_time(folder, found, claim.time, program, task, each.least, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         raise Refused(f"it is not proved that no robot has less: {error}") from None
     return tuple(CheckedCondition(_says(each), Status.HOLDS, NO_MARGIN, "") for each in stated)
@@ -157,7 +161,11 @@ def _check_least(
         raise FalseClaim("a lemma about objectives has no scripts as evidence")
     conditions = tuple(lemma.condition for lemma in lemmas)
     words = tuple(dict.fromkeys([*(each.word for each in claim.structures), *claim.dearer]))
-    due = [_due(stated[: k + 1]) for k in range(len(stated)) if stated[k].least > 0]
+    due = [
+        _due(stated[: k + 1])
+        for k in range(len(stated))
+        if stated[k].least > 0 and stated[k].amount.objective.kind != "time"
+    ]
     _check_words(family, asked, conditions, words, due)
     left = family.with_condition(ir.NotAccept(ir.AnyOf(conditions)))
     open_words = [word for word in words if left.language.accepts(word)]
@@ -168,6 +176,36 @@ def _check_least(
     )  # fmt: skip
     if not all(refuted_structures(evidence, impossible, candidates, watch)):
         raise FalseClaim("structures have no scripts as evidence")
+
+
+def _check_time(
+    folder: Path,
+    found: FoundClaim,
+    claim: TimeClaim | None,
+    program: ir.Program,
+    task: ir.Task,
+    least: Fraction,
+    watch: Watch,
+) -> None:
+    """No robot does the task in less time, whatever it has of other objectives.
+
+    Raises:
+        FalseClaim: that is not proved.
+    """
+    if claim is None or (claim.steps + 1) * task.step < least:
+        raise FalseClaim("there is no evidence for the least time")
+    if task.modules is not None and claim.modules != task.modules:
+        raise FalseClaim("the bound on modules is not the task's")
+    narrow = replace(shortened(task, claim.steps), modules=claim.modules)
+    impossible = ImpossibleClaim(
+        found.task, found.spec, found.spec_sha256, claim.modules, claim.structures, None,
+        claim.lemmas,
+    )  # fmt: skip
+    proved = check_impossible(folder, impossible, program, narrow, (), watch)
+    if isinstance(proved, str):
+        raise FalseClaim(proved)
+    if not proved.complete:
+        raise FalseClaim("a bound on the time has no scripts as evidence")
 
 
 def _due(stated: Sequence[_Stated]) -> list[Reader]:
@@ -209,6 +247,8 @@ def _not_dearer(candidates: Iterator[Candidate], stated: Sequence[_Stated]) -> I
 
 def _may_be_less(candidate: Candidate, stated: Sequence[_Stated]) -> bool:
     *before, last = stated
+    if last.amount.objective.kind == "time":
+        return False
     word, model = candidate.derivation.word, candidate.model
     within_limits = all(each.amount.of_robot(word, model) <= each.most for each in before)
     return within_limits and last.amount.of_robot(word, model) < last.least
