@@ -24,10 +24,11 @@ _KINDS: Mapping[str, ir.ObjectiveKind] = {
     "modules": "modules",
     "mass": "mass",
     "time": "time",
+    "energy": "energy",
     "effort": "effort",
     "sum": "sum",
 }
-_THERE_ARE = "the objectives are `modules`, `mass`, `time`, `effort` and `sum(NAME)`"
+_THERE_ARE = "the objectives are `modules`, `mass`, `time`, `energy`, `effort` and `sum(NAME)`"
 _SHOWN = 6
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from compiler.expressions.exact_numbers import exact_text
 from compiler.objectives.least_values import Amount, amounts
 from compiler.objectives.objective_text import amount_text
-from compiler.objectives.values import value_bounds
+from compiler.objectives.values import MotionValues, value_bounds
 from compiler.robots.candidate import Candidate, candidates_of
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
@@ -65,7 +65,7 @@ def objective_conditions(
     program: ir.Program,
     task: ir.Task,
     model: RobotModel,
-    share: float | None,
+    motion: MotionValues,
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
     """What a claim states of each objective, which holds.
@@ -77,7 +77,7 @@ def objective_conditions(
         program: the program, without maps.
         task: its task, without maps.
         model: the robot.
-        share: what its inputs keep from their bounds, as a share, as it is proved.
+        motion: what its motion is worth, as it is proved.
         watch: told of the structures that are done.
 
     Raises:
@@ -91,7 +91,7 @@ def objective_conditions(
         for amount, each in zip(known, claim.values, strict=True)
     ]
     for each in stated:
-        _check_value(each, found, model, share, task.step)
+        _check_value(each, found, model, motion)
     try:
         _check_least(folder, found, claim, program, task, stated, watch)
         for each in stated:
@@ -114,17 +114,16 @@ def _says(stated: _Stated) -> str:
 
 
 def _check_value(
-    stated: _Stated, found: FoundClaim, model: RobotModel, share: float | None, step: Fraction
+    stated: _Stated, found: FoundClaim, model: RobotModel, motion: MotionValues
 ) -> None:
     """The value is that of the robot; what is rational is stated exactly."""
     values = claimed_values(found, model)
-    time = found.steps * step
-    bounds = value_bounds(stated.amount, found.word, model, values, share, time)
+    bounds = value_bounds(stated.amount, found.word, model, values, motion)
     if bounds is None:
         raise Refused(f"`{stated.amount.text}` has no finite value")
     low, high = bounds
     close = CLOSELY * max(Fraction(1), abs(high))
-    exactly = low == high and stated.amount.objective.kind != "effort"
+    exactly = low == high and stated.amount.objective.kind not in ("effort", "energy")
     near = stated.value == low if exactly else low - close <= stated.value <= high + close
     if not near:
         is_value = exact_text(low) if exactly else f"about {float(high):.12g}"
