@@ -23,6 +23,7 @@ TASK_STATES = MappingProxyType({
         (word_of("carry"), Keyword, ("placement", "carried", "operand")),
         (word_of("slack", "gravity", "payload"), Keyword, ("placement", "operand")),
         (word_of("modules"), Keyword, "bound"),
+        (word_of("minimize"), Keyword, "objective"),
         (word_of("from"), Keyword, ("word", "reference")),
         (word_of("satisfy"), Keyword, "formula"),
         (word_of("robust"), Keyword, "robust"),
@@ -107,6 +108,24 @@ TASK_STATES = MappingProxyType({
         default("#pop"),
     ],
     "part": [include("gap"), (word_of("bound"), Keyword, "#pop"), default(("#pop", "reference"))],
+    "objective": [
+        include("gap"),
+        (word_of("modules", "mass", "effort", "sum"), Name.Builtin, ("#pop", "within", "summed")),
+        (NAME, Name, ("#pop", "within", "summed")),
+        default("#pop"),
+    ],
+    "summed": [
+        include("gap"),
+        (r"\(", Punctuation, ("#pop", "close", "reference")),
+        default("#pop"),
+    ],
+    "within": [
+        include("gap"),
+        (word_of("within"), Keyword, "operand"),
+        ("%", Keyword.Type),
+        (word_of("then"), Keyword, ("#pop", "objective")),
+        default("#pop"),
+    ],
     "control": [include("gap"), (word_of("open", "loop", "feedback"), Keyword), default("#pop")],
     # --- formulas -----------------------------------------------------------------------
     "formula": [

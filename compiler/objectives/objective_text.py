@@ -9,7 +9,7 @@ from grammar_lang import ir
 
 LONGEST = 12
 """Numbers with more digits are rounded where people read them."""
-UNITS = {"modules": "", "mass": "kg", "effort": ""}
+UNITS = {"modules": "", "mass": "kg", "time": "s", "effort": ""}
 
 
 def objective_text(objective: ir.Objective) -> str:

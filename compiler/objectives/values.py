@@ -17,6 +17,7 @@ def value_bounds(
     model: RobotModel,
     parameters: Sequence[ParameterValue],
     share: float | None,
+    time: Fraction,
 ) -> Bounds | None:
     """Bounds of the value of a robot, in SI units; equal ones where it is seen to be rational.
 
@@ -26,6 +27,7 @@ def value_bounds(
         model: the robot.
         parameters: the values of its parameters.
         share: what its inputs keep from their bounds, as a share; None where none has a choice.
+        time: how long its motion takes, in seconds.
 
     Returns:
         None where it has no finite value.
@@ -34,6 +36,8 @@ def value_bounds(
         case "effort":
             used = Fraction(0) if share is None else 1 - shortest_decimal(share)
             return used, used
+        case "time":
+            return time, time
         case "mass":
             return mass_bounds(model, [value.exact for value in parameters])
         case _:

@@ -23,10 +23,11 @@ from grammar_lang.units import ONE, describe, symbol
 _KINDS: Mapping[str, ir.ObjectiveKind] = {
     "modules": "modules",
     "mass": "mass",
+    "time": "time",
     "effort": "effort",
     "sum": "sum",
 }
-_THERE_ARE = "the objectives are `modules`, `mass`, `effort` and `sum(NAME)`"
+_THERE_ARE = "the objectives are `modules`, `mass`, `time`, `effort` and `sum(NAME)`"
 _SHOWN = 6
 
 
@@ -98,12 +99,10 @@ class _Reader:
         """What to write instead of a name that is no objective."""
         name = item.name.text
         if item.attribute is None and any(name in info.members for info in self.modules.values()):
-            return f"write `sum({name})` for the sum over the modules; {_THERE_ARE}"
-        close = nearest(name, _KINDS, self.sink)
-        if close is None:
-            return _THERE_ARE
-        brackets = "(NAME)" if close == "sum" else ""
-        return f"did you mean `{close}{brackets}`? {_THERE_ARE}"
+            return f"did you mean `sum({name})`? {_THERE_ARE}"
+        known = [kind for kind in _KINDS if (kind == "sum") == (item.attribute is not None)]
+        close = nearest(name, known, self.sink)
+        return _THERE_ARE if close is None else f"did you mean `{close}`? {_THERE_ARE}"
 
 
 # --- Sums: the attribute of each module of the family ---------------------------------------------

@@ -281,17 +281,18 @@ class _Reader:
 
     # --- the rest ------------------------------------------------------------------------------
 
-    def horizon(self) -> tuple[int, Fraction]:
+    def horizon(self) -> tuple[int, Fraction, bool]:
+        """The number of steps, their length, and whether there may be fewer."""
         item = self.one(t.Horizon, "horizon", "add `horizon 80 steps of 0.125 s;`")
         if item is None:
-            return 1, Fraction(1)
+            return 1, Fraction(1), False
         steps = self.constants.integer(item.steps, 1, "the number of steps")
         if steps is not None and steps > MOST_STEPS:
             self.sink.error(
                 Code.BAD_VALUE, f"the horizon has more than {MOST_STEPS:,} steps", item.steps.span,
                 "write fewer, longer steps",
             )  # fmt: skip
-        return steps or 1, self.positive(item.step, TIME, "the step")
+        return steps or 1, self.positive(item.step, TIME, "the step"), item.at_most
 
     def slack(self) -> Fraction:
         item = self.one(t.Slack, "slack", None)
@@ -339,7 +340,7 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
     start, reach, satisfy = reader.start(), reader.reach(), reader.satisfy()
     avoid = reader.avoid()
     effort = lower_efforts(task, () if reader.family is None else reader.family.driven, sink)
-    steps, step = reader.horizon()
+    steps, step, at_most = reader.horizon()
     check_duration(task, reach, steps * step, sink)
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None
@@ -374,4 +375,5 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         payloads=payloads,
         carries=carries,
         minimize=minimize,
+        at_most=at_most,
     )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import field
+from collections.abc import Mapping, Sequence
+from dataclasses import field, replace
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
@@ -329,6 +329,7 @@ class Task:
     ``control``, ``repeat``, ``minimize``.
 
     With ``repeat`` the motion goes on for ever: ``steps`` bounds a prefix and one loop together.
+    With ``at_most`` a motion of fewer steps does the task, too; T in formulas is then its own end.
     ``control`` says whether the inputs are a fixed list or follow what is measured; None: either.
     Of the objectives in ``minimize``, each counts among what is left by those before it.
     """
@@ -357,6 +358,17 @@ class Task:
     payloads: tuple[Payload, ...] = ()
     carries: tuple[Carry, ...] = ()
     minimize: tuple[Objective, ...] = ()
+    at_most: bool = False
+
+    def lasting(self, steps: int) -> Task:
+        """The task of motions of just so many steps."""
+        return replace(self, steps=steps, at_most=False)
+
+    @property
+    def horizons(self) -> Sequence[Fraction]:
+        """How long a motion may take, in seconds, in increasing order."""
+        fewest = 1 if self.at_most else self.steps
+        return [steps * self.step for steps in range(fewest, self.steps + 1)]
 
     @property
     def demanded(self) -> tuple[Satisfy, ...]:

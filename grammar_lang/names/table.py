@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
 
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
-from grammar_lang.names.clause_names import summed_attributes
+from grammar_lang.names.clause_names import symbols_of
 from grammar_lang.names.declarations import Declarations, Entity, Kind, Occurrences, members, named
 from grammar_lang.source import Span, node
 from grammar_lang.syntax import Ident
-from grammar_lang.syntax import tasks as t
 
 # --- The names of a specification: every place that mentions an entity ----------------------------
 #
@@ -23,7 +22,7 @@ from grammar_lang.syntax import tasks as t
 
 @node
 class Mention:
-    """A name in the text.
+    """A name in the text; a word may name several things, each with a mention of its own.
 
     ``whole`` is the word that stands there; ``span`` is the part of it that is the name: a quoted
     symbol without its quotes, ``L`` of the numbered occurrence ``L2``.  ``within`` is the entity in
@@ -38,6 +37,12 @@ class Mention:
     declares: bool = field(default=False)
     within: Entity | None = field(default=None, compare=False, repr=False)
     position: int | None = field(default=None, compare=False)
+
+    @property
+    def summed_up(self) -> bool:
+        """Whether an objective of a task adds up the attribute that it names."""
+        attribute = self.entity.kind in {"constant", "parameter"} and self.position is None
+        return attribute and self.within is not None and self.within.kind == "task"
 
 
 class NameTable:
@@ -78,6 +83,12 @@ class NameTable:
             if mention.whole.file == file and mention.whole.start <= offset <= mention.whole.end:
                 return mention
         return None
+
+    def together(self, mention: Mention) -> Sequence[Mention]:
+        """All that is named by the word of a mention: of ``sum(NAME)`` a member of each module."""
+        place = mention.whole.file, mention.whole.start
+        first, stop = bisect_left(self._starts, place), bisect_right(self._starts, place)
+        return self.mentions[first:stop]
 
     def inside(self, span: Span) -> Sequence[Mention]:
         """The names that stand in a part of the text."""
@@ -158,35 +169,7 @@ def _described(names: NameTable) -> Iterator[str]:
     """The modules in the productions to which a semantics or their ports give a meaning."""
     for name, grammar in names.declared.grammars.items():
         if grammar.from_ports or name in names.declared.semantics:
-            yield from _symbols(grammar)
-
-
-def _symbols(grammar: s.Grammar) -> Iterator[str]:
-    """What stands on right sides; of a grammar from ports, its modules."""
-    for item in grammar.items:
-        match item:
-            case s.Production(right=right):
-                yield from (each.symbol.text for each in right)
-            case s.StartSymbol(name=name) if grammar.from_ports:
-                yield name.text
-            case s.Listed(names=modules):
-                yield from (name.text for name in modules)
-            case _:
-                pass
-
-
-def _summed_up(names: NameTable) -> set[Entity]:
-    """The members of modules that objectives of tasks add up."""
-    declared, found = names.declared, set[Entity]()
-    for task in declared.tasks.values():
-        robots = {item.name.text for item in task.items if isinstance(item, t.Robot)}
-        summed = {name.text for item in task.items for name in summed_attributes(item)}
-        grammars = (declared.grammars[name] for name in robots & declared.grammars.keys())
-        for module in {symbol for grammar in grammars for symbol in _symbols(grammar)}:
-            if summed and module in declared.modules:
-                known = members(declared.modules[module])
-                found.update(known[name] for name in summed & known.keys())
-    return found
+            yield from symbols_of(grammar)
 
 
 def _made_of(names: NameTable, members: Iterable[Entity]) -> dict[Entity, set[Entity]]:
@@ -217,14 +200,15 @@ def _used_in(kind: Kind, entity: Entity, names: NameTable) -> bool:
     return any(user is not None and user.kind == kind for user in users)
 
 
-def _check_module(module: str, summed: Set[Entity], names: NameTable, sink: Sink) -> None:
+def _check_module(module: str, names: NameTable, sink: Sink) -> None:
     """Warn of what neither the semantics nor a degree of freedom or an objective depends on."""
     owns = s.owns_body(names.declared.modules[module])
     made = _made_of(names, members(names.declared.modules[module]).values())
     users: tuple[Kind, ...] = ("production", "module")
     read = (m for m in made if any(_used_in(kind, m, names) for kind in users))
     moving = (m for m in made if m.kind == "degree of freedom")
-    live = _live(made, [*read, *moving, *(m for m in made if m in summed)])
+    summed = (m for m in made if any(use.summed_up for use in names.uses(m)))
+    live = _live(made, [*read, *moving, *summed])
     for member in made:
         if member in live:
             continue
@@ -268,9 +252,8 @@ def report_unused(names: NameTable, sink: Sink) -> None:
     if sink.has_errors:
         return
     _check_attributes(names, sink)
-    summed = _summed_up(names)
     for module in dict.fromkeys(_described(names)):
         if module in names.declared.modules:
-            _check_module(module, summed, names, sink)
+            _check_module(module, names, sink)
     if names.declared.tasks:
         _check_tasks(names, sink)

@@ -194,11 +194,12 @@ class Effort:
 
 @node
 class Horizon:
-    """``horizon k steps of dt;``."""
+    """``horizon k steps of dt;``, or ``horizon at most k steps of dt;``."""
 
     steps: Expr
     step: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    at_most: bool = False
 
 
 @node

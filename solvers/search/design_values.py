@@ -28,11 +28,11 @@ def design_bounds(design: Design, amounts: Sequence[Amount], task: ir.Task) -> t
     Raises:
         ValueError: one of them has no finite value.
     """
-    share = robustness_share(design, task)
+    share, time = robustness_share(design, task), len(design.inputs) * task.step
     found: list[Bounds] = []
     for amount in amounts:
         bounds = value_bounds(
-            amount, design.derivation.word, design.model, design.parameters, share
+            amount, design.derivation.word, design.model, design.parameters, share, time
         )
         if bounds is None:
             raise ValueError(f"{amount.text} has no finite value")

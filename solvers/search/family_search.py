@@ -29,6 +29,7 @@ from solvers.impossibility.structure_refutation import Refutation
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.design_values import design_values, limits_of
+from solvers.search.horizon_search import HorizonSearch
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.prefetch import Prefetch
@@ -239,6 +240,8 @@ class FamilySearch:
         entered = StructureUnderWay(
             self.queue.entered, candidate, answer.solver_calls, lambda: self.told(self)
         )
+        if self.amounts:
+            entered.worth = self.worth
         given = StructureTask(
             program=self.program,
             task=self.task,
@@ -250,7 +253,8 @@ class FamilySearch:
             listener=entered,
         )
         effectors = self.effectors(candidate.model, answer)
-        self.queue.enter(entered, StructureSearch(given, self.abstraction).states(effectors))
+        search = HorizonSearch if self.task.at_most else StructureSearch
+        self.queue.enter(entered, search(given, self.abstraction).states(effectors))
 
     def leave(self, structure: StructureUnderWay) -> None:
         """A structure is searched to its end."""
@@ -330,6 +334,11 @@ class FamilySearch:
             return found
         others = (each for number, each in enumerate(found) if number != first)
         return (found[first], *others) if self.every else (found[first],)
+
+    def worth(self, design: Design) -> tuple[float | Fraction, ...]:
+        """Greater for a design that has less of what is to be least, the first objective first."""
+        values = design_values(design, self.amounts, self.task)
+        return (*(-value for value in values), design.robustness)
 
     def values(self, proved: Proved) -> tuple[Fraction, ...]:
         """What a design is worth in what is to be least."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 from compiler.robots.candidate import Candidate
 from compiler.words.derivation import Derivation
@@ -22,13 +23,18 @@ LATER = 3
 """By so many rounds."""
 
 
+def robustness_of(design: Design) -> tuple[float]:
+    """What a design is worth where nothing else is asked for."""
+    return (design.robustness,)
+
+
 @dataclass(slots=True)
 class StructureUnderWay:
     """A structure that is searched, and what is known of it; ``place`` is that among all searched.
 
     ``incumbent`` is a proved design, there before the attempt that it comes from has ended;
     ``waiting`` is the last motion that was seen, whose search or proof may go on.  ``told`` is
-    called when a better design was proved.
+    called when a better design was proved: one that is ``worth`` more.
     """
 
     place: int
@@ -39,6 +45,7 @@ class StructureUnderWay:
     state: StructureState = field(default_factory=StructureState)
     incumbent: Design | None = None
     waiting: NearestMotion | None = None
+    worth: Callable[[Design], tuple[float | Fraction, ...]] = field(default=robustness_of)
 
     @property
     def number(self) -> int:
@@ -69,7 +76,7 @@ class StructureUnderWay:
 
     def keep(self, design: Design) -> None:
         """A design was proved: it is there from now on, whatever ends the search."""
-        if self.incumbent is None or design.robustness > self.incumbent.robustness:
+        if self.incumbent is None or self.worth(design) > self.worth(self.incumbent):
             self.incumbent = design
             self.told()
 

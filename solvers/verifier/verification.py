@@ -129,7 +129,7 @@ def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch)
     if isinstance(claim, FoundClaim):
         model, report = check_found(claim, program, task, cells, watch)
         if report.outcome is Outcome.VALID:
-            further = _of_all_robots(folder, claim, program, task, model, report, watch)
+            further = _of_all_robots(folder, claim, program, claimed.asked, model, report, watch)
             report = replace(report, conditions=(*report.conditions, *further))
     else:
         model, report = None, _impossible(folder, claim, program, task, trust, watch)

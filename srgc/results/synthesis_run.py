@@ -285,6 +285,12 @@ def _write(
     Returns:
         whether they were drawn, or there is nothing to draw.
     """
+    design = result.design
+    if task.at_most:
+        # What is written is about the motion that was found.
+        nearest = None if result.nearest is None else result.nearest.trajectory.u
+        inputs = nearest if design is None else design.inputs
+        task = task if inputs is None else task.lasting(len(inputs))
     evidence = Evidence(result.records, result.lemmas).files()
     if result.bound is not None:
         evidence |= bound_evidence(result.bound).files()
@@ -294,7 +300,6 @@ def _write(
         files.write(name, content)
     if result.samples:
         files.write("evaluations.csv", evaluations_csv(result.samples))
-    design = result.design
     if design is None:
         _write_nearest(files, result, program, task)
         drawn = True

@@ -101,6 +101,9 @@ STATEMENTS = [
     ("task", "control open loop;"),
     ("task", "control feedback;"),
     ("task", "repeat;"),
+    ("task", "minimize modules;"),
+    ("task", "minimize sum(price) within 5 % then modules;"),
+    ("task", "minimize mass within (2 + 3) * 2 % then sum(sum) within -k % then effort;"),
     ("task", "satisfy eventually[0 s, 5 s] (A or B by effector 2);"),
     ("task", "satisfy not (not A) and always (A implies next B) until last[1 s] C;"),
 ]  # fmt: skip
@@ -150,6 +153,7 @@ SQUEEZED = [
     ("task", "robust effort 5%;", "robust effort 5 %;"),
     ("task", "robust effort 5%of bound;", "robust effort 5 % of bound;"),
     ("task", "control open\n loop;", "control open loop;"),
+    ("task", "minimize sum (a)within 5%then mass;", "minimize sum(a) within 5 % then mass;"),
 ]
 
 

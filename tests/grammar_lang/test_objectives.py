@@ -10,6 +10,7 @@ from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.load import load_text
+from tests.oracles.loaded_modules import loaded_after
 from tests.oracles.small_specs import TURNER, replaced
 
 MEMBERS = {
@@ -171,6 +172,8 @@ THERE_ARE = "the objectives are `modules`, `mass`, `effort` and `sum(NAME)`"
     [
         ("minimize speed;", "speed", "`speed` is no objective", THERE_ARE),
         ("minimize time;", "time", "`time` is no objective", THERE_ARE),
+        ("minimize sums;", "sums", "`sums` is no objective", THERE_ARE),
+        ("minimize masss(price);", "masss", "`masss` is no objective", THERE_ARE),
         ("minimize energy;", "energy", "`energy` is no objective", THERE_ARE),
         (
             "minimize module;",
@@ -182,13 +185,13 @@ THERE_ARE = "the objectives are `modules`, `mass`, `effort` and `sum(NAME)`"
             "minimize summ(price);",
             "summ",
             "`summ` is no objective",
-            f"did you mean `sum(NAME)`? {THERE_ARE}",
+            f"did you mean `sum`? {THERE_ARE}",
         ),
         (
             "minimize price;",
             "price",
             "`price` is no objective",
-            f"write `sum(price)` for the sum over the modules; {THERE_ARE}",
+            f"did you mean `sum(price)`? {THERE_ARE}",
         ),
         (
             "minimize sum;",
@@ -307,6 +310,41 @@ def test_within_is_a_plain_rational_number(within: str, code: str) -> None:
     assert at == within
 
 
+@pytest.mark.parametrize(
+    ("clause", "message", "hint"),
+    [
+        (
+            "minimize modules, mass;",
+            "expected `(`, `;`, `then` or `within`, found `,`",
+            "write `then` between objectives",
+        ),
+        (
+            "minimize sum(price) and mass;",
+            "expected `;`, `then` or `within`, found `and`",
+            "write `then` between objectives",
+        ),
+        (
+            "minimize modules within 5 % and mass;",
+            "expected `;` or `then`, found `and`",
+            "write `then` between objectives",
+        ),
+        (
+            "minimize modules within 5 then mass;",
+            "expected `%`, found `then`",
+            "write `%` here",
+        ),
+        ("minimize;", "expected a name, found `;`", "write a name here"),
+        ("minimise mass;", None, "did you mean `minimize`?"),
+    ],
+)
+def test_what_cannot_be_read(clause: str, message: str | None, hint: str) -> None:
+    found = load_text(spec(clause), "spec.srg").diagnostics
+    (error,) = [each for each in found if each.severity is Severity.ERROR]
+    assert error.code is Code.SYNTAX
+    assert message in {None, error.message}
+    assert error.hint == hint
+
+
 def test_repeated_objectives_and_clauses() -> None:
     clause = "minimize modules then sum(price) then mass then sum(price);"
     assert marked(clause) == [("error SRG0702", "a second `sum(price)`", "sum(price)")]
@@ -361,3 +399,37 @@ def test_objectives_of_a_robot_that_is_unknown() -> None:
         if each.severity is Severity.ERROR
     ]
     assert errors == [Code.UNKNOWN_NAME]
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "1/0",
+        "sqrt(-1)",
+        "tan(pi/2)",
+        "1e300 * 1e300",
+        "10^9999",
+        "sqrt(2)^2 - 2",
+        "pi - pi",
+        "0 * sqrt(2)",
+        "1e-300",
+        "world",
+        "rot(x, 1)",
+    ],
+)
+def test_odd_values_raise_nothing(value: str) -> None:
+    for own in (f"const price = {value};", f"param price in [{value}, 9];"):
+        text = spec("minimize sum(price);", {**MEMBERS, "L": own})
+        program = load_text(text, "spec.srg").program
+        if program is not None:
+            (objective,) = program.tasks["Turn"].minimize
+            assert dict(objective.amounts)["L"] in {None, 0, Fraction(1, 10**300)}
+
+
+def test_the_clause_loads_what_reads_it() -> None:
+    run = "from srgc.session import check_file; from pathlib import Path; check_file(Path({!r}))"
+    loaded = loaded_after(run.format("specs/planar_arm.srg"))
+    assert "grammar_lang.elaboration.tasks" in loaded
+    lazy = {"grammar_lang.elaboration.objectives", "compiler.checks.objective_checks"}
+    assert not lazy & loaded
+    assert lazy <= loaded_after(run.format("tests/oracles/complete.srg"))

@@ -112,6 +112,8 @@ task Turn {
     0) m within 1 rates <= 2; payload 2 kg; payload (1 + 1) kg by effector 1;
   carry 2 kg from A to B; carry (1 + 1) kg from from to to by effector 1 rates <= 0.1 rad/s;
   carry 1 from to to from rates <= 2;
+  minimize modules; minimize sum ( then ) within 5 % then sum(within) within (1 + a) * 2 % /* then
+    */ then effort then within within within % then mass;
   avoid with, with with body, margin 2 cm;
   avoid O with effector margin (1 + 2) cm;
   avoid self with body; avoid self with body, except except except, margin Tube;

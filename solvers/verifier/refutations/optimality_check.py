@@ -90,7 +90,7 @@ def objective_conditions(
         for amount, each in zip(known, claim.values, strict=True)
     ]
     for each in stated:
-        _check_value(each, found, model, share)
+        _check_value(each, found, model, share, task.step)
     try:
         _check_least(folder, found, claim, program, task, stated, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
@@ -110,11 +110,12 @@ def _says(stated: _Stated) -> str:
 
 
 def _check_value(
-    stated: _Stated, found: FoundClaim, model: RobotModel, share: float | None
+    stated: _Stated, found: FoundClaim, model: RobotModel, share: float | None, step: Fraction
 ) -> None:
     """The value is that of the robot; what is rational is stated exactly."""
     values = claimed_values(found, model)
-    bounds = value_bounds(stated.amount, found.word, model, values, share)
+    time = found.steps * step
+    bounds = value_bounds(stated.amount, found.word, model, values, share, time)
     if bounds is None:
         raise Refused(f"`{stated.amount.text}` has no finite value")
     low, high = bounds

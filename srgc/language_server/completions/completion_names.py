@@ -10,6 +10,7 @@ from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
 from grammar_lang.elaboration.modules import INPUT
+from grammar_lang.names.clause_names import symbols_of
 from grammar_lang.names.declarations import (
     REGIONS,
     Kind,
@@ -239,6 +240,8 @@ class NamesDue:
             yield from self._origin()
         elif head == ("carry",) and self._last in {"from", "to"}:
             yield from self._regions(maps=False)
+        elif head == ("minimize",) and not self._value:
+            yield from self._objectives()
         elif head == ("avoid",) and "except" in self._said:
             yield from _named(declared.modules, _KINDS.Class, "module")
         elif head in {("start",), ("reach",), ("avoid",), ("satisfy",)} and not self._value:
@@ -248,14 +251,27 @@ class NamesDue:
         elif self._value:
             yield Offer("pi", _KINDS.Constant, "3.14159…")
 
-    def _regions(self, *, maps: bool) -> Iterator[Offer]:
-        said = self._cursor.before
-        pairs = pairwise(said)
-        named = next((name for word, name in pairs if word == "workspace"), "")
+    def _objectives(self) -> Iterator[Offer]:
+        """What can be minimized, or inside of ``sum(…)`` what the modules have."""
+        if self._last != "(":
+            yield from OBJECTIVES
+        elif self._said[-2:] == ("sum", "("):
+            grammar = self._declared.grammars.get(self._chosen("robot", t.Robot))
+            symbols = {} if grammar is None else dict.fromkeys(symbols_of(grammar))
+            for offer in (o for name in symbols for o in self._members(name, semantics=True)):
+                if offer.detail in {"constant", "parameter"}:
+                    yield offer
+
+    def _chosen(self, word: str, kind: type[t.Robot | t.TaskWorkspace]) -> str:
+        """The robot or the workspace of the task; nothing where none is chosen."""
+        named = next((name for each, name in pairwise(self._cursor.before) if each == word), "")
         task = self._declared.tasks.get(self._cursor.item[1])
         if not named and task is not None:
-            items = (i for i in task.items if isinstance(i, t.TaskWorkspace))
-            named = next((item.name.text for item in items), "")
+            named = next((item.name.text for item in task.items if isinstance(item, kind)), "")
+        return named
+
+    def _regions(self, *, maps: bool) -> Iterator[Offer]:
+        named = self._chosen("workspace", t.TaskWorkspace)
         for name, place in self._declared.places.get(named, {}).items():
             kind = "region" if place.kind in REGIONS else "map"
             if maps or kind == "region":
@@ -277,6 +293,14 @@ class NamesDue:
             for name, place in sorted(places.items(), key=lambda at: at[1]):
                 if word[place] in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place]}")
+
+
+OBJECTIVES = (
+    Offer("modules", _KINDS.EnumMember, "the number of modules"),
+    Offer("mass", _KINDS.EnumMember, "the mass of all bodies, without loads"),
+    Offer("effort", _KINDS.EnumMember, "the largest share of its bound that an input uses"),
+    Offer("sum", _KINDS.Function, "the sum of an attribute over the modules", "sum($0)"),
+)
 
 
 # --- The arguments of emissions and functions, for signatures and completion ----------------------

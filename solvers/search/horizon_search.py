@@ -1,0 +1,91 @@
+"""The search of a structure whose motion may take any number of steps up to a horizon.
+
+A motion is looked for that takes all of the horizon, then parts of it.  Where time is to be least,
+the way of a proved design is gone along as fast as its drives allow, and that is where the next,
+shorter motion begins.  Of a number of steps for which no motion was found nothing is concluded: a
+shorter one may exist, as well as a longer one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+
+from compiler.workspaces.abstraction import Abstraction
+from solvers.search.path_search import PathSearch, StructureTask
+from solvers.search.path_task import Design
+from solvers.search.round_task import round_tasks
+from solvers.search.search_state import PathAttempt, StructureState
+from solvers.search.shorter_motion import fastest_way, shorter_motion
+from solvers.search.structure_search import StructureSearch
+
+PARTS = (1.0, 0.5, 0.75, 0.25)
+"""The parts of the horizon that a motion takes, in turn, until one is found."""
+FEWEST = 0.5
+"""The fewest steps that are tried, relative to what the fastest timing of a known way takes."""
+ATTEMPTS = 12
+"""So many numbers of steps are tried for a shorter motion of a structure."""
+
+
+@dataclass(frozen=True, slots=True)
+class HorizonSearch:
+    """The search of a structure in a workspace that is divided into ``cells``."""
+
+    given: StructureTask
+    cells: Abstraction
+
+    def states(self, effectors: Sequence[int]) -> Iterator[StructureState]:
+        """What is known after each attempt; the last one says why no more are made.
+
+        ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
+        """
+        state, reason = StructureState(), ""
+        for steps in self.horizons():
+            before = state.attempts
+            for found in StructureSearch(self.lasting(steps), self.cells).states(effectors):
+                state = replace(found, attempts=(*before, *found.attempts), reason=None)
+                reason = found.reason or reason
+                yield state
+            if state.design is not None:
+                break
+        best = state.design
+        if best is not None and any(each.kind == "time" for each in self.given.task.minimize):
+            for attempt in self.shorter(best):
+                state = replace(state, attempts=(*state.attempts, attempt))
+                yield state
+        yield replace(state, reason=reason or "no motion was found")
+
+    def horizons(self) -> list[int]:
+        """The numbers of steps of motions that are looked for, in turn."""
+        most = self.given.task.steps
+        return list(dict.fromkeys(max(1, int(part * most)) for part in PARTS))
+
+    def lasting(self, steps: int) -> StructureTask:
+        """The structure in the task of motions of so many steps."""
+        task, name = self.given.task.lasting(steps), f"{self.given.number}@{steps}"
+        return replace(self.given, task=task, name=name)
+
+    def shorter(self, best: Design) -> Iterator[PathAttempt]:
+        """Attempts at motions along the way of the best design so far, of ever fewer steps."""
+        failed, step = 0, float(self.given.task.step)
+        for _ in range(ATTEMPTS):
+            most = len(best.inputs)
+            way = fastest_way(self.paths(best, most), best)
+            fewest = most if way is None else max(1, ceil(way.duration / step))
+            failed = max(failed, min(most, int(FEWEST * fewest)))
+            if most - failed <= 1:
+                return
+            steps = fewest if failed < fewest < most else (failed + most) // 2
+            self.given.context.check_time()
+            attempt = shorter_motion(self.paths(best, steps), self.cells, best, way)
+            yield attempt
+            if attempt.design is None:
+                failed = steps
+            else:
+                best = attempt.design
+
+    def paths(self, best: Design, steps: int) -> PathSearch:
+        """The search of paths of motions of so many steps, which the effector of a design ends."""
+        given = self.lasting(steps)
+        return PathSearch(given, round_tasks(given.task, best.effector)[0], best.effector)

@@ -1,0 +1,122 @@
+"""A motion of fewer steps along the way of a proved design, as fast as drives allow at first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.workspaces.abstraction import Abstraction
+from solvers.search.calm_motion import calmer
+from solvers.search.cell_timing import settled
+from solvers.search.closed_loop import needs_feedback
+from solvers.search.configuration_search import Configuration
+from solvers.search.evaluation import Evaluator, SolveRequest, free_parameters
+from solvers.search.first_motion import followed
+from solvers.search.path_search import PathSearch, blocked_by
+from solvers.search.path_task import Design, entered
+from solvers.search.search_state import PathAttempt
+from solvers.trajectory.control import as_it_is
+from solvers.trajectory.control_problem import FULL, ControlOutcome
+from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import Entries
+from solvers.trajectory.time_optimal import Timing, fastest_timing
+from solvers.trajectory.trajectory import Trajectory
+
+
+def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
+    """The way of a design in joint space, gone along as fast as the drives allow; None: unknown."""
+    motion, numeric = best.configuration.outcome.trajectory, paths.structure.numeric
+    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    if path_problem is None:
+        return None
+    return fastest_timing(
+        numeric, path_problem.limits, path_problem.groups, motion.theta,
+        motion.x[:, : numeric.n],
+    )  # fmt: skip
+
+
+def shorter_motion(
+    paths: PathSearch, cells: Abstraction, best: Design, way: Timing | None
+) -> PathAttempt:
+    """The attempt at a motion of as many steps as the task of ``paths`` has.
+
+    Args:
+        paths: the search of paths of such motions.
+        cells: the cells of the workspace, where the design has no others.
+        best: the design of which the way is followed.
+        way: its way with the fastest timing; None: its own timing, stretched.
+    """
+    steps, context = paths.shape.task.steps, paths.structure.context
+    cells = best.abstraction if best.abstraction.cuts else cells
+    path_problem = _problem(paths, cells, best, steps)
+    if path_problem is None:
+        return PathAttempt(blocked_by(best.configuration.outcome))
+    entries = path_problem.waypoints()[1]
+    start = _seed(path_problem, best, way, entries)
+    label = f"{paths.structure.label}|shorter"
+    evaluator = Evaluator(path_problem, context.workers, context.journal, label)
+    box = free_parameters(path_problem, start)
+    (outcome,) = evaluator.solutions([SolveRequest(start, entries, box, FULL, released=True)])
+    if not outcome.feasible:
+        return PathAttempt(blocked_by(outcome), outcome.robustness)
+    at = settled(path_problem, outcome, entries, context)
+    if at is None:
+        return PathAttempt(blocked_by(outcome), outcome.robustness)
+    found = Configuration(
+        at.outcome, at.entries, at.path_problem.cells, bound=at.path_problem.bound
+    )
+    return paths.proved(path_problem, found, label)
+
+
+def _problem(paths: PathSearch, cells: Abstraction, best: Design, steps: int) -> PathProblem | None:
+    """The path problem along the cells of a design; None where its formula does not allow that."""
+    old, routes = len(best.inputs), []
+    for effector, names in enumerate(best.path):
+        route = entered(cells, effector, names)
+        if route is None:
+            return None
+        routes.append(route)
+    leader = routes[best.leader]
+    found = paths.place.path_problem(cells, best.effector, best.leader, leader.cells)
+    if found.formula is not None:
+        timing = _scaled(leader.entries or (0,), steps / old)
+        others = tuple(
+            replace(route, entries=_scaled(route.entries or (0,), steps / old))
+            for route in routes
+            if route is not leader
+        )
+        found = replace(found, timing=timing, others=others)
+        if not found.allows(timing):
+            return None
+    elif len(leader.cells) > steps:
+        return None
+    return calmer(found) if best.controller is not None or needs_feedback(found) else found
+
+
+def _scaled(entries: Entries, part: float) -> Entries:
+    """Entries of a motion of another length, each cell with a sample of its own."""
+    found = list[int]()
+    for entry in entries:
+        found.append(max(round(entry * part), found[-1] + 1 if found else 0))
+    return tuple(found)
+
+
+def _seed(
+    path_problem: PathProblem, best: Design, way: Timing | None, entries: Entries
+) -> Trajectory:
+    """The motion along the way of a design, with the inputs that bring a robot along it."""
+    motion, n = best.configuration.outcome.trajectory, path_problem.numeric.n
+    steps = path_problem.task.steps
+    if way is None:
+        places = np.linspace(0.0, len(motion.u), steps + 1)
+        samples = np.arange(len(motion.x))
+        columns = [np.interp(places, samples, column) for column in motion.x[:, :n].T]
+        q: Array = np.stack(columns, axis=1)
+    else:
+        q = way.sampled(steps)
+    problem = path_problem.problem(entries, released=True)
+    (found,) = followed(path_problem, q[None], motion.theta, problem.loads)
+    at: ControlOutcome | None = as_it_is(problem, found)
+    return found if at is None else at.trajectory
