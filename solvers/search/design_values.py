@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from compiler.expressions.exact_numbers import Bounds
 from compiler.objectives.least_values import Amount
 from compiler.objectives.ordered_structures import Limit
 from compiler.objectives.values import MotionValues, value_bounds
@@ -19,18 +20,27 @@ def design_values(design: Design, amounts: Sequence[Amount], task: ir.Task) -> t
     Raises:
         ValueError: one of them has no finite value.
     """
+    return tuple(high for _, high in design_bounds(design, amounts, task))
+
+
+def design_bounds(design: Design, amounts: Sequence[Amount], task: ir.Task) -> tuple[Bounds, ...]:
+    """Rationals that contain what a design is worth in each objective, in SI units.
+
+    Raises:
+        ValueError: one of them has no finite value.
+    """
     motion = MotionValues(
         robustness_share(design, task), len(design.inputs) * task.step,
         energy_bounds(design.conditions),
     )  # fmt: skip
-    found: list[Fraction] = []
+    found: list[Bounds] = []
     for amount in amounts:
         bounds = value_bounds(
             amount, design.derivation.word, design.model, design.parameters, motion
         )
         if bounds is None:
             raise ValueError(f"{amount.text} has no finite value")
-        found.append(bounds[1])
+        found.append(bounds)
     return tuple(found)
 
 

@@ -141,11 +141,11 @@ def optimality(
     return _Judgement(family, task, limits, records, lemmas).result()
 
 
-def stated(amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
+def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
     """The objectives of a design of which nothing is proved but what it has."""
     pairs = zip(amounts, values, strict=True)
     found = tuple(ObjectiveResult(*pair, Fraction(0), 0, more=True) for pair in pairs)
-    return Optimality(found, None, (), (), ())
+    return Optimality(found, task.modules, (), (), ())
 
 
 def _may_be_less(record: StructureRecord, limits: Sequence[Limit]) -> bool:

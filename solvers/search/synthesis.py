@@ -203,8 +203,13 @@ def _result(
         lemmas=tuple(run.lemmas),
         bound=run.bound if designs else None,
         unbounded=_unbounded(run, late) if designs else None,
-        optimality=stated(run.amounts, run.values(designs[0])) if designs and run.amounts else None,
+        optimality=_stated(run, designs[0]) if designs and run.amounts else None,
     )
+
+
+def _stated(run: FamilySearch, best: Proved) -> Optimality:
+    """What the best design has of the objectives, of which nothing else is proved yet."""
+    return stated(run.task, run.amounts, run.values(best))
 
 
 def _unbounded(run: FamilySearch, late: OutOfTimeError | None) -> str | None:

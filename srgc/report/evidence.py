@@ -287,7 +287,15 @@ def checked_designs(content: Mapping[str, Any], path: Path) -> None:
     Raises:
         UsageFault: it is not what ``srgc synth`` writes.
     """
-    if not all(_all(content.get(name, []), _is_design) for name in ("designs", "dominated")):
+    values = None
+    if "units" in content:
+        names, units = content.get("objectives", []), content["units"]
+        words = _is_word(names) and _is_word(units) and len(names) == len(units) > 0
+        if not words or not isinstance(content.get("chosen"), int):
+            raise UsageFault(f"{path} is not what `srgc synth` writes")
+        values = len(units)
+    groups = (content.get(name, []) for name in ("designs", "dominated"))
+    if not all(_all(group, lambda one: _is_design(one, values)) for group in groups):
         raise UsageFault(f"{path} is not what `srgc synth` writes")
 
 
@@ -330,12 +338,19 @@ def _is_formula(one: Mapping[str, Any]) -> bool:
     return value is None or _is_number(value)
 
 
-def _is_design(one: Mapping[str, Any]) -> bool:
+def _is_design(one: Mapping[str, Any], values: int | None) -> bool:
+    """Whether it has so many values in a list; None: those that are usual, by their names."""
+    listed: Any = one.get("values")
+    if values is None:
+        listed = [one.get(name) for name in ("modules", "total_length", "robustness")]
     return (
-        all(_is_number(one.get(name)) for name in ("structure", "modules", "total_length"))
-        and _is_number(one.get("robustness"))
+        isinstance(listed, list)
+        and len(listed) == (values or 3)
+        and all(map(_is_number, listed))
+        and isinstance(one.get("structure"), int)
+        and isinstance(one.get("dominated_by", 0), int)
         and _is_word(one.get("word"))
-        and isinstance(one.get("folder"), str)
+        and isinstance(one.get("folder", 0), str | None)
     )
 
 

@@ -240,6 +240,8 @@ def design_text(
         content["smt"] = identity.smt
     if identity.gap is not None:
         content["gap"] = identity.gap
+    if identity.front:
+        content["front"] = True
     if result.lemmas:
         content["lemmas"] = [_lemma(claim) for claim in _evidence(result).lemma_claims()]
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"

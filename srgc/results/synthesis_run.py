@@ -19,7 +19,9 @@ from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
 from solvers.run_context import EVALUATIONS, PATHS, RunContext
+from solvers.search.design_values import design_values
 from solvers.search.family_search import Proved
+from solvers.search.optimality import stated
 from solvers.search.path_task import Design
 from solvers.search.synthesis import Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
@@ -71,6 +73,8 @@ class SynthesisOptions:
     smt: str | None = None
     gap: float | None = None
     """In percent."""
+    front: bool = False
+    """Of all designs those alone are kept that none dominates."""
 
 
 def run_synthesis(
@@ -97,6 +101,7 @@ def _run(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
         options.solver, options.search, unusual(options.paths, PATHS),
         unusual(options.evaluations, EVALUATIONS), not options.lemmas, options.smt, options.gap,
+        options.front,
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,
@@ -221,28 +226,33 @@ def _write_all(
     files: Mapping[str, bytes],
     limit: TimeLimit,
 ) -> bool:
-    """All designs, each in a folder of results of its own, and the tables about them.
+    """All designs to be kept, each in a folder of its own, and the tables about all of them.
 
     Returns:
         whether all were drawn.
     """
-    from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_rows
+    from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_table
 
-    drawn = True
+    drawn, table = True, pareto_table(result, program, task, front_only=folder.identity.front)
+    dominated = {row.structure for row in table.dominated} if table.front_only else set()
     for proved in result.designs:
+        if proved.number in dominated:
+            continue
         own = folder.files.within(f"designs/{proved.number}")
         for name, content in files.items():
             own.write(f"spec/{name}", content)
-        one = alone(result, proved)
+        one = alone(result, proved, task)
         drawn &= _write(own, one, program, task, spec, folder.identity, limit)
-    rows = pareto_rows(result, program, task)
-    folder.files.write("pareto.csv", pareto_csv(rows))
-    folder.files.write("pareto.json", pareto_json(rows, result.ended))
+    folder.files.write("pareto.csv", pareto_csv(table))
+    folder.files.write("pareto.json", pareto_json(table))
     return drawn
 
 
-def alone(result: Synthesis, proved: Proved) -> Synthesis:
+def alone(result: Synthesis, proved: Proved, task: ir.Task) -> Synthesis:
     """One design of a result as the result of a search of its structure alone."""
+    asked = () if result.optimality is None else result.optimality.objectives
+    amounts = tuple(each.amount for each in asked)
+    values = design_values(proved.design, amounts, task)
     samples = (each for each in result.samples if each.structure == proved.number)
     known = (each for each in result.counterexamples if each.structure == proved.number)
     return replace(
@@ -253,6 +263,7 @@ def alone(result: Synthesis, proved: Proved) -> Synthesis:
         counts=proved.counts,
         designs=(replace(proved, number=0),),
         lemmas=(),
+        optimality=stated(task, amounts, values) if asked else None,
         samples=tuple(replace(each, structure=0) for each in samples),
         counterexamples=tuple(replace(each, structure=0) for each in known),
     )
