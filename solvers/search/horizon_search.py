@@ -29,6 +29,8 @@ PARTS = (1.0, 0.5, 0.75, 0.25)
 """The parts of the horizon that a motion takes, in turn, until one is found."""
 FEWEST = 0.5
 """The fewest steps that are tried, relative to what the fastest timing of a known way takes."""
+CALM = 0.0, 1.0, 10.0
+"""Prices on rates of motions that may take less energy, relative to that of calm ones."""
 ATTEMPTS = 12
 """So many numbers of steps are tried for a shorter motion of a structure."""
 
@@ -62,16 +64,38 @@ class HorizonSearch:
 
     def improved(self, best: Design) -> Iterator[PathAttempt]:
         """Attempts at designs with less of what is to be least, one objective after another."""
-        held = np.full(len(best.model.parameters), np.nan)
+        held, longest = np.full(len(best.model.parameters), np.nan), len(best.inputs)
         for amount in amounts(self.given.program, self.given.task):
-            if amount.objective.kind == "time" and self.given.task.at_most:
+            kind = amount.objective.kind
+            if kind == "time" and self.given.task.at_most:
                 best = yield from self.shorter(best, held)
-            if amount.objective.kind in ("mass", "sum"):
+                longest = int(len(best.inputs) * (1 + amount.objective.within))
+            elif kind in ("mass", "sum"):
                 paths = self.paths(best, len(best.inputs))
                 best = yield from LessenedParameters(paths, amount, held).attempts(best)
                 theta = best.configuration.outcome.trajectory.theta
                 ends = least_ends(amount, best.model, theta)
                 held = np.where(np.isnan(held), ends, held)
+            elif kind in ("energy", "effort"):
+                yield from self.gentler(best, held, longest, CALM if kind == "energy" else (0.0,))
+
+    def gentler(
+        self, best: Design, held: Array, longest: int, prices: Sequence[float]
+    ) -> Iterator[PathAttempt]:
+        """Attempts at motions of as many steps as are left, with some prices on rates."""
+        for price in prices:
+            if longest == len(best.inputs) and not price:
+                continue
+            self.given.context.check_time()
+            paths, box = self.paths(best, longest), self.box(best, held)
+            way = fastest_way(self.paths(best, len(best.inputs)), best)
+            yield shorter_motion(paths, self.cells, best, way, box, price)
+
+    def box(self, best: Design, held: Array) -> tuple[Array, Array] | None:
+        """Bounds (p,) of parameters that get no farther from the ends that are ``held``."""
+        if np.isnan(held).all():
+            return None
+        return kept_box(best.model, best.configuration.outcome.trajectory.theta, held)
 
     def horizons(self) -> list[int]:
         """The numbers of steps of motions that are looked for, in turn."""
@@ -102,9 +126,8 @@ class HorizonSearch:
                 break
             steps = fewest if failed < fewest < most else (failed + most) // 2
             self.given.context.check_time()
-            theta = best.configuration.outcome.trajectory.theta
-            box = None if np.isnan(held).all() else kept_box(best.model, theta, held)
-            attempt = shorter_motion(self.paths(best, steps), self.cells, best, way, box)
+            paths, box = self.paths(best, steps), self.box(best, held)
+            attempt = shorter_motion(paths, self.cells, best, way, box)
             yield attempt
             if attempt.design is None:
                 failed = steps

@@ -43,6 +43,7 @@ def shorter_motion(
     best: Design,
     way: Timing | None,
     box: tuple[Array, Array] | None = None,
+    price: float = 0.0,
 ) -> PathAttempt:
     """The attempt at a motion of as many steps as the task of ``paths`` has.
 
@@ -52,15 +53,19 @@ def shorter_motion(
         best: the design of which the way is followed.
         way: its way with the fastest timing; None: its own timing, stretched.
         box: bounds (p,) of the parameters; None: their ranges.
+        price: that on rates, relative to that of calm motions; 0: what feedback asks for.
     """
     steps = paths.shape.task.steps
     cells = best.abstraction if best.abstraction.cuts else cells
     path_problem = _problem(paths, cells, best, steps)
     if path_problem is None:
         return PathAttempt(blocked_by(best.configuration.outcome))
+    if price:
+        path_problem = calmer(path_problem)
+        path_problem = replace(path_problem, rates=price * path_problem.rates)
     entries = path_problem.waypoints()[1]
     start = _seed(path_problem, best, way, entries)
-    label = f"{paths.structure.label}|shorter"
+    label = f"{paths.structure.label}|shorter{price or ''}"
     return _solved(paths, path_problem, start, box or free_parameters(path_problem, start), label)
 
 

@@ -145,7 +145,7 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     """What is proved of the objectives of the best design."""
     if not run.amounts:
         return None
-    values, records = run.values(run.designs[0]), run.all_records(PUT_OFF)
+    values, records = run.values(run.designs[0].design), run.all_records(PUT_OFF)
     found = optimality(run.whole, run.task, run.amounts, values, records, run.lemmas, run.context)
     if not any(each.objective.kind == "time" for each in run.amounts) or not run.task.at_most:
         return found
@@ -209,7 +209,7 @@ def _result(
 
 def _stated(run: FamilySearch, best: Proved) -> Optimality:
     """What the best design has of the objectives, of which nothing else is proved yet."""
-    return stated(run.task, run.amounts, run.values(best))
+    return stated(run.task, run.amounts, run.values(best.design))
 
 
 def _unbounded(run: FamilySearch, late: OutOfTimeError | None) -> str | None:
