@@ -56,7 +56,7 @@ class ObjectiveResult:
             return stated
         if self.is_least:
             return f"least {stated}"
-        if self.undecided or self.more:
+        if (self.undecided or self.more) and not self.amount.objective.within:
             robots = "a robot that was not tried does it"
             if self.undecided:
                 which = (
