@@ -28,51 +28,57 @@ from solvers.search.time_bound import TimeBound
 class ObjectiveResult:
     """What the design has of an objective, and the least that is proved of all robots.
 
-    ``value`` and ``least`` are in SI units: no robot that has of the objectives before what these
-    leave has less than ``least``.  So many robots that may have less than ``value`` are
-    ``undecided``; where not all of them were looked at, there may be ``more``.
+    All are in SI units: ``value`` is that of the design, ``best`` the least of all designs, and no
+    robot that has of the objectives before at most what these leave (``most``) has less than
+    ``least``.  So many robots that may have less than ``best`` are ``undecided``; where not all of
+    them were looked at, there may be ``more``.
     """
 
     amount: Amount
     value: Fraction
+    best: Fraction
+    most: Fraction
     least: Fraction
     undecided: int
     more: bool
 
     @property
     def is_least(self) -> bool:
-        """Whether no robot has less."""
-        return self.least >= self.value
+        """Whether no robot has less than the best design."""
+        return self.least >= self.best
 
     @property
     def gap(self) -> Fraction | None:
-        """By which part of the least that is proved the value is above it; None where that is 0."""
-        return self.value / self.least - 1 if self.least > 0 else None
+        """By which part of the proved least the best is above it; None where that is 0."""
+        return self.best / self.least - 1 if self.least > 0 else None
 
     @property
     def text(self) -> str:
         """What is known of it, in words."""
-        stated = amount_text(self.amount.objective, self.value)
+        said = self._best_text()
+        if self.value > self.best:
+            return f"{amount_text(self.amount.objective, self.value)} ({said})"
+        return said
+
+    def _best_text(self) -> str:
+        best = amount_text(self.amount.objective, self.best)
         if self.is_least:
-            return f"least {stated}"
+            return f"least {best}"
         if self.amount.is_ordering and (self.undecided or self.more):
-            robots = "a robot that was not tried does it"
-            if self.undecided:
-                which = (
-                    "the undecided robot"
-                    if self.undecided == 1
-                    else (f"one of {self.undecided} undecided robots")
-                )
-                robots = (
-                    f"{which}, or one that was not tried, does it"
-                    if self.more
-                    else (f"{which} does it")
-                )
-            return f"least {stated}, unless {robots} for less"
+            return f"least {best}, unless {self._others()} for less"
         if self.gap is None:
-            return stated
+            return best
         least = amount_text(self.amount.objective, self.least)
-        return f"{stated}; no robot has less than {least} (gap {float(100 * self.gap):.2g} %)"
+        return f"{best}; no robot has less than {least} (gap {float(100 * self.gap):.2g} %)"
+
+    def _others(self) -> str:
+        """The robots that may have less, and do it."""
+        if not self.undecided:
+            return "a robot that was not tried does it"
+        which = "the undecided robot"
+        if self.undecided > 1:
+            which = f"one of {self.undecided} undecided robots"
+        return f"{which}, or one that was not tried, does it" if self.more else f"{which} does it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +112,7 @@ class Optimality:
 def optimality(
     family: RobotFamily,
     task: ir.Task,
-    amounts: Sequence[Amount],
+    limits: tuple[Limit, ...],
     values: Sequence[Fraction],
     known: Sequence[StructureRecord],
     lemmas: Sequence[Lemma],
@@ -117,8 +123,8 @@ def optimality(
     Args:
         family: the whole family of the task, without maps.
         task: the task, without maps.
-        amounts: its objectives.
-        values: what the design has of each.
+        limits: what all designs leave of each of its objectives.
+        values: what the best design has of each.
         known: what became of the structures that were tried.
         lemmas: those of the search.
         context: how to search for coverings.
@@ -126,7 +132,6 @@ def optimality(
     Raises:
         OutOfTimeError: there was no time for the coverings.
     """
-    limits = tuple(map(Limit, amounts, values))
     due = {
         number
         for number, record in enumerate(known)
@@ -138,13 +143,16 @@ def optimality(
     records, late = covered(known, family, task, context, due)
     if late is not None:
         raise late
-    return _Judgement(family, task, limits, records, lemmas).result()
+    return _Judgement(family, task, limits, values, records, lemmas).result()
 
 
 def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
     """The objectives of a design of which nothing is proved but what it has."""
     pairs = zip(amounts, values, strict=True)
-    found = tuple(ObjectiveResult(*pair, Fraction(0), 0, more=True) for pair in pairs)
+    found = tuple(
+        ObjectiveResult(amount, value, value, Limit(amount, value).most, Fraction(0), 0, more=True)
+        for amount, value in pairs
+    )
     return Optimality(found, task.modules, (), (), ())
 
 
@@ -163,6 +171,7 @@ class _Judgement:
     family: RobotFamily
     task: ir.Task
     limits: tuple[Limit, ...]
+    values: Sequence[Fraction]
     known: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]
     modules: int | None = field(init=False)
@@ -228,9 +237,10 @@ class _Judgement:
         return found
 
     def _objective(self, place: int) -> ObjectiveResult:
-        limit = self.limits[place]
+        limit, value = self.limits[place], self.values[place]
+        stated = limit.amount, value, limit.least, limit.most
         if not limit.amount.is_ordering:
-            return ObjectiveResult(limit.amount, limit.least, Fraction(0), 0, more=False)
+            return ObjectiveResult(*stated, Fraction(0), 0, more=False)
         least, undecided, more = limit.least, 0, False
         for candidate in self._below(place, limit.least):
             record = self.records.get(candidate.derivation.labels)
@@ -240,7 +250,7 @@ class _Judgement:
             least, more = min(least, own), more or record is None
             if record is not None and record.verdict not in ("found", "same"):
                 undecided += 1
-        return ObjectiveResult(limit.amount, limit.least, least, undecided, more)
+        return ObjectiveResult(*stated, least, undecided, more)
 
     def _refuted(
         self, candidate: Candidate

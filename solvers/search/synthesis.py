@@ -25,6 +25,7 @@ from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
+from solvers.search.design_values import limits_of
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.least_search import LeastSearch
 from solvers.search.narrowed_family import NoBoundError, Tried
@@ -146,10 +147,12 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     if not run.amounts:
         return None
     values, records = run.values(run.designs[0].design), run.all_records(PUT_OFF)
-    found = optimality(run.whole, run.task, run.amounts, values, records, run.lemmas, run.context)
+    limits, _ = limits_of(run.all_values, run.amounts)
+    found = optimality(run.whole, run.task, limits, values, records, run.lemmas, run.context)
     if not any(each.objective.kind == "time" for each in run.amounts) or not run.task.at_most:
         return found
-    best, tried = len(run.designs[0].design.inputs), Tried(records, tuple(run.lemmas))
+    best = min(len(design.inputs) for each in run.all_searched for design in each.proved)
+    tried = Tried(records, tuple(run.lemmas))
     try:
         bound = time_bound(run.whole, run.task, run.context, tried, best)
     except NoBoundError as why:

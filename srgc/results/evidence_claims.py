@@ -130,7 +130,9 @@ def objectives_claim_of(found: Optimality) -> ObjectivesClaim:
     """The objectives of a design as a certificate states them."""
     rests_on = least_evidence(found)
     values = tuple(
-        ObjectiveValue(each.amount.text, exact_text(each.value), exact_text(each.least))
+        ObjectiveValue(
+            each.amount.text, exact_text(each.value), exact_text(each.least), exact_text(each.most)
+        )
         for each in found.objectives
     )
     return ObjectivesClaim(

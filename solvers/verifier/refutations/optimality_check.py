@@ -51,11 +51,7 @@ class _Stated:
     amount: Amount
     value: Fraction
     least: Fraction
-
-    @property
-    def most(self) -> Fraction:
-        """What it leaves to robots in the objectives behind it."""
-        return self.value * (1 + self.amount.objective.within)
+    most: Fraction
 
 
 def objective_conditions(
@@ -87,7 +83,7 @@ def objective_conditions(
     if [amount.text for amount in known] != [each.objective for each in claim.values]:
         raise Refused("the objectives of the certificate are not those of the task")
     stated = [
-        _Stated(amount, exact(each.value), exact(each.least))
+        _Stated(amount, exact(each.value), exact(each.least), exact(each.most))
         for amount, each in zip(known, claim.values, strict=True)
     ]
     for each in stated:
@@ -99,18 +95,23 @@ def objective_conditions(
                 _check_time(folder, found, claim.time, program, task, each.least, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         raise Refused(f"it is not proved that no robot has less: {error}") from None
-    return tuple(CheckedCondition(_says(each), Status.HOLDS, NO_MARGIN, "") for each in stated)
+    said = (_says(stated[:k], each) for k, each in enumerate(stated))
+    return tuple(CheckedCondition(text, Status.HOLDS, NO_MARGIN, "") for text in said)
 
 
-def _says(stated: _Stated) -> str:
-    """What is proved of an objective, in words."""
+def _says(before: Sequence[_Stated], stated: _Stated) -> str:
+    """What is proved of an objective, in words; it is about robots within those ``before``."""
     objective = stated.amount.objective
     value = amount_text(objective, stated.value)
     if not stated.least > 0:
         return value
+    # What is proved of the least time is about all robots.
+    weighed = [each for each in before if each.amount.weights and objective.kind != "time"]
+    limits = " and ".join(amount_text(e.amount.objective, e.most) for e in weighed)
+    which = f"no robot with at most {limits}" if limits else "no robot"
     if stated.least == stated.value:
-        return f"{value}: no robot has less"
-    return f"{value}: no robot has less than {amount_text(objective, stated.least)}"
+        return f"{value}: {which} has less"
+    return f"{value}: {which} has less than {amount_text(objective, stated.least)}"
 
 
 def _check_value(
