@@ -107,8 +107,8 @@ def _says(before: Sequence[_Stated], stated: _Stated) -> str:
         return value
     # What is proved of the least time is about all robots.
     weighed = [each for each in before if each.amount.weights and objective.kind != "time"]
-    limits = " and ".join(amount_text(e.amount.objective, e.most) for e in weighed)
-    which = f"no robot with at most {limits}" if limits else "no robot"
+    limits = [amount_text(each.amount.objective, each.most, "at most") for each in weighed]
+    which = f"no robot with {' and '.join(limits)}" if limits else "no robot"
     if stated.least == stated.value:
         return f"{value}: {which} has less"
     return f"{value}: {which} has less than {amount_text(objective, stated.least)}"
