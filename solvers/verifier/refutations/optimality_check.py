@@ -42,6 +42,8 @@ from solvers.verifier.report import Refused
 
 CLOSELY = Fraction(1, 10**9)
 """How closely a value that is no rational is stated, relative to itself or to one unit."""
+SEGMENTS = Fraction(1, 10**5)
+"""The same of energies, which depend on how a tube is divided into segments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +125,8 @@ def _check_value(
     if bounds is None:
         raise Refused(f"`{stated.amount.text}` has no finite value")
     low, high = bounds
-    close = CLOSELY * max(Fraction(1), abs(high))
+    is_energy = stated.amount.objective.kind == "energy"
+    close = (SEGMENTS if is_energy else CLOSELY) * max(Fraction(1), abs(high))
     exactly = low == high and stated.amount.objective.kind not in ("effort", "energy")
     near = stated.value == low if exactly else low - close <= stated.value <= high + close
     if not near:
