@@ -29,9 +29,14 @@ def objective_unit(objective: ir.Objective) -> str:
 
 def amount_text(objective: ir.Objective, value: Fraction) -> str:
     """An objective with its value, as "price 120" or "mass 2.31 kg"."""
+    return f"{objective_name(objective)} {value_text(objective, value)}"
+
+
+def value_text(objective: ir.Objective, value: Fraction) -> str:
+    """A value of an objective with its unit, as "2.31 kg"; a share in percent."""
     is_share = objective.kind == "effort"
     unit = "%" if is_share else objective_unit(objective)
     shown = 100 * value if is_share else value
     exact = exact_text(shown)
     number = exact if len(exact) <= LONGEST else f"{float(shown):.6g}"
-    return f"{objective_name(objective)} {number}{' ' if unit else ''}{unit}"
+    return f"{number}{' ' if unit else ''}{unit}"
