@@ -29,10 +29,15 @@ def objective_unit(objective: ir.Objective) -> str:
 
 def amount_text(objective: ir.Objective, value: Fraction, relation: str = "") -> str:
     """An objective with its value, as "price 120" or "mass 2.31 kg"; a ``relation`` before it."""
+    words = [objective_name(objective), relation, value_text(objective, value)]
+    return " ".join(word for word in words if word)
+
+
+def value_text(objective: ir.Objective, value: Fraction) -> str:
+    """A value of an objective with its unit, as "2.31 kg"; a share in percent."""
     is_share = objective.kind == "effort"
     unit = "%" if is_share else objective_unit(objective)
     shown = 100 * value if is_share else value
     exact = exact_text(shown)
     number = exact if len(exact) <= LONGEST else f"{float(shown):.6g}"
-    words = [objective_name(objective), relation, number, unit]
-    return " ".join(word for word in words if word)
+    return f"{number}{' ' if unit else ''}{unit}"

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from compiler.objectives.least_values import Amount
-from compiler.objectives.objective_text import amount_text
+from compiler.objectives.objective_text import amount_text, value_text
 from compiler.objectives.ordered_structures import Limit, structures_by, words_below
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
@@ -68,7 +68,7 @@ class ObjectiveResult:
             return f"least {best}, unless {self._others()} for less"
         if self.gap is None:
             return best
-        least = amount_text(self.amount.objective, self.least)
+        least = value_text(self.amount.objective, self.least)
         return f"{best}; no robot has less than {least} (gap {float(100 * self.gap):.2g} %)"
 
     def _others(self) -> str:

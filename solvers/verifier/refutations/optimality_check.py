@@ -14,7 +14,7 @@ from pathlib import Path
 
 from compiler.expressions.exact_numbers import exact_text
 from compiler.objectives.least_values import Amount, amounts
-from compiler.objectives.objective_text import amount_text
+from compiler.objectives.objective_text import amount_text, value_text
 from compiler.objectives.values import MotionValues, value_bounds
 from compiler.robots.candidate import Candidate, candidates_of
 from compiler.robots.normal_form import RobotFamily, family_of
@@ -90,6 +90,8 @@ def objective_conditions(
     ]
     for each in stated:
         _check_value(each, found, model, motion)
+        if each.most < each.least * (1 + each.amount.objective.within):
+            raise Refused(f"`{each.amount.text}` leaves less than the task says")
     try:
         _check_least(folder, found, claim, program, task, stated, watch)
         for each in stated:
@@ -113,7 +115,7 @@ def _says(before: Sequence[_Stated], stated: _Stated) -> str:
     which = f"no robot with {' and '.join(limits)}" if limits else "no robot"
     if stated.least == stated.value:
         return f"{value}: {which} has less"
-    return f"{value}: {which} has less than {amount_text(objective, stated.least)}"
+    return f"{value}: {which} has less than {value_text(objective, stated.least)}"
 
 
 def _check_value(
