@@ -27,11 +27,11 @@ def objective_unit(objective: ir.Objective) -> str:
     return objective.unit if objective.kind == "sum" else UNITS[objective.kind]
 
 
-def amount_text(objective: ir.Objective, value: Fraction) -> str:
-    """An objective with its value, as "price 120" or "mass 2.31 kg"."""
+def amount_text(objective: ir.Objective, value: Fraction, relation: str = "") -> str:
+    """An objective with its value, as "price 120" or "mass 2.31 kg"; "up to " is a relation."""
     is_share = objective.kind == "effort"
     unit = "%" if is_share else objective_unit(objective)
     shown = 100 * value if is_share else value
     exact = exact_text(shown)
     number = exact if len(exact) <= LONGEST else f"{float(shown):.6g}"
-    return f"{objective_name(objective)} {number}{' ' if unit else ''}{unit}"
+    return f"{objective_name(objective)} {relation}{number}{' ' if unit else ''}{unit}"

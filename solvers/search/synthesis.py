@@ -25,6 +25,7 @@ from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
+from solvers.search.design_values import limits_of
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.least_search import LeastSearch
 from solvers.search.optimality import Optimality, optimality, stated
@@ -144,7 +145,8 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     if not run.amounts:
         return None
     values, records = run.values(run.designs[0]), run.all_records(PUT_OFF)
-    return optimality(run.whole, run.task, run.amounts, values, records, run.lemmas, run.context)
+    reached, _ = limits_of([run.values(each) for each in run.every_design], run.amounts)
+    return optimality(run.whole, run.task, values, reached, records, run.lemmas, run.context)
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:

@@ -53,8 +53,8 @@ class _Stated:
 
     @property
     def most(self) -> Fraction:
-        """What it leaves to robots in the objectives behind it."""
-        return self.value * (1 + self.amount.objective.within)
+        """What it leaves to robots in the objectives behind it; the robot itself is within that."""
+        return max(self.value, self.least * (1 + self.amount.objective.within))
 
 
 def objective_conditions(
@@ -95,18 +95,24 @@ def objective_conditions(
         _check_least(folder, found, claim, program, task, stated, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         raise Refused(f"it is not proved that no robot has less: {error}") from None
-    return tuple(CheckedCondition(_says(each), Status.HOLDS, NO_MARGIN, "") for each in stated)
+    bound = claim.modules if task.modules is None else None
+    said = [_says(each, stated[:k], bound) for k, each in enumerate(stated)]
+    return tuple(CheckedCondition(text, Status.HOLDS, NO_MARGIN, "") for text in said)
 
 
-def _says(stated: _Stated) -> str:
-    """What is proved of an objective, in words."""
+def _says(stated: _Stated, before: Sequence[_Stated], modules: int | None) -> str:
+    """What is proved of an objective, in words: of which robots, and of up to how many modules."""
     objective = stated.amount.objective
     value = amount_text(objective, stated.value)
     if not stated.least > 0:
         return value
-    if stated.least == stated.value:
-        return f"{value}: no robot has less"
-    return f"{value}: no robot has less than {amount_text(objective, stated.least)}"
+    limits = [amount_text(each.amount.objective, each.most, "up to ") for each in before]
+    limits += [] if modules is None else [f"up to {modules} modules"]
+    robots = f"robot with {' and '.join(limits)}" if limits else "robot"
+    less = "less"
+    if stated.least < stated.value:
+        less = f"less than {amount_text(objective, stated.least)}"
+    return f"{value}: no {robots} has {less}"
 
 
 def _check_value(
@@ -119,8 +125,11 @@ def _check_value(
         raise Refused(f"`{stated.amount.text}` has no finite value")
     low, high = bounds
     close = CLOSELY * max(Fraction(1), abs(high))
-    exactly = low == high and stated.amount.objective.kind != "effort"
-    near = stated.value == low if exactly else low - close <= stated.value <= high + close
+    ordering = stated.amount.is_ordering
+    exactly = low == high and ordering
+    # Not below it: the robot itself has to be within what its value leaves.
+    least = low if ordering else low - close
+    near = stated.value == low if exactly else least <= stated.value <= high + close
     if not near:
         is_value = exact_text(low) if exactly else f"about {float(high):.12g}"
         raise Refused(
