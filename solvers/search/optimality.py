@@ -28,40 +28,39 @@ from solvers.search.time_bound import TimeBound
 class ObjectiveResult:
     """What the design has of an objective, and the least that is proved of all robots.
 
-    All are in SI units: ``value`` is that of the design, ``best`` the least of all designs, and no
-    robot that has of the objectives before at most what these leave (``most``) has less than
-    ``least``.  So many robots that may have less than ``best`` are ``undecided``; where not all of
-    them were looked at, there may be ``more``.
+    ``value`` and ``least`` are in SI units: no robot that has of the objectives before what these
+    leave has less than ``least``.  Of some design they have ``reached`` so much.  So many robots
+    that may have less than that are ``undecided``; where not all of them were looked at, there may
+    be ``more``.
     """
 
     amount: Amount
     value: Fraction
-    best: Fraction
-    most: Fraction
     least: Fraction
+    reached: Fraction
     undecided: int
     more: bool
 
     @property
     def is_least(self) -> bool:
         """Whether no robot has less than the best design."""
-        return self.least >= self.best
+        return self.least >= self.reached and not self.undecided and not self.more
 
     @property
     def gap(self) -> Fraction | None:
-        """By which part of the proved least the best is above it; None where that is 0."""
-        return self.best / self.least - 1 if self.least > 0 else None
+        """By which part of the proved least the best design is above it; None where that is 0."""
+        return self.reached / self.least - 1 if self.least > 0 else None
 
     @property
     def text(self) -> str:
         """What is known of it, in words."""
         said = self._best_text()
-        if self.value > self.best:
+        if self.value > self.reached:
             return f"{amount_text(self.amount.objective, self.value)} ({said})"
         return said
 
     def _best_text(self) -> str:
-        best = amount_text(self.amount.objective, self.best)
+        best = amount_text(self.amount.objective, self.reached)
         if self.is_least:
             return f"least {best}"
         if self.amount.is_ordering and (self.undecided or self.more):
@@ -112,8 +111,8 @@ class Optimality:
 def optimality(
     family: RobotFamily,
     task: ir.Task,
-    limits: tuple[Limit, ...],
     values: Sequence[Fraction],
+    reached: Sequence[Limit],
     known: Sequence[StructureRecord],
     lemmas: Sequence[Lemma],
     context: RunContext,
@@ -123,8 +122,8 @@ def optimality(
     Args:
         family: the whole family of the task, without maps.
         task: the task, without maps.
-        limits: what all designs leave of each of its objectives.
-        values: what the best design has of each.
+        values: what the design has of each of its objectives.
+        reached: the least that designs have of each, which the design is within.
         known: what became of the structures that were tried.
         lemmas: those of the search.
         context: how to search for coverings.
@@ -135,7 +134,10 @@ def optimality(
     due = {
         number
         for number, record in enumerate(known)
-        if any(_may_be_less(record, limits[: k + 1]) for k in range(len(limits)))
+        if any(
+            _may_be_less(record, reached[:k], each.amount, value)
+            for k, (each, value) in enumerate(zip(reached, values, strict=True))
+        )
     }
     labels = {lemma.labels for lemma in lemmas if isinstance(lemma, VariantLemma)}
     due |= {number for number, record in enumerate(known) if record.derivation in labels}
@@ -143,25 +145,25 @@ def optimality(
     records, late = covered(known, family, task, context, due)
     if late is not None:
         raise late
-    return _Judgement(family, task, limits, values, records, lemmas).result()
+    return _Judgement(family, task, tuple(values), tuple(reached), records, lemmas).result()
 
 
 def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
     """The objectives of a design of which nothing is proved but what it has."""
     pairs = zip(amounts, values, strict=True)
     found = tuple(
-        ObjectiveResult(amount, value, value, Limit(amount, value).most, Fraction(0), 0, more=True)
-        for amount, value in pairs
+        ObjectiveResult(amount, value, Fraction(0), value, 0, more=True) for amount, value in pairs
     )
     return Optimality(found, task.modules, (), (), ())
 
 
-def _may_be_less(record: StructureRecord, limits: Sequence[Limit]) -> bool:
-    """Whether a structure may be within all limits and below the last one, by its word."""
-    *before, last = limits
+def _may_be_less(
+    record: StructureRecord, before: Sequence[Limit], amount: Amount, bound: Fraction
+) -> bool:
+    """Whether a structure may be within limits and below a bound, by its word."""
     word = record.word
     within = all(limit.amount.of_word(word) <= limit.most for limit in before)
-    return within and last.amount.of_word(word) < last.least
+    return within and amount.of_word(word) < bound
 
 
 @dataclass(slots=True)
@@ -170,8 +172,8 @@ class _Judgement:
 
     family: RobotFamily
     task: ir.Task
-    limits: tuple[Limit, ...]
-    values: Sequence[Fraction]
+    values: tuple[Fraction, ...]
+    reached: tuple[Limit, ...]
     known: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]
     modules: int | None = field(init=False)
@@ -181,7 +183,7 @@ class _Judgement:
 
     def __post_init__(self) -> None:
         self.records = {record.derivation: record for record in self.known}
-        amounts = tuple(limit.amount for limit in self.limits)
+        amounts = tuple(limit.amount for limit in self.reached)
         self.modules = searched_modules(self.family, self.task, amounts)
         self.lemmas = [lemma for lemma in self.lemmas if self._has_covering(lemma)]
         conditions = tuple(lemma.condition for lemma in self.lemmas)
@@ -198,18 +200,18 @@ class _Judgement:
 
     def result(self) -> Optimality:
         """What is proved of each objective, and what that rests on."""
-        results = [self._objective(k) for k in range(len(self.limits))]
+        results, limits = list[ObjectiveResult](), list[Limit]()
         used = _Used()
         dearer: dict[tuple[str, ...], None] = {}
-        for k, result in enumerate(results):
-            if not result.least > 0:
-                continue
-            for candidate in self._below(k, result.least):
-                used.add(*self._refuted(candidate))
-            words = words_below(
-                self.limits[k].amount, self.left, self.modules, self.limits[:k], result.least
-            )
-            dearer |= dict.fromkeys(words)
+        for k, value in enumerate(self.values):
+            found = self._objective(k, limits)
+            results.append(found)
+            if found.least > 0:
+                for candidate in self._below(found.amount, limits, found.least):
+                    used.add(*self._refuted(candidate))
+                words = words_below(found.amount, self.left, self.modules, limits, found.least)
+                dearer |= dict.fromkeys(words)
+            limits.append(Limit(found.amount, found.least, value))
         for lemma in self.lemmas:
             if isinstance(lemma, VariantLemma):
                 used.add(self.records[lemma.labels], self.records[lemma.labels])
@@ -222,12 +224,15 @@ class _Judgement:
             tuple(self.lemmas),
         )
 
-    def _below(self, place: int, bound: Fraction) -> Sequence[Candidate]:
-        """The structures that may have less than so much of an objective, in order."""
-        amount, found = self.limits[place].amount, list[Candidate]()
-        every = structures_by(
-            amount, self.left, self.modules, self.limits[:place], self.task.origin
-        )
+    def _below(
+        self, amount: Amount, limits: Sequence[Limit], bound: Fraction
+    ) -> Sequence[Candidate]:
+        """The structures within limits that may have less than so much of an objective, in order.
+
+        The last one may be one that was not tried.
+        """
+        found = list[Candidate]()
+        every = structures_by(amount, self.left, self.modules, limits, self.task.origin)
         for candidate in every:
             if amount.of_robot(candidate.derivation.word, candidate.model) >= bound:
                 break
@@ -236,21 +241,32 @@ class _Judgement:
                 break
         return found
 
-    def _objective(self, place: int) -> ObjectiveResult:
-        limit, value = self.limits[place], self.values[place]
-        stated = limit.amount, value, limit.least, limit.most
-        if not limit.amount.is_ordering:
-            return ObjectiveResult(*stated, Fraction(0), 0, more=False)
-        least, undecided, more = limit.least, 0, False
-        for candidate in self._below(place, limit.least):
+    def _objective(self, place: int, limits: Sequence[Limit]) -> ObjectiveResult:
+        """What is known of an objective, and proved of robots within limits."""
+        value, reached = self.values[place], self.reached[place]
+        amount, best = reached.amount, reached.least
+        if not amount.is_ordering:
+            return ObjectiveResult(amount, value, Fraction(0), best, 0, more=False)
+        before = self.reached[:place]
+        least, undecided, more = self._open(amount, before, best)
+        if [limit.most for limit in limits] != [limit.most for limit in before]:
+            least, _, _ = self._open(amount, limits, value)
+        return ObjectiveResult(amount, value, least, best, undecided, more)
+
+    def _open(
+        self, amount: Amount, limits: Sequence[Limit], bound: Fraction
+    ) -> tuple[Fraction, int, bool]:
+        """Of structures below a bound that are not refuted the least, their number, and if more."""
+        least, undecided, more = bound, 0, False
+        for candidate in self._below(amount, limits, bound):
             record = self.records.get(candidate.derivation.labels)
             if record is not None and self._refuted(candidate)[1] is not None:
                 continue
-            own = limit.amount.of_robot(candidate.derivation.word, candidate.model)
+            own = amount.of_robot(candidate.derivation.word, candidate.model)
             least, more = min(least, own), more or record is None
             if record is not None and record.verdict not in ("found", "same"):
                 undecided += 1
-        return ObjectiveResult(*stated, least, undecided, more)
+        return least, undecided, more
 
     def _refuted(
         self, candidate: Candidate

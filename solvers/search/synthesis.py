@@ -148,7 +148,7 @@ def _optimality(run: FamilySearch) -> Optimality | None:
         return None
     values, records = run.values(run.designs[0].design), run.all_records(PUT_OFF)
     limits, _ = limits_of(run.all_values, run.amounts)
-    found = optimality(run.whole, run.task, limits, values, records, run.lemmas, run.context)
+    found = optimality(run.whole, run.task, values, limits, records, run.lemmas, run.context)
     if not any(each.objective.kind == "time" for each in run.amounts) or not run.task.at_most:
         return found
     best = min(len(design.inputs) for each in run.all_searched for design in each.proved)

@@ -130,9 +130,7 @@ def objectives_claim_of(found: Optimality) -> ObjectivesClaim:
     """The objectives of a design as a certificate states them."""
     rests_on = least_evidence(found)
     values = tuple(
-        ObjectiveValue(
-            each.amount.text, exact_text(each.value), exact_text(each.least), exact_text(each.most)
-        )
+        ObjectiveValue(each.amount.text, exact_text(each.value), exact_text(each.least))
         for each in found.objectives
     )
     return ObjectivesClaim(

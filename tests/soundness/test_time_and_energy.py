@@ -122,7 +122,6 @@ def more_steps(content: Content) -> None:
     time_of(content)["steps"] += 1
     more("least", Fraction(1, 10))(content)
     more("value", Fraction(1, 10))(content)
-    more("most", Fraction(1, 10))(content)
 
 
 def no_evidence(content: Content) -> None:
@@ -146,7 +145,7 @@ def no_steps(content: Content) -> None:
     [
         more("value", Fraction(1, 10)), more("value", Fraction(-1, 10)), more_steps, fewer_steps,
         more("least", Fraction(1, 10)), no_evidence, no_structures, no_boxes, no_steps,
-        more("most", Fraction(-1, 10)),
+
     ],
 )  # fmt: skip
 def test_altered_times_are_refused(
@@ -256,7 +255,7 @@ def test_altered_energies_are_refused(factor: float, tmp_path: Path) -> None:
     def change(content: Content) -> None:
         one = value(content)
         changed = str(Fraction(one["value"]) * Fraction(str(factor)))
-        one.update(value=changed, most=changed)
+        one.update(value=changed)
 
     assert judged(out, change)[0] is Outcome.REFUTED
 

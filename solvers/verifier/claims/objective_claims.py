@@ -20,14 +20,12 @@ from solvers.verifier.claims.structure_claims import StructureClaim, structure_c
 class ObjectiveValue:
     """What a design has of an ``objective``, written as in the task, and the ``least`` of robots.
 
-    ``most`` is what the objective leaves: those behind it are about robots with at most so much.
-    All are exact numbers in SI units, of ``effort`` a share.
+    Both are exact numbers in SI units, of ``effort`` a share.
     """
 
     objective: str
     value: str
     least: str
-    most: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +98,9 @@ def _lemmas(items: object) -> tuple[LemmaClaim, ...]:
 
 
 def _value(fields: dict[str, Any]) -> ObjectiveValue:
-    found = ObjectiveValue(*(text(fields[key]) for key in ("objective", "value", "least", "most")))
+    found = ObjectiveValue(*(text(fields[key]) for key in ("objective", "value", "least")))
     if exact_number(found.least) > exact_number(found.value):
         raise ValueError(f"the least of `{found.objective}` is more than its value")
-    if exact_number(found.value) > exact_number(found.most):
-        raise ValueError(f"`{found.objective}` is more than what it leaves")
     return found
 
 
@@ -117,7 +113,6 @@ def objective_entries(
             "objective": each.objective,
             "value": float(exact_number(each.value)),
             "least": float(exact_number(each.least)),
-            "most": float(exact_number(each.most)),
             "unit": unit,
         }
         for each, unit in zip(values, units, strict=True)

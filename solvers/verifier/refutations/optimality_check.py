@@ -53,7 +53,11 @@ class _Stated:
     amount: Amount
     value: Fraction
     least: Fraction
-    most: Fraction
+
+    @property
+    def most(self) -> Fraction:
+        """What it leaves to robots in the objectives behind it; the robot itself is within that."""
+        return max(self.value, self.least * (1 + self.amount.objective.within))
 
 
 def objective_conditions(
@@ -85,13 +89,11 @@ def objective_conditions(
     if [amount.text for amount in known] != [each.objective for each in claim.values]:
         raise Refused("the objectives of the certificate are not those of the task")
     stated = [
-        _Stated(amount, exact(each.value), exact(each.least), exact(each.most))
+        _Stated(amount, exact(each.value), exact(each.least))
         for amount, each in zip(known, claim.values, strict=True)
     ]
     for each in stated:
         _check_value(each, found, model, motion)
-        if each.most < each.least * (1 + each.amount.objective.within):
-            raise Refused(f"`{each.amount.text}` leaves less than the task says")
     try:
         _check_least(folder, found, claim, program, task, stated, watch)
         for each in stated:
@@ -99,23 +101,25 @@ def objective_conditions(
                 _check_time(folder, found, claim.time, program, task, each.least, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         raise Refused(f"it is not proved that no robot has less: {error}") from None
-    said = (_says(stated[:k], each) for k, each in enumerate(stated))
+    bound = claim.modules if task.modules is None else None
+    said = (_says(each, stated[:k], bound) for k, each in enumerate(stated))
     return tuple(CheckedCondition(text, Status.HOLDS, NO_MARGIN, "") for text in said)
 
 
-def _says(before: Sequence[_Stated], stated: _Stated) -> str:
-    """What is proved of an objective, in words; it is about robots within those ``before``."""
+def _says(stated: _Stated, before: Sequence[_Stated], modules: int | None) -> str:
+    """What is proved of an objective, in words: of which robots, and of up to how many modules."""
     objective = stated.amount.objective
     value = amount_text(objective, stated.value)
     if not stated.least > 0:
         return value
     # What is proved of the least time is about all robots.
     weighed = [each for each in before if each.amount.weights and objective.kind != "time"]
-    limits = [amount_text(each.amount.objective, each.most, "at most") for each in weighed]
-    which = f"no robot with {' and '.join(limits)}" if limits else "no robot"
+    limits = [amount_text(each.amount.objective, each.most, "up to") for each in weighed]
+    limits += [] if modules is None else [f"up to {modules} modules"]
+    robots = f"no robot with {' and '.join(limits)}" if limits else "no robot"
     if stated.least == stated.value:
-        return f"{value}: {which} has less"
-    return f"{value}: {which} has less than {value_text(objective, stated.least)}"
+        return f"{value}: {robots} has less"
+    return f"{value}: {robots} has less than {value_text(objective, stated.least)}"
 
 
 def _check_value(
@@ -130,7 +134,9 @@ def _check_value(
     is_energy = stated.amount.objective.kind == "energy"
     close = (SEGMENTS if is_energy else CLOSELY) * max(Fraction(1), abs(high))
     exactly = low == high and stated.amount.objective.kind not in ("effort", "energy")
-    near = stated.value == low if exactly else low - close <= stated.value <= high + close
+    # Not below it: the robot itself has to be within what its value leaves.
+    least = low if stated.amount.is_ordering else low - close
+    near = stated.value == low if exactly else least <= stated.value <= high + close
     if not near:
         is_value = exact_text(low) if exactly else f"about {float(high):.12g}"
         raise Refused(
