@@ -58,8 +58,8 @@ class HorizonSearch:
 
     def horizons(self) -> list[int]:
         """The numbers of steps of motions that are looked for, in turn."""
-        most = self.given.task.steps
-        return list(dict.fromkeys(max(1, int(part * most)) for part in PARTS))
+        most, fewest = self.given.task.steps, self.given.task.fewest_steps
+        return list(dict.fromkeys(max(fewest, int(part * most)) for part in PARTS))
 
     def lasting(self, steps: int) -> StructureTask:
         """The structure in the task of motions of so many steps."""
@@ -68,7 +68,7 @@ class HorizonSearch:
 
     def shorter(self, best: Design) -> Iterator[PathAttempt]:
         """Attempts at motions along the way of the best design so far, of ever fewer steps."""
-        failed, step = 0, float(self.given.task.step)
+        failed, step = self.given.task.fewest_steps - 1, float(self.given.task.step)
         for _ in range(ATTEMPTS):
             most = len(best.inputs)
             way = fastest_way(self.paths(best, most), best)
