@@ -99,10 +99,10 @@ class HorizonSearch:
 
     def horizons(self) -> list[int]:
         """The numbers of steps of motions that are looked for, in turn."""
-        most = self.given.task.steps
         if not self.given.task.at_most:
-            return [most]
-        return list(dict.fromkeys(max(1, int(part * most)) for part in PARTS))
+            return [self.given.task.steps]
+        most, fewest = self.given.task.steps, self.given.task.fewest_steps
+        return list(dict.fromkeys(max(fewest, int(part * most)) for part in PARTS))
 
     def lasting(self, steps: int) -> StructureTask:
         """The structure in the task of motions of so many steps."""
@@ -116,7 +116,7 @@ class HorizonSearch:
 
         Parameters get no farther from the ends of their ranges that are ``held``.
         """
-        failed, step = 0, float(self.given.task.step)
+        failed, step = self.given.task.fewest_steps - 1, float(self.given.task.step)
         for _ in range(ATTEMPTS):
             most = len(best.inputs)
             way = fastest_way(self.paths(best, most), best)

@@ -25,14 +25,15 @@ class _Horizons:
     """There is time for one sample less a step, of ``longest``."""
 
     longest: int
+    fewest: int
     name: str = "time"
     none: str = "no time is shown to be too short"
     reason: str = "it cannot do the task in so few steps"
 
     @property
     def most(self) -> int:
-        """The step at which one sample is left."""
-        return self.longest - 1
+        """The step at which no motion may take less."""
+        return self.longest - self.fewest
 
     def at(self, program: ir.Program, task: ir.Task, step: int) -> tuple[ir.Program, ir.Task]:
         """The same program with the task in so many samples less at most."""
@@ -47,9 +48,9 @@ def time_bound(
     Raises:
         NoBoundError: none was found.
     """
-    if best <= 1:
-        raise NoBoundError("no motion takes less than a step")
-    horizons = _Horizons(task.steps)
+    if best <= task.fewest_steps:
+        raise NoBoundError("no motion may take less")
+    horizons = _Horizons(task.steps, task.fewest_steps)
     first = task.steps - (best - 1)
     found = narrowed_family(family, task, context, tried, horizons, first, AFTER_MOTIONS)
     return TimeBound(task.steps - found.step, found)
