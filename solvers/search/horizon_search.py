@@ -82,7 +82,10 @@ class HorizonSearch:
     def gentler(
         self, best: Design, held: Array, longest: int, prices: Sequence[float]
     ) -> Iterator[PathAttempt]:
-        """Attempts at motions of as many steps as are left, with some prices on rates."""
+        """Attempts at motions of as many steps as are left, with some prices on rates.
+
+        Parameters get no farther from the ends of their ranges that are ``held``, (p,).
+        """
         for price in prices:
             if longest == len(best.inputs) and not price:
                 continue
@@ -114,7 +117,7 @@ class HorizonSearch:
     def shorter(self, best: Design, held: Array) -> Improved:
         """Attempts at motions along the way of the best design so far, of ever fewer steps.
 
-        Parameters get no farther from the ends of their ranges that are ``held``.
+        Parameters get no farther from the ends of their ranges that are ``held``, (p,).
         """
         failed, step = self.given.task.fewest_steps - 1, float(self.given.task.step)
         for _ in range(ATTEMPTS):
