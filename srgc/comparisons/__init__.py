@@ -1,1 +1,1 @@
-"""Results of several runs, held against each other."""
+"""Results held against each other, and a design against the robots that would have less."""
