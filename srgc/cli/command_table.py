@@ -55,6 +55,7 @@ GROUPS = {
     },
     "Use results": {
         "report": ("report", "Show a result as one page for a browser."),
+        "tabulate": ("tabulate", "Put results side by side: which is better?"),
         "export": ("export", "Write a robot or its motion for other tools."),
         "replay": ("replay", "Play a design in a simulator, against its proof."),
     },
