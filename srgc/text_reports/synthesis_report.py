@@ -224,9 +224,7 @@ def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:
 
 def objectives_text(result: Synthesis) -> str:
     """What is known of the objectives of a design, in words; "" without any."""
-    if result.optimality is None:
-        return ""
-    return "; then ".join(each.text for each in result.optimality.objectives)
+    return "" if result.optimality is None else result.optimality.text
 
 
 def synthesis_text(
