@@ -244,6 +244,8 @@ def synthesis_text(
     if design is not None:
         lines += _design(design, task, change)
         lines += _bound(result, design, task)
+        if result.optimality is not None and result.ended and not table:
+            lines.append(f"ended:   {result.ended}")
     elif result.nearest is not None:
         lines += _nearest(result.nearest, task)
     refuted = sum(1 for r in result.records if r.verdict == "refuted")
