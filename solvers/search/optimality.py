@@ -144,13 +144,13 @@ def optimality(
     return _Judgement(family, task, tuple(values), tuple(reached), records, lemmas).result()
 
 
-def stated(amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
-    """The objectives of a design of which nothing is proved but what it has."""
+def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
+    """The objectives of a design of a task, of which nothing is proved but what it has."""
     pairs = zip(amounts, values, strict=True)
     found = tuple(
         ObjectiveResult(amount, value, Fraction(0), value, 0, more=True) for amount, value in pairs
     )
-    return Optimality(found, None, by_default=False, records=(), dearer=(), lemmas=())
+    return Optimality(found, task.modules, by_default=False, records=(), dearer=(), lemmas=())
 
 
 def _may_be_less(

@@ -149,6 +149,13 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     return optimality(run.whole, run.task, values, reached, records, run.lemmas, run.context)
 
 
+def _stated(run: FamilySearch) -> Optimality | None:
+    """What the best design has of the objectives, with nothing proved of other robots."""
+    if not run.amounts or not run.designs:
+        return None
+    return stated(run.task, run.amounts, run.values(run.designs[0]))
+
+
 def _under_way(structure: StructureUnderWay | None) -> str:
     """What the time limit interrupted, to follow its name."""
     if structure is None or structure.state.is_over:
@@ -195,7 +202,7 @@ def _result(
         lemmas=tuple(run.lemmas),
         bound=run.bound if designs else None,
         unbounded=_unbounded(run, late) if designs else None,
-        optimality=stated(run.amounts, run.values(designs[0])) if designs and run.amounts else None,
+        optimality=_stated(run),
     )
 
 
