@@ -20,13 +20,11 @@ from compiler.workspaces.abstraction import Abstraction
 from solvers.search.lessened_parameters import Improved, LessenedParameters, kept_box, least_ends
 from solvers.search.path_search import PathSearch, StructureTask
 from solvers.search.path_task import Design
-from solvers.search.round_task import round_tasks
+from solvers.search.round_task import round_tasks, tasks_by_length
 from solvers.search.search_state import PathAttempt, StructureState
-from solvers.search.shorter_motion import fastest_way, shorter_motion
+from solvers.search.shorter_motion import fastest_way, shorter_motion, steps_of_end
 from solvers.search.structure_search import StructureSearch
 
-PARTS = (1.0, 0.5, 0.75, 0.25)
-"""The parts of the horizon that a motion takes, in turn, until one is found."""
 FEWEST = 0.5
 """The fewest steps that are tried, relative to what the fastest timing of a known way takes."""
 CALM = 0.0, 1.0, 10.0
@@ -48,9 +46,9 @@ class HorizonSearch:
         ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
         """
         state, reason = StructureState(), ""
-        for steps in self.horizons():
+        for task in tasks_by_length(self.given.task):
             before = state.attempts
-            for found in StructureSearch(self.lasting(steps), self.cells).states(effectors):
+            for found in StructureSearch(self.lasting(task.steps), self.cells).states(effectors):
                 state = replace(found, attempts=(*before, *found.attempts), reason=None)
                 reason = found.reason or reason
                 yield state
@@ -100,13 +98,6 @@ class HorizonSearch:
             return None
         return kept_box(best.model, best.configuration.outcome.trajectory.theta, held)
 
-    def horizons(self) -> list[int]:
-        """The numbers of steps of motions that are looked for, in turn."""
-        if not self.given.task.at_most:
-            return [self.given.task.steps]
-        most, fewest = self.given.task.steps, self.given.task.fewest_steps
-        return list(dict.fromkeys(max(fewest, int(part * most)) for part in PARTS))
-
     def lasting(self, steps: int) -> StructureTask:
         """The structure in the task of motions of so many steps."""
         if not self.given.task.at_most:
@@ -123,7 +114,8 @@ class HorizonSearch:
         for _ in range(ATTEMPTS):
             most = len(best.inputs)
             way = fastest_way(self.paths(best, most), best)
-            fewest = most if way is None else max(1, ceil(way.duration / step))
+            rest = steps_of_end(self.given.task)
+            fewest = most if way is None else max(1, ceil(way.duration / step)) + rest
             failed = max(failed, min(most, int(FEWEST * fewest)))
             if most - failed <= 1:
                 break

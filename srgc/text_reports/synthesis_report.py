@@ -182,11 +182,14 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
         lines.append(f"         {p.module}.{p.name} = {shown} (symbol {p.symbol})")
     if change is not None:
         lines += change_lines(change)
+    steps = len(design.inputs)
+    if task.at_most:
+        lines.append(f"motion:  {float(steps * task.step):g} s, {steps_taken(steps, task)}")
     lines += _inputs(design, task)
     if robot_inputs(design.model):
         lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
     if design.loop is not None:
-        begins, ends = (float(k * task.step) for k in (design.loop.first, task.steps))
+        begins, ends = (float(k * task.step) for k in (design.loop.first, steps))
         winding = "".join(_winding(design.loop.turns or ()))
         again = f"from {begins:g} s to {ends:g} s again and again, for ever{winding}"
         lines.append(f"repeats: {again}")
@@ -201,6 +204,11 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
         gone = ", ".join(str(symbol) for symbol in design.model.removed)
         lines.append(f"removed: joints that move nothing (symbols {gone})")
     return lines
+
+
+def steps_taken(steps: int, task: ir.Task) -> str:
+    """How many steps a motion has, of those that a task allows."""
+    return f"{steps} of at most {counted(task.steps, 'step')}"
 
 
 def gap_text(gap: Fraction) -> str:
