@@ -44,7 +44,12 @@ class ObjectiveResult:
 
     @property
     def is_least(self) -> bool:
-        """Whether no robot has less than the best design."""
+        """Whether no robot has less than the design."""
+        return self.least >= self.value and self._is_settled
+
+    @property
+    def _is_settled(self) -> bool:
+        """Whether no robot has less than some design."""
         return self.least >= self.reached and not self.undecided and not self.more
 
     @property
@@ -62,7 +67,7 @@ class ObjectiveResult:
 
     def _best_text(self) -> str:
         best = amount_text(self.amount.objective, self.reached)
-        if self.is_least:
+        if self._is_settled:
             return f"least {best}"
         if self.amount.is_ordering and (self.undecided or self.more):
             return f"least {best}, unless {self._others()} for less"

@@ -31,8 +31,8 @@ def result(
 SAID = {
     "least price 100": result("100", "100"),
     "least price 0": result("0", "0"),
-    "price 100; no robot has less than price 80 (gap 25 %)": result("100", "80"),
-    "price 110; no robot has less than price 100 (gap 10 %)": result("110", "100", "100"),
+    "price 100; no robot has less than 80 (gap 25 %)": result("100", "80"),
+    "price 110 (least price 100)": result("110", "100", "100"),
     "price 100": result("100", "0"),
     "least price 100, unless the undecided robot does it for less": result(
         "100", "90", undecided=1
@@ -47,10 +47,12 @@ SAID = {
         result("100", "90", undecided=1, more=True)
     ),
     # A robot is known that has less: what was not tried is not all that may.
-    "price 110; no robot has less than price 90 (gap 22 %)": result(
-        "110", "90", "100", undecided=3, more=True
+    "price 110 (least price 100, unless one of 3 undecided robots does it for less)": result(
+        "110", "90", "100", undecided=3
     ),
-    "price 110": result("110", "0", "100", more=True),
+    "price 110 (least price 100, unless a robot that was not tried does it for less)": result(
+        "110", "0", "100", more=True
+    ),
     "least mass 1/3 kg": result("1/3", "1/3", amount=MASS),
     "effort 25 %": result("1/4", "0", amount=EFFORT),
 }
