@@ -19,7 +19,7 @@ TASK_STATES = MappingProxyType({
         (word_of("avoid"), Keyword, ("avoided", "avoided region")),
         (word_of("bounds"), Keyword, "subject"),
         (word_of("effort"), Keyword, ("norm", "bound")),
-        (word_of("horizon"), Keyword, ("steps", "operand")),
+        (word_of("horizon"), Keyword, ("steps", "operand", "at most")),
         (word_of("carry"), Keyword, ("placement", "carried", "operand")),
         (word_of("slack", "gravity", "payload"), Keyword, ("placement", "operand")),
         (word_of("modules"), Keyword, "bound"),
@@ -67,6 +67,7 @@ TASK_STATES = MappingProxyType({
     ],
     "names": [include("gap"), (NAME, Name), (",", Punctuation), default("#pop")],
     "norm": [include("gap"), (word_of("norm"), Keyword, "operand"), default("#pop")],
+    "at most": [include("gap"), (word_of("at", "most"), Keyword), default("#pop")],
     "steps": [
         include("gap"),
         (word_of("steps"), Keyword),
@@ -110,7 +111,11 @@ TASK_STATES = MappingProxyType({
     "part": [include("gap"), (word_of("bound"), Keyword, "#pop"), default(("#pop", "reference"))],
     "objective": [
         include("gap"),
-        (word_of("modules", "mass", "effort", "sum"), Name.Builtin, ("#pop", "within", "summed")),
+        (
+            word_of("modules", "mass", "time", "effort", "sum"),
+            Name.Builtin,
+            ("#pop", "within", "summed"),
+        ),
         (NAME, Name, ("#pop", "within", "summed")),
         default("#pop"),
     ],

@@ -58,7 +58,7 @@ def _least_weights(
                 else amounts[name] or _least(program.modules[name], objective.attribute)
                 for name in alphabet
             ]
-        case "mass" | "time" | "effort":
+        case "mass" | "time" | "energy" | "effort":
             return None
 
 

@@ -55,7 +55,7 @@ class Amount:
     @property
     def is_ordering(self) -> bool:
         """Whether words differ in it before they are searched."""
-        return self.objective.kind not in ("effort", "time")
+        return self.objective.kind not in ("effort", "energy", "time")
 
     def of_word(self, word: Iterable[str]) -> Fraction:
         """The least that the weights of a word say."""
@@ -89,7 +89,7 @@ def _amount(program: ir.Program, task: ir.Task, objective: ir.Objective) -> Amou
             return Amount(objective, weights, exact=None not in known.values())
         case "mass":
             return Amount(objective, _masses(program, grammar), exact=False)
-        case "effort" | "time":
+        case "effort" | "energy" | "time":
             return Amount(objective, {}, exact=False)
 
 

@@ -9,7 +9,7 @@ from grammar_lang import ir
 
 LONGEST = 12
 """Numbers with more digits are rounded where people read them."""
-UNITS = {"modules": "", "mass": "kg", "time": "s", "effort": ""}
+UNITS = {"modules": "", "mass": "kg", "time": "s", "energy": "J", "effort": ""}
 
 
 def objective_text(objective: ir.Objective) -> str:
@@ -27,9 +27,10 @@ def objective_unit(objective: ir.Objective) -> str:
     return objective.unit if objective.kind == "sum" else UNITS[objective.kind]
 
 
-def amount_text(objective: ir.Objective, value: Fraction) -> str:
-    """An objective with its value, as "price 120" or "mass 2.31 kg"."""
-    return f"{objective_name(objective)} {value_text(objective, value)}"
+def amount_text(objective: ir.Objective, value: Fraction, relation: str = "") -> str:
+    """An objective with its value, as "price 120" or "mass 2.31 kg"; a ``relation`` before it."""
+    words = [objective_name(objective), relation, value_text(objective, value)]
+    return " ".join(word for word in words if word)
 
 
 def value_text(objective: ir.Objective, value: Fraction) -> str:

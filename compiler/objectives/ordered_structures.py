@@ -11,7 +11,7 @@ from itertools import count
 from compiler.objectives.least_values import Amount
 from compiler.robots.candidate import Candidate, candidates_of
 from compiler.robots.normal_form import RobotFamily
-from compiler.words.finite_automaton import AutomatonTooLargeError, intersection
+from compiler.words.finite_automaton import AutomatonTooLargeError
 from compiler.words.language import Language, restrict
 from compiler.words.weighted_words import weight_at_most, words_by_weight
 from grammar_lang import ir
@@ -19,15 +19,19 @@ from grammar_lang import ir
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """What structures may have of an objective where designs have so much at least."""
+    """What structures may have of an objective of which robots have so much at least.
+
+    It is at least the ``value`` of a design.
+    """
 
     amount: Amount
     least: Fraction
+    value: Fraction = Fraction(0)
 
     @property
     def most(self) -> Fraction:
         """So much they may have: what the objective says more than the least."""
-        return self.least * (1 + self.amount.objective.within)
+        return max(self.value, self.least * (1 + self.amount.objective.within))
 
     def allows(self, word: Sequence[str], candidate: Candidate) -> bool:
         """Whether a structure may be within it."""
@@ -52,7 +56,7 @@ def structures_by(
         limits: what they may have of other objectives.
         origin: the existing robot of the task, if there is one.
     """
-    language = _within(family.language, limits)
+    language = _within(family.language, modules, limits)
     waiting: list[tuple[Fraction, int, Candidate]] = []
     numbers = count()
     for weight, word in words_by_weight(language, amount.weights, max_modules=modules):
@@ -79,7 +83,7 @@ def words_below(
 
     Arguments as above.
     """
-    language = _within(family.language, limits)
+    language = _within(family.language, modules, limits)
     for weight, word in words_by_weight(language, amount.weights, max_modules=modules):
         if weight >= bound:
             return
@@ -87,14 +91,19 @@ def words_below(
             yield word
 
 
-def _within(language: Language, limits: Sequence[Limit]) -> Language:
+def _within(language: Language, modules: int | None, limits: Sequence[Limit]) -> Language:
     """The words whose weights are within limits, as far as automata for that are not too large."""
     for limit in limits:
         if not limit.amount.weights:
             continue
         try:
-            within = weight_at_most(language.srg.terminals, limit.amount.weights, limit.most)
-            language = restrict(language.srg, intersection(language.accept, within))
+            within = weight_at_most(
+                language.srg.terminals,
+                limit.amount.weights,
+                limit.most,
+                inside=language.condition(modules),
+            )
         except AutomatonTooLargeError:
             continue
+        language = restrict(language.srg, within)
     return language

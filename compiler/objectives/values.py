@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 from compiler.expressions.exact_numbers import Bounds, rational_bounds, shortest_decimal
@@ -11,13 +12,26 @@ from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
 
 
+@dataclass(frozen=True, slots=True)
+class MotionValues:
+    """What a motion is worth.
+
+    ``share`` is what inputs keep from their bounds at least, as a share, None where none has a
+    choice; ``time`` how long it takes (s); ``energy`` bounds of what drives turn over (J), None
+    where they are not known.
+    """
+
+    share: float | None
+    time: Fraction
+    energy: Bounds | None
+
+
 def value_bounds(
     amount: Amount,
     word: Sequence[str],
     model: RobotModel,
     parameters: Sequence[ParameterValue],
-    share: float | None,
-    time: Fraction,
+    motion: MotionValues,
 ) -> Bounds | None:
     """Bounds of the value of a robot, in SI units; equal ones where it is seen to be rational.
 
@@ -26,18 +40,19 @@ def value_bounds(
         word: the word of the robot.
         model: the robot.
         parameters: the values of its parameters.
-        share: what its inputs keep from their bounds, as a share; None where none has a choice.
-        time: how long its motion takes, in seconds.
+        motion: what its motion is worth.
 
     Returns:
         None where it has no finite value.
     """
     match amount.objective.kind:
         case "effort":
-            used = Fraction(0) if share is None else 1 - shortest_decimal(share)
+            used = Fraction(0) if motion.share is None else 1 - shortest_decimal(motion.share)
             return used, used
         case "time":
-            return time, time
+            return motion.time, motion.time
+        case "energy":
+            return motion.energy
         case "mass":
             return mass_bounds(model, [value.exact for value in parameters])
         case _:

@@ -92,16 +92,12 @@ def permanently_avoided(formula: ir.Formula, horizon: Fraction | None) -> Places
 def task_visits(task: ir.Task) -> tuple[Place, ...]:
     """The places that the formulas and loads of a task together make necessary, sorted.
 
-    Where a motion may end at several times, they are necessary whichever it is.
+    Where a motion may end at several times, they are necessary whichever it is: what is found of
+    the shortest is found of all, as a later end leaves more of every window.
     """
-    return tuple(
-        sorted(
-            _common(
-                _union(necessary_visits(clause.formula, end, task.step) for clause in task.demanded)
-                for end in (task.horizons if task.demanded else task.horizons[:1])
-            )
-        )
-    )
+    end = task.fewest_steps * task.step
+    found = (necessary_visits(clause.formula, end, task.step) for clause in task.demanded)
+    return tuple(sorted(_union(found)))
 
 
 def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
@@ -112,13 +108,12 @@ def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
         effector: its number, from 1; None for one that has no number.
     """
     regions = {name for a in task.avoid if a.subject == "effector" for name in a.regions}
-    # What is never entered in a longer motion may be entered at the end of a shorter one, and the
-    # other way round.
-    ends = [None] if task.repeat else task.horizons if task.satisfy else task.horizons[:1]
-    found = _common(
-        _union(permanently_avoided(clause.formula, end) for clause in task.satisfy) for end in ends
-    )
-    regions.update(place.region for place in found if place.effector == effector)
+    # What is never entered in the longest motion is never entered in a shorter one: a window that
+    # covers the one covers the other.
+    end = None if task.repeat else task.steps * task.step
+    for clause in task.satisfy:
+        found = permanently_avoided(clause.formula, end)
+        regions.update(place.region for place in found if place.effector == effector)
     return tuple(sorted(regions))
 
 

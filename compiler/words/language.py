@@ -79,6 +79,13 @@ class Language:
             return self.product
         return intersect(self.normal, self._bounded(self.accept, max_modules))
 
+    def condition(self, max_modules: int | None) -> Dfa:
+        """A condition that leaves of the grammar the words with at most so many modules.
+
+        It is the whole language where a finite automaton of that is seen.
+        """
+        return self._bounded(self.finite_automaton or self.accept, max_modules)
+
     @cached_property
     def finite_automaton(self) -> Dfa | None:
         """The minimal finite automaton, where the form of the grammar shows that there is one."""

@@ -195,6 +195,7 @@ def weight_at_most(
     bound: Fraction,
     *,
     strict: bool = False,
+    inside: Dfa | None = None,
 ) -> Dfa:
     """The minimal automaton of the words whose weight is at most the bound; or, strict, below it.
 
@@ -203,6 +204,7 @@ def weight_at_most(
         weights: of symbols, none negative; symbols that are not named weigh 0.
         bound: of the sum of the weights.
         strict: whether the sum has to be below the bound.
+        inside: an automaton that has to accept the words, too; sums of no such word are not states.
 
     Raises:
         ValueError: a weight is negative.
@@ -211,21 +213,24 @@ def weight_at_most(
     """
     scaled, scale = _scaled(alphabet, weights)
     most = ceil(bound * scale) - 1 if strict else floor(bound * scale)
-    if most < 0:
+    asked = Dfa(alphabet, (0,) * len(alphabet), (True,)) if inside is None else inside
+    live = asked.live()
+    if most < 0 or not live[0]:
         return Dfa(alphabet, (0,) * len(alphabet), (False,))
-    totals = [0]
-    number = {0: 0}
+    reached = [(0, 0)]
+    number = {(0, 0): 0}
     table: list[int | None] = []
-    for total in totals:
+    for state, total in reached:
         check_time()
-        for weight in scaled:
-            after = total + weight
-            if after <= most and after not in number:
-                if len(totals) + 1 == STATE_LIMIT:  # all other words have one state
+        for symbol, weight in enumerate(scaled):
+            after = asked.step(state, symbol), total + weight
+            if live[after[0]] and after[1] <= most and after not in number:
+                if len(reached) + 1 == STATE_LIMIT:  # all other words have one state
                     raise AutomatonTooLargeError
-                number[after] = len(totals)
-                totals.append(after)
+                number[after] = len(reached)
+                reached.append(after)
             table.append(number.get(after))
-    dead = len(totals)
+    dead = len(reached)
     moves = [dead if target is None else target for target in table] + [dead] * len(alphabet)
-    return minimal(Dfa(alphabet, tuple(moves), (*(True,) * dead, False)))
+    accepting = (*(asked.accepting[state] for state, _ in reached), False)
+    return minimal(Dfa(alphabet, tuple(moves), accepting))

@@ -108,6 +108,8 @@ class Code(Enum):
     NEGATIVE_AMOUNT = "SRG0723"
     ENDLESS_OBJECTIVE = "SRG0724"
     BAD_WITHIN = "SRG0725"
+    FIXED_TIME = "SRG0726"
+    TIME_WITHOUT_END = "SRG0727"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

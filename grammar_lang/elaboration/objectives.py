@@ -24,10 +24,11 @@ _KINDS: Mapping[str, ir.ObjectiveKind] = {
     "modules": "modules",
     "mass": "mass",
     "time": "time",
+    "energy": "energy",
     "effort": "effort",
     "sum": "sum",
 }
-_THERE_ARE = "the objectives are `modules`, `mass`, `time`, `effort` and `sum(NAME)`"
+_THERE_ARE = "the objectives are `modules`, `mass`, `time`, `energy`, `effort` and `sum(NAME)`"
 _SHOWN = 6
 
 
@@ -248,6 +249,27 @@ class _Sum:
 
 
 # --------------------------------------------------------------------------------------------------
+
+
+def check_time(clause: t.Minimize, task: t.Task, sink: Sink) -> None:
+    """Warn of a least time where all motions take the same; of motions for ever nothing is said.
+
+    Args:
+        clause: the objectives.
+        task: that of the clause.
+        sink: where the warning goes.
+    """
+    horizon = next((item for item in task.items if isinstance(item, t.Horizon)), None)
+    endless = any(isinstance(item, t.Repeat) for item in task.items)
+    if horizon is None or horizon.at_most or endless:
+        return
+    for objective in clause.objectives:
+        if objective.name.text == "time" and objective.attribute is None:
+            sink.warning(
+                Code.FIXED_TIME, "all motions take the same time", objective.span,
+                "write `horizon at most n steps of dt;`, or remove `time`",
+                [(horizon.span, "so many steps, no fewer")],
+            )  # fmt: skip
 
 
 def lower_objectives(

@@ -273,8 +273,9 @@ class _Reader:
         item = self.one(t.Minimize, "minimize", None)
         if item is None:
             return ()
-        from grammar_lang.elaboration.objectives import lower_objectives
+        from grammar_lang.elaboration.objectives import check_time, lower_objectives
 
+        check_time(item, self.task, self.sink)
         return lower_objectives(
             item, self.family, self.around.modules, self.around.names, self.sink
         )

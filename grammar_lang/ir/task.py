@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field, replace
 from fractions import Fraction
+from math import ceil
 from typing import Literal, TypeAlias
 
 from grammar_lang.ir.expressions import NOWHERE, Expr
@@ -365,10 +366,9 @@ class Task:
         return replace(self, steps=steps, at_most=False)
 
     @property
-    def horizons(self) -> Sequence[Fraction]:
-        """How long a motion may take, in seconds, in increasing order."""
-        fewest = 1 if self.at_most else self.steps
-        return [steps * self.step for steps in range(fewest, self.steps + 1)]
+    def fewest_steps(self) -> int:
+        """The fewest steps of a motion: it takes as long as its end is to last."""
+        return max(1, ceil(self.stay / self.step)) if self.at_most else self.steps
 
     @property
     def demanded(self) -> tuple[Satisfy, ...]:

@@ -8,9 +8,10 @@ from fractions import Fraction
 from compiler.expressions.exact_numbers import Bounds
 from compiler.objectives.least_values import Amount
 from compiler.objectives.ordered_structures import Limit
-from compiler.objectives.values import value_bounds
+from compiler.objectives.values import MotionValues, value_bounds
 from grammar_lang import ir
 from solvers.search.path_task import Design, robustness_share
+from solvers.verifier.proofs.energy_used import energy_bounds
 
 
 def design_values(design: Design, amounts: Sequence[Amount], task: ir.Task) -> tuple[Fraction, ...]:
@@ -28,11 +29,14 @@ def design_bounds(design: Design, amounts: Sequence[Amount], task: ir.Task) -> t
     Raises:
         ValueError: one of them has no finite value.
     """
-    share, time = robustness_share(design, task), len(design.inputs) * task.step
+    motion = MotionValues(
+        robustness_share(design, task), len(design.inputs) * task.step,
+        energy_bounds(design.conditions),
+    )  # fmt: skip
     found: list[Bounds] = []
     for amount in amounts:
         bounds = value_bounds(
-            amount, design.derivation.word, design.model, design.parameters, share, time
+            amount, design.derivation.word, design.model, design.parameters, motion
         )
         if bounds is None:
             raise ValueError(f"{amount.text} has no finite value")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
@@ -30,16 +30,11 @@ from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.design_values import design_values, limits_of
 from solvers.search.horizon_search import HorizonSearch
+from solvers.search.narrowed_family import NoBoundError, Tried
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.prefetch import Prefetch
-from solvers.search.robustness_bound import (
-    FINER,
-    NoBoundError,
-    RobustnessBound,
-    Tried,
-    robustness_bound,
-)
+from solvers.search.robustness_bound import FINER, RobustnessBound, robustness_bound
 from solvers.search.search_queue import SearchQueue, StructureUnderWay
 from solvers.search.structure_search import StructureSearch
 from solvers.search.structures_left import StructuresLeft
@@ -95,7 +90,7 @@ class FamilySearch:
     valued: dict[int, tuple[Design, tuple[Fraction, ...]]] = field(
         default_factory=dict[int, tuple[Design, tuple[Fraction, ...]]]
     )
-    """By the number of a structure its design and what that is worth."""
+    """Designs, by what identifies them, and what each is worth."""
 
     def __post_init__(self) -> None:
         self.every |= self.gap is not None
@@ -241,7 +236,7 @@ class FamilySearch:
             self.queue.entered, candidate, answer.solver_calls, lambda: self.told(self)
         )
         if self.amounts:
-            entered.worth = self.worth
+            entered.best_of = self.best_of
         given = StructureTask(
             program=self.program,
             task=self.task,
@@ -253,7 +248,7 @@ class FamilySearch:
             listener=entered,
         )
         effectors = self.effectors(candidate.model, answer)
-        search = HorizonSearch if self.task.at_most else StructureSearch
+        search = HorizonSearch if self.task.at_most or self.amounts else StructureSearch
         self.queue.enter(entered, search(given, self.abstraction).states(effectors))
 
     def leave(self, structure: StructureUnderWay) -> None:
@@ -312,12 +307,9 @@ class FamilySearch:
 
     @property
     def every_design(self) -> tuple[Proved, ...]:
-        """The designs of all structures, in their order."""
-        return tuple(
-            Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **spent(each)})
-            for each in self.all_searched
-            if each.incumbent is not None
-        )
+        """The best design of each structure, in their order."""
+        found = ((each, each.incumbent) for each in self.all_searched)
+        return tuple(proved(each, design) for each, design in found if design is not None)
 
     @property
     def designs(self) -> tuple[Proved, ...]:
@@ -329,25 +321,32 @@ class FamilySearch:
         if self.gap is not None and found:
             best = max(found, key=lambda each: robustness_share(each.design, self.task) or 0.0)
             return (best,)
-        _, first = limits_of([self.values(each) for each in found], self.amounts)
-        if first is None or not self.amounts:
+        if not self.amounts or not found:
             return found
-        others = (each for number, each in enumerate(found) if number != first)
-        return (found[first], *others) if self.every else (found[first],)
+        every = [proved(each, design) for each in self.all_searched for design in each.proved]
+        _, first = limits_of([self.values(each.design) for each in every], self.amounts)
+        best = every[first or 0]
+        others = (each for each in found if each.number != best.number)
+        return (best, *others) if self.every else (best,)
 
-    def worth(self, design: Design) -> tuple[float | Fraction, ...]:
-        """Greater for a design that has less of what is to be least, the first objective first."""
-        values = design_values(design, self.amounts, self.task)
-        return (*(-value for value in values), design.robustness)
+    def best_of(self, designs: Sequence[Design]) -> Design:
+        """The best of some designs by what is to be least; of equal ones the most robust."""
+        ranked = sorted(designs, key=lambda design: -design.robustness)
+        _, first = limits_of([self.values(design) for design in ranked], self.amounts)
+        return ranked[first or 0]
 
-    def values(self, proved: Proved) -> tuple[Fraction, ...]:
+    def values(self, design: Design) -> tuple[Fraction, ...]:
         """What a design is worth in what is to be least."""
-        design = proved.design
-        known = self.valued.get(proved.number)
-        if known is None or known[0] is not design:
+        known = self.valued.get(id(design))
+        if known is None:
             known = design, design_values(design, self.amounts, self.task)
-            self.valued[proved.number] = known
+            self.valued[id(design)] = known
         return known[1]
+
+    @property
+    def all_values(self) -> list[tuple[Fraction, ...]]:
+        """What all designs that were proved are worth."""
+        return [self.values(design) for each in self.all_searched for design in each.proved]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -377,6 +376,12 @@ class FamilySearch:
             for _, record in sorted(found.items())
         )
         return with_lemmas(list(shared), self.lemmas)
+
+
+def proved(structure: StructureUnderWay, design: Design) -> Proved:
+    """A design of a structure, with what its search took."""
+    counts = {"structures": 1, "smt": structure.smt, **spent(structure)}
+    return Proved(structure.number, design, counts)
 
 
 def record_of(candidate: Candidate, verdict: StructureVerdict, reason: str) -> StructureRecord:

@@ -66,8 +66,7 @@ class LeastSearch:
 
     def limits(self) -> tuple[tuple[Limit, ...], int | None]:
         """What the designs so far leave, and which of them is the best."""
-        values = [self.run.values(proved) for proved in self.run.every_design]
-        return limits_of(values, self.amounts)
+        return limits_of(self.run.all_values, self.amounts)
 
     def prepare(self, left: StructuresLeft) -> None:
         """Let those structures alone be searched that may have less than the best design."""

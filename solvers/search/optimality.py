@@ -21,6 +21,7 @@ from solvers.impossibility.box_evidence import covered
 from solvers.lemma import Lemma, VariantLemma
 from solvers.run_context import RunContext
 from solvers.search.least_search import searched_modules
+from solvers.search.time_bound import TimeBound
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,52 +29,55 @@ class ObjectiveResult:
     """What the design has of an objective, and the least that is proved of all robots.
 
     ``value`` and ``least`` are in SI units: no robot that has of the objectives before what these
-    leave has less than ``least``.  So many robots that may have less than ``value`` are
-    ``undecided``; where not all of them were looked at, there may be ``more``.
+    leave has less than ``least``.  Of some design they have ``reached`` so much.  So many robots
+    that may have less than that are ``undecided``; where not all of them were looked at, there may
+    be ``more``.
     """
 
     amount: Amount
     value: Fraction
     least: Fraction
+    reached: Fraction
     undecided: int
     more: bool
 
     @property
     def is_least(self) -> bool:
-        """Whether no robot has less."""
-        return self.least >= self.value
+        """Whether no robot has less than the best design."""
+        return self.least >= self.reached and not self.undecided and not self.more
 
     @property
     def gap(self) -> Fraction | None:
-        """By which part of the least that is proved the value is above it; None where that is 0."""
-        return self.value / self.least - 1 if self.least > 0 else None
+        """By which part of the proved least the best design is above it; None where that is 0."""
+        return self.reached / self.least - 1 if self.least > 0 else None
 
     @property
     def text(self) -> str:
         """What is known of it, in words."""
-        stated = amount_text(self.amount.objective, self.value)
-        if not self.amount.is_ordering:
-            return stated
+        said = self._best_text()
+        if self.value > self.reached:
+            return f"{amount_text(self.amount.objective, self.value)} ({said})"
+        return said
+
+    def _best_text(self) -> str:
+        best = amount_text(self.amount.objective, self.reached)
         if self.is_least:
-            return f"least {stated}"
-        if (self.undecided or self.more) and not self.amount.objective.within:
-            robots = "a robot that was not tried does it"
-            if self.undecided:
-                which = (
-                    "the undecided robot"
-                    if self.undecided == 1
-                    else (f"one of {self.undecided} undecided robots")
-                )
-                robots = (
-                    f"{which}, or one that was not tried, does it"
-                    if self.more
-                    else (f"{which} does it")
-                )
-            return f"least {stated}, unless {robots} for less"
+            return f"least {best}"
+        if self.amount.is_ordering and (self.undecided or self.more):
+            return f"least {best}, unless {self._others()} for less"
         if self.gap is None:
-            return stated
+            return best
         least = value_text(self.amount.objective, self.least)
-        return f"{stated}; no robot has less than {least} (gap {float(100 * self.gap):.2g} %)"
+        return f"{best}; no robot has less than {least} (gap {float(100 * self.gap):.2g} %)"
+
+    def _others(self) -> str:
+        """The robots that may have less, and do it."""
+        if not self.undecided:
+            return "a robot that was not tried does it"
+        which = "the undecided robot"
+        if self.undecided > 1:
+            which = f"one of {self.undecided} undecided robots"
+        return f"{which}, or one that was not tried, does it" if self.more else f"{which} does it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +86,8 @@ class Optimality:
 
     ``modules`` is the bound on modules that they are about, None without one.  ``records`` are the
     structures that may have less, all with coverings, and those whose variants the ``lemmas`` are
-    about; ``dearer`` are words of which each robot has as much.
+    about; ``dearer`` are words of which each robot has as much.  The least time rests on ``time``,
+    ``untimed`` says why there is no bound on it.
     """
 
     objectives: tuple[ObjectiveResult, ...]
@@ -90,13 +95,24 @@ class Optimality:
     records: tuple[StructureRecord, ...]
     dearer: tuple[tuple[str, ...], ...]
     lemmas: tuple[Lemma, ...]
+    time: TimeBound | None = None
+    untimed: str | None = None
+
+    def with_time(self, bound: TimeBound, step: Fraction) -> Optimality:
+        """The same with a bound on the time of all robots, in steps of so many seconds."""
+        least = (bound.steps + 1) * step
+        objectives = (
+            replace(each, least=least, more=False) if each.amount.objective.kind == "time" else each
+            for each in self.objectives
+        )
+        return replace(self, objectives=tuple(objectives), time=bound)
 
 
 def optimality(
     family: RobotFamily,
     task: ir.Task,
-    amounts: Sequence[Amount],
     values: Sequence[Fraction],
+    reached: Sequence[Limit],
     known: Sequence[StructureRecord],
     lemmas: Sequence[Lemma],
     context: RunContext,
@@ -106,8 +122,8 @@ def optimality(
     Args:
         family: the whole family of the task, without maps.
         task: the task, without maps.
-        amounts: its objectives.
-        values: what the design has of each.
+        values: what the design has of each of its objectives.
+        reached: the least that designs have of each, which the design is within.
         known: what became of the structures that were tried.
         lemmas: those of the search.
         context: how to search for coverings.
@@ -115,11 +131,13 @@ def optimality(
     Raises:
         OutOfTimeError: there was no time for the coverings.
     """
-    limits = tuple(map(Limit, amounts, values))
     due = {
         number
         for number, record in enumerate(known)
-        if any(_may_be_less(record, limits[: k + 1]) for k in range(len(limits)))
+        if any(
+            _may_be_less(record, reached[:k], each.amount, value)
+            for k, (each, value) in enumerate(zip(reached, values, strict=True))
+        )
     }
     labels = {lemma.labels for lemma in lemmas if isinstance(lemma, VariantLemma)}
     due |= {number for number, record in enumerate(known) if record.derivation in labels}
@@ -127,22 +145,25 @@ def optimality(
     records, late = covered(known, family, task, context, due)
     if late is not None:
         raise late
-    return _Judgement(family, task, limits, records, lemmas).result()
+    return _Judgement(family, task, tuple(values), tuple(reached), records, lemmas).result()
 
 
 def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
     """The objectives of a design of which nothing is proved but what it has."""
     pairs = zip(amounts, values, strict=True)
-    found = tuple(ObjectiveResult(*pair, Fraction(0), 0, more=True) for pair in pairs)
+    found = tuple(
+        ObjectiveResult(amount, value, Fraction(0), value, 0, more=True) for amount, value in pairs
+    )
     return Optimality(found, task.modules, (), (), ())
 
 
-def _may_be_less(record: StructureRecord, limits: Sequence[Limit]) -> bool:
-    """Whether a structure may be within all limits and below the last one, by its word."""
-    *before, last = limits
+def _may_be_less(
+    record: StructureRecord, before: Sequence[Limit], amount: Amount, bound: Fraction
+) -> bool:
+    """Whether a structure may be within limits and below a bound, by its word."""
     word = record.word
     within = all(limit.amount.of_word(word) <= limit.most for limit in before)
-    return within and last.amount.of_word(word) < last.least
+    return within and amount.of_word(word) < bound
 
 
 @dataclass(slots=True)
@@ -151,7 +172,8 @@ class _Judgement:
 
     family: RobotFamily
     task: ir.Task
-    limits: tuple[Limit, ...]
+    values: tuple[Fraction, ...]
+    reached: tuple[Limit, ...]
     known: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]
     modules: int | None = field(init=False)
@@ -161,7 +183,7 @@ class _Judgement:
 
     def __post_init__(self) -> None:
         self.records = {record.derivation: record for record in self.known}
-        amounts = tuple(limit.amount for limit in self.limits)
+        amounts = tuple(limit.amount for limit in self.reached)
         self.modules = searched_modules(self.family, self.task, amounts)
         self.lemmas = [lemma for lemma in self.lemmas if self._has_covering(lemma)]
         conditions = tuple(lemma.condition for lemma in self.lemmas)
@@ -178,18 +200,18 @@ class _Judgement:
 
     def result(self) -> Optimality:
         """What is proved of each objective, and what that rests on."""
-        results = [self._objective(k) for k in range(len(self.limits))]
+        results, limits = list[ObjectiveResult](), list[Limit]()
         used = _Used()
         dearer: dict[tuple[str, ...], None] = {}
-        for k, result in enumerate(results):
-            if not result.least > 0:
-                continue
-            for candidate in self._below(k, result.least):
-                used.add(*self._refuted(candidate))
-            words = words_below(
-                self.limits[k].amount, self.left, self.modules, self.limits[:k], result.least
-            )
-            dearer |= dict.fromkeys(words)
+        for k, value in enumerate(self.values):
+            found = self._objective(k, limits)
+            results.append(found)
+            if found.least > 0:
+                for candidate in self._below(found.amount, limits, found.least):
+                    used.add(*self._refuted(candidate))
+                words = words_below(found.amount, self.left, self.modules, limits, found.least)
+                dearer |= dict.fromkeys(words)
+            limits.append(Limit(found.amount, found.least, value))
         for lemma in self.lemmas:
             if isinstance(lemma, VariantLemma):
                 used.add(self.records[lemma.labels], self.records[lemma.labels])
@@ -202,12 +224,15 @@ class _Judgement:
             tuple(self.lemmas),
         )
 
-    def _below(self, place: int, bound: Fraction) -> Sequence[Candidate]:
-        """The structures that may have less than so much of an objective, in order."""
-        amount, found = self.limits[place].amount, list[Candidate]()
-        every = structures_by(
-            amount, self.left, self.modules, self.limits[:place], self.task.origin
-        )
+    def _below(
+        self, amount: Amount, limits: Sequence[Limit], bound: Fraction
+    ) -> Sequence[Candidate]:
+        """The structures within limits that may have less than so much of an objective, in order.
+
+        The last one may be one that was not tried.
+        """
+        found = list[Candidate]()
+        every = structures_by(amount, self.left, self.modules, limits, self.task.origin)
         for candidate in every:
             if amount.of_robot(candidate.derivation.word, candidate.model) >= bound:
                 break
@@ -216,20 +241,32 @@ class _Judgement:
                 break
         return found
 
-    def _objective(self, place: int) -> ObjectiveResult:
-        limit = self.limits[place]
-        if not limit.amount.is_ordering:
-            return ObjectiveResult(limit.amount, limit.least, Fraction(0), 0, more=False)
-        least, undecided, more = limit.least, 0, False
-        for candidate in self._below(place, limit.least):
+    def _objective(self, place: int, limits: Sequence[Limit]) -> ObjectiveResult:
+        """What is known of an objective, and proved of robots within limits."""
+        value, reached = self.values[place], self.reached[place]
+        amount, best = reached.amount, reached.least
+        if not amount.is_ordering:
+            return ObjectiveResult(amount, value, Fraction(0), best, 0, more=False)
+        before = self.reached[:place]
+        least, undecided, more = self._open(amount, before, best)
+        if [limit.most for limit in limits] != [limit.most for limit in before]:
+            least, _, _ = self._open(amount, limits, value)
+        return ObjectiveResult(amount, value, least, best, undecided, more)
+
+    def _open(
+        self, amount: Amount, limits: Sequence[Limit], bound: Fraction
+    ) -> tuple[Fraction, int, bool]:
+        """Of structures below a bound that are not refuted the least, their number, and if more."""
+        least, undecided, more = bound, 0, False
+        for candidate in self._below(amount, limits, bound):
             record = self.records.get(candidate.derivation.labels)
             if record is not None and self._refuted(candidate)[1] is not None:
                 continue
-            own = limit.amount.of_robot(candidate.derivation.word, candidate.model)
+            own = amount.of_robot(candidate.derivation.word, candidate.model)
             least, more = min(least, own), more or record is None
             if record is not None and record.verdict not in ("found", "same"):
                 undecided += 1
-        return ObjectiveResult(limit.amount, limit.least, least, undecided, more)
+        return least, undecided, more
 
     def _refuted(
         self, candidate: Candidate

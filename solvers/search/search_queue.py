@@ -9,9 +9,8 @@ that no motion is expected for along any path comes some rounds later.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 
 from compiler.robots.candidate import Candidate
 from compiler.words.derivation import Derivation
@@ -23,9 +22,9 @@ LATER = 3
 """By so many rounds."""
 
 
-def robustness_of(design: Design) -> tuple[float]:
-    """What a design is worth where nothing else is asked for."""
-    return (design.robustness,)
+def most_robust(designs: Sequence[Design]) -> Design:
+    """The best of some designs where nothing else is asked for."""
+    return max(designs, key=lambda design: design.robustness)
 
 
 @dataclass(slots=True)
@@ -34,7 +33,7 @@ class StructureUnderWay:
 
     ``incumbent`` is a proved design, there before the attempt that it comes from has ended;
     ``waiting`` is the last motion that was seen, whose search or proof may go on.  ``told`` is
-    called when a better design was proved: one that is ``worth`` more.
+    called when a better design was proved; ``best_of`` says which of those ``proved`` is the best.
     """
 
     place: int
@@ -45,7 +44,8 @@ class StructureUnderWay:
     state: StructureState = field(default_factory=StructureState)
     incumbent: Design | None = None
     waiting: NearestMotion | None = None
-    worth: Callable[[Design], tuple[float | Fraction, ...]] = field(default=robustness_of)
+    best_of: Callable[[Sequence[Design]], Design] = field(default=most_robust)
+    proved: list[Design] = field(default_factory=list[Design])
 
     @property
     def number(self) -> int:
@@ -76,8 +76,9 @@ class StructureUnderWay:
 
     def keep(self, design: Design) -> None:
         """A design was proved: it is there from now on, whatever ends the search."""
-        if self.incumbent is None or self.worth(design) > self.worth(self.incumbent):
-            self.incumbent = design
+        self.proved.append(design)
+        before, self.incumbent = self.incumbent, self.best_of(self.proved)
+        if self.incumbent is not before:
             self.told()
 
     def see(self, motion: NearestMotion) -> None:

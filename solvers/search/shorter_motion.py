@@ -38,7 +38,12 @@ def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
 
 
 def shorter_motion(
-    paths: PathSearch, cells: Abstraction, best: Design, way: Timing | None
+    paths: PathSearch,
+    cells: Abstraction,
+    best: Design,
+    way: Timing | None,
+    box: tuple[Array, Array] | None = None,
+    price: float = 0.0,
 ) -> PathAttempt:
     """The attempt at a motion of as many steps as the task of ``paths`` has.
 
@@ -47,21 +52,53 @@ def shorter_motion(
         cells: the cells of the workspace, where the design has no others.
         best: the design of which the way is followed.
         way: its way with the fastest timing; None: its own timing, stretched.
+        box: bounds (p,) of the parameters; None: their ranges.
+        price: that on rates, relative to that of calm motions; 0: what feedback asks for.
     """
-    steps, context = paths.shape.task.steps, paths.structure.context
+    steps = paths.shape.task.steps
     cells = best.abstraction if best.abstraction.cuts else cells
     path_problem = _problem(paths, cells, best, steps)
     if path_problem is None:
         return PathAttempt(blocked_by(best.configuration.outcome))
+    if price:
+        path_problem = calmer(path_problem)
+        path_problem = replace(path_problem, rates=price * path_problem.rates)
     entries = path_problem.waypoints()[1]
     start = _seed(path_problem, best, way, entries)
-    label = f"{paths.structure.label}|shorter"
+    label = f"{paths.structure.label}|shorter{price or ''}"
+    return _solved(paths, path_problem, start, box or free_parameters(path_problem, start), label)
+
+
+def attempt_along(
+    paths: PathSearch, best: Design, start: Trajectory, box: tuple[Array, Array], name: str
+) -> PathAttempt:
+    """The attempt at a motion of as many steps along the cells of a design, from another start.
+
+    Args:
+        paths: the search of paths of such motions.
+        best: the design.
+        start: the motion to begin with.
+        box: bounds (p,) of the parameters.
+        name: what it is for, as journals call it.
+    """
+    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    if path_problem is None:
+        return PathAttempt(blocked_by(best.configuration.outcome))
+    return _solved(paths, path_problem, start, box, f"{paths.structure.label}|{name}")
+
+
+def _solved(
+    paths: PathSearch,
+    path_problem: PathProblem,
+    start: Trajectory,
+    box: tuple[Array, Array] | None,
+    label: str,
+) -> PathAttempt:
+    """The attempt at a motion from a start, with parameters within a box."""
+    context, entries = paths.structure.context, path_problem.waypoints()[1]
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
-    box = free_parameters(path_problem, start)
     (outcome,) = evaluator.solutions([SolveRequest(start, entries, box, FULL, released=True)])
-    if not outcome.feasible:
-        return PathAttempt(blocked_by(outcome), outcome.robustness)
-    at = settled(path_problem, outcome, entries, context)
+    at = settled(path_problem, outcome, entries, context) if outcome.feasible else None
     if at is None:
         return PathAttempt(blocked_by(outcome), outcome.robustness)
     found = Configuration(

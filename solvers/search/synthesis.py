@@ -25,13 +25,16 @@ from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
+from solvers.search.design_values import limits_of
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.least_search import LeastSearch
+from solvers.search.narrowed_family import NoBoundError, Tried
 from solvers.search.optimality import Optimality, optimality, stated
 from solvers.search.path_task import Design
 from solvers.search.robustness_bound import RobustnessBound
 from solvers.search.search_queue import StructureUnderWay
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
+from solvers.search.time_bound import time_bound
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
 
@@ -143,8 +146,18 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     """What is proved of the objectives of the best design."""
     if not run.amounts:
         return None
-    values, records = run.values(run.designs[0]), run.all_records(PUT_OFF)
-    return optimality(run.whole, run.task, run.amounts, values, records, run.lemmas, run.context)
+    values, records = run.values(run.designs[0].design), run.all_records(PUT_OFF)
+    limits, _ = limits_of(run.all_values, run.amounts)
+    found = optimality(run.whole, run.task, values, limits, records, run.lemmas, run.context)
+    if not any(each.objective.kind == "time" for each in run.amounts) or not run.task.at_most:
+        return found
+    best = min(len(design.inputs) for each in run.all_searched for design in each.proved)
+    tried = Tried(records, tuple(run.lemmas))
+    try:
+        bound = time_bound(run.whole, run.task, run.context, tried, best)
+    except NoBoundError as why:
+        return replace(found, untimed=str(why))
+    return found.with_time(bound, run.task.step)
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:
@@ -199,7 +212,7 @@ def _result(
 
 def _stated(run: FamilySearch, best: Proved) -> Optimality:
     """What the best design has of the objectives, of which nothing else is proved yet."""
-    return stated(run.task, run.amounts, run.values(best))
+    return stated(run.task, run.amounts, run.values(best.design))
 
 
 def _unbounded(run: FamilySearch, late: OutOfTimeError | None) -> str | None:

@@ -161,7 +161,9 @@ def _of_all_robots(
     from solvers.verifier.refutations.further_check import further_conditions
 
     margins = claimed_margins(claim, model, task, report.conditions)
-    return further_conditions(folder, claim, program, task, model, margins, watch)
+    return further_conditions(
+        folder, claim, program, task, model, margins, report.conditions, watch
+    )
 
 
 def _impossible(

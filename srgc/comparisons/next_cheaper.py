@@ -15,7 +15,7 @@ from typing import Any
 
 from compiler.objectives.least_values import Amount, amounts
 from compiler.objectives.ordered_structures import structures_by
-from compiler.objectives.values import value_bounds
+from compiler.objectives.values import MotionValues, value_bounds
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.words.derivation import Derivation
@@ -100,9 +100,8 @@ def next_cheaper(folder: Path, tried: TriedFolder) -> NextCheaper | None:
 
 def _value(amount: Amount, found: FoundDesign) -> Fraction | None:
     """What the design has of an objective that is no motion's."""
-    bounds = value_bounds(
-        amount, found.derivation.word, found.model, found.parameters, None, Fraction(0)
-    )
+    motion = MotionValues(None, Fraction(0), None)
+    bounds = value_bounds(amount, found.derivation.word, found.model, found.parameters, motion)
     return None if bounds is None else bounds[1]
 
 

@@ -36,7 +36,7 @@ from srgc.results.design_file import (
     samples_csv,
     trajectory_csv,
 )
-from srgc.results.evidence_claims import Evidence, bound_evidence, least_evidence
+from srgc.results.evidence_claims import Evidence, bound_evidence, optimality_files
 from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
@@ -295,7 +295,7 @@ def _write(
     if result.bound is not None:
         evidence |= bound_evidence(result.bound).files()
     if result.optimality is not None:
-        evidence |= least_evidence(result.optimality).files()
+        evidence |= optimality_files(result.optimality)
     for name, content in evidence.items():
         files.write(name, content)
     if result.samples:

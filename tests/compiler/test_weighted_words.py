@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compiler.words import weighted_words
-from compiler.words.acceptance import at_most
+from compiler.words.acceptance import accept_dfa, at_most
 from compiler.words.finite_automaton import STATE_LIMIT, AutomatonTooLargeError
 from compiler.words.language import Language, language
 from compiler.words.weighted_words import weight_at_most, words_by_weight
@@ -21,6 +21,7 @@ from tests.oracles.grammars import (
     ARM_TERMINALS,
     EVERY,
     TRAPS,
+    accepts,
     arm,
     grammar,
     random_grammars,
@@ -230,3 +231,30 @@ def test_the_number_of_states_is_limited(monkeypatch: pytest.MonkeyPatch) -> Non
     assert weight_at_most(AB, {"a": ONE}, Fraction(10)).size == 12
     with pytest.raises(AutomatonTooLargeError):
         weight_at_most(AB, {"a": ONE}, Fraction(11))
+
+
+def test_sums_of_other_words_are_not_states() -> None:
+    """Ten weights have millions of sums; the words of the condition have few."""
+    symbols = tuple("abcdefghij")
+    weights = {symbol: Fraction(1, n + 11) for n, symbol in enumerate(symbols)}
+    condition = ir.Matches(ir.RSequence((ir.RSymbol("a"), ir.RRepeat(ir.RSymbol("b"), "*"))))
+    inside = accept_dfa(condition, symbols)
+    with pytest.raises(AutomatonTooLargeError):
+        weight_at_most(symbols, weights, Fraction(3))
+    dfa = weight_at_most(symbols, weights, Fraction(3), inside=inside)
+    assert dfa.accepts(("a", *"b" * 34))
+    assert not dfa.accepts(("a", *"b" * 35))
+    assert not dfa.accepts(("b",))
+    assert dfa.size == 37
+    assert not weight_at_most(AB, {}, ONE, inside=at_most(AB, AB, -1)).accepts(())
+
+
+@settings(deadline=None, max_examples=examples(40, 200))
+@given(accepts(AB), weightings(SOME), st.sampled_from(SOME))
+def test_weights_of_the_words_of_a_condition(
+    condition: ir.Accept, weights: Weights, bound: Fraction
+) -> None:
+    dfa = weight_at_most(AB, weights, bound, inside=accept_dfa(condition, AB))
+    for word in all_words(AB, 5):
+        light = total(word, weights) <= bound
+        assert dfa.accepts(word) == (light and satisfies(condition, word))

@@ -164,14 +164,13 @@ def test_the_canonical_text() -> None:
 
 # --- what is reported --------------------------------------------------------------------------
 
-THERE_ARE = "the objectives are `modules`, `mass`, `effort` and `sum(NAME)`"
+THERE_ARE = "the objectives are `modules`, `mass`, `time`, `effort` and `sum(NAME)`"
 
 
 @pytest.mark.parametrize(
     ("clause", "place", "message", "hint"),
     [
         ("minimize speed;", "speed", "`speed` is no objective", THERE_ARE),
-        ("minimize time;", "time", "`time` is no objective", THERE_ARE),
         ("minimize sums;", "sums", "`sums` is no objective", THERE_ARE),
         ("minimize masss(price);", "masss", "`masss` is no objective", THERE_ARE),
         ("minimize energy;", "energy", "`energy` is no objective", THERE_ARE),
@@ -433,3 +432,40 @@ def test_the_clause_loads_what_reads_it() -> None:
     lazy = {"grammar_lang.elaboration.objectives", "compiler.checks.objective_checks"}
     assert not lazy & loaded
     assert lazy <= loaded_after(run.format("tests/oracles/complete.srg"))
+
+
+# --- time ----------------------------------------------------------------------------------------
+
+
+def timed(horizon: str, clause: str) -> list[tuple[str, str]]:
+    """Severity and code, and the place, of what is found of time in a task with a horizon."""
+    text = spec(clause)
+    (old,) = (line for line in text.splitlines() if "horizon" in line)
+    text = text.replace(old[old.index("horizon") : old.index(";", old.index("horizon"))], horizon)
+    codes = {Code.FIXED_TIME, Code.TIME_WITHOUT_END}
+    found = [each for each in load_text(text, "spec.srg").diagnostics if each.code in codes]
+    assert all(each.hint and each.notes for each in found)
+    return [(_kind(each), text[each.span.start : each.span.end]) for each in found]
+
+
+def test_time_where_motions_take_different_times() -> None:
+    assert timed("horizon at most 9 steps of 0.1 s", "minimize time then mass;") == []
+    (first, second) = read("minimize time within 5 % then effort;")
+    assert (first.kind, first.within, second.kind) == ("time", Fraction(1, 20), "effort")
+
+
+def test_time_where_all_motions_take_the_same() -> None:
+    fixed = "horizon 9 steps of 0.1 s"
+    warned = ("warning SRG0726", "time within 5 %")
+    assert timed(fixed, "minimize mass then time within 5 % then modules;") == [warned]
+    assert timed(fixed, "minimize mass then modules;") == []
+    # Nothing is said where it is not known what the horizon is.
+    assert timed("horizon 9 steps", "minimize time;") == []
+    assert timed("horizon at 9 steps of 2 s", "minimize time;") == []
+
+
+def test_time_of_motions_for_ever() -> None:
+    error = [("error SRG0727", "time")]
+    for horizon in ("horizon 9 steps of 0.1 s", "horizon at most 9 steps of 0.1 s"):
+        assert timed(horizon, "minimize modules then time; repeat;") == error
+        assert timed(horizon, "minimize modules; repeat;") == []

@@ -94,6 +94,15 @@ def test_the_control_of_a_task(loop: str, means: str) -> None:
     assert means in told(analysis, "control ", loop)
 
 
+def test_a_task_of_any_number_of_steps() -> None:
+    text = (ROOT / "specs" / "planar_arm.srg").read_text(encoding="utf-8")
+    name = text.partition("\ntask ")[2].partition(" ")[0]
+    text = text.replace("horizon 81 steps of 0.125 s", "horizon at most 60 steps of 0.05 s")
+    analysis = analyse("untitled:x", text, {})
+    assert "- horizon: at most 60 steps of 0.05 s, 3 s" in told(analysis, "task ", name)
+    assert "any number of steps" in told(analysis, "horizon at ", "most")
+
+
 def test_a_task_for_ever() -> None:
     text = (ROOT / "specs" / "planar_arm.srg").read_text(encoding="utf-8")
     name = text.partition("\ntask ")[2].partition(" ")[0]

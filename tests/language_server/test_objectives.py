@@ -173,9 +173,17 @@ def offered(clause: str, text: str = TEXT) -> list[str]:
 
 
 def test_objectives_are_offered() -> None:
-    assert offered("minimize ") == ["modules", "mass", "effort", "sum"]
-    assert offered("minimize ma") == ["modules", "mass", "effort", "sum"]
-    assert offered("minimize modules then ") == ["modules", "mass", "effort", "sum"]
+    assert offered("minimize ") == ["modules", "mass", "time", "effort", "sum"]
+    assert offered("minimize ma") == ["modules", "mass", "time", "effort", "sum"]
+    assert offered("minimize modules then ") == ["modules", "mass", "time", "effort", "sum"]
+
+
+def test_any_number_of_steps_is_offered() -> None:
+    assert "at most" in offered("horizon ")
+    assert "at" not in offered("horizon ")
+    assert offered("horizon at ") == ["most"]
+    assert "at most" not in offered("start ")
+    assert "at most" not in offered("horizon at most ")
 
 
 def test_attributes_of_the_modules_of_the_grammar_are_offered() -> None:

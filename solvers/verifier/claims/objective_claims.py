@@ -29,12 +29,27 @@ class ObjectiveValue:
 
 
 @dataclass(frozen=True, slots=True)
+class TimeClaim:
+    """No robot with at most ``modules`` modules does the task in at most so many ``steps``.
+
+    ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, about the task with so
+    many steps at most; all are refuted by coverings.
+    """
+
+    steps: int
+    modules: int | None
+    structures: tuple[StructureClaim, ...]
+    lemmas: tuple[LemmaClaim, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ObjectivesClaim:
     """The objectives of a task, in their order, and what their least values rest on.
 
     The robots that they are about have at most ``modules`` modules; None: any number.
     ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, all with coverings; of the
-    words that are ``dearer`` no robot has less, whatever its parameters are.
+    words that are ``dearer`` no robot has less, whatever its parameters are.  What is claimed of
+    the least ``time`` has evidence of its own.
     """
 
     values: tuple[ObjectiveValue, ...]
@@ -42,6 +57,7 @@ class ObjectivesClaim:
     structures: tuple[StructureClaim, ...]
     dearer: tuple[tuple[str, ...], ...]
     lemmas: tuple[LemmaClaim, ...]
+    time: TimeClaim | None = None
     kind: str = "objectives"
 
 
@@ -52,9 +68,7 @@ def objectives_claim(item: dict[str, Any]) -> ObjectivesClaim:
         TypeError, KeyError, ValueError: it is malformed.
     """
     (fields,) = objects([item], ObjectivesClaim)
-    lemmas, dearer = fields["lemmas"], fields["dearer"]
-    if not isinstance(lemmas, list) or not all(isinstance(each, dict) for each in lemmas):
-        raise TypeError("a list of lemmas is due")
+    dearer, time = fields["dearer"], fields["time"]
     if not isinstance(dearer, list):
         raise TypeError("a list of words is due")
     return ObjectivesClaim(
@@ -62,8 +76,25 @@ def objectives_claim(item: dict[str, Any]) -> ObjectivesClaim:
         None if fields["modules"] is None else number(fields["modules"]),
         structure_claims(fields["structures"]),
         tuple(texts(word) for word in dearer),
-        tuple(lemma_claim(each) for each in lemmas),
+        _lemmas(fields["lemmas"]),
+        None if time is None else _time(time),
     )
+
+
+def _time(content: object) -> TimeClaim:
+    (fields,) = objects([content], TimeClaim)
+    return TimeClaim(
+        number(fields["steps"]),
+        None if fields["modules"] is None else number(fields["modules"]),
+        structure_claims(fields["structures"]),
+        _lemmas(fields["lemmas"]),
+    )
+
+
+def _lemmas(items: object) -> tuple[LemmaClaim, ...]:
+    if not isinstance(items, list) or not all(isinstance(each, dict) for each in items):
+        raise TypeError("a list of lemmas is due")
+    return tuple(lemma_claim(each) for each in items)
 
 
 def _value(fields: dict[str, Any]) -> ObjectiveValue:

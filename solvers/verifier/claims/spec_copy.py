@@ -196,8 +196,9 @@ def task_of_motion(claim: FoundClaim, task: ir.Task) -> ir.Task:
     """
     if not task.at_most:
         return task
-    if not 1 <= claim.steps <= task.steps:
-        raise Refused(f"the motion has {claim.steps} steps, and at most {task.steps} are allowed")
+    if not task.fewest_steps <= claim.steps <= task.steps:
+        allowed = f"{task.fewest_steps} to {task.steps}"
+        raise Refused(f"the motion has {claim.steps} steps, and {allowed} are allowed")
     return task.lasting(claim.steps)
 
 

@@ -30,6 +30,8 @@ _MOST_PATHS = 200
 def _keywords(cursor: Cursor) -> Iterator[Offer]:
     for word in sorted(cursor.expected):
         if word.isidentifier() and not word.isupper():
+            if word == "at" and cursor.statement == ("horizon",):
+                word = "at most"  # noqa: PLW2901
             means = explained(word, cursor.item[0]) or "keyword"
             yield Offer(word, _KINDS.Keyword, means)
 
@@ -222,7 +224,7 @@ STATEMENTS = MappingProxyType(
             "repeat": "repeat;",
             "payload": "payload ${1:0.5} kg;",
             "carry": "carry ${1:0.5} kg from ${2:A} to ${3:B};",
-            "minimize": "minimize ${1|modules,mass,effort|};",
+            "minimize": "minimize ${1|modules,mass,time,effort|};",
             "control": "control ${1|open loop,feedback|};",
         },
     }

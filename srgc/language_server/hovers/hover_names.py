@@ -313,7 +313,9 @@ def _task(analysis: Analysis, entity: Entity) -> str:
     lines = [
         f"A task for robots of `{task.grammar}` in `{task.workspace}`.",
         "",
-        f"- horizon: {task.steps} steps of {step} s, T = {end} s",
+        f"- horizon: at most {task.steps} steps of {step} s, {end} s"
+        if task.at_most
+        else f"- horizon: {task.steps} steps of {step} s, T = {end} s",
     ]
     if task.minimize:
         lines.append(f"- minimizes {' then '.join(map(_objective, task.minimize))}")
