@@ -22,9 +22,11 @@ from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.report import Outcome, Report
 from solvers.verifier.verification import verify_directory
 from srgc.faults import UsageFault
+from srgc.report.front_motions import FrontMotion, front_motions
 from srgc.report.tables import Evaluation, Trajectory, evaluations, planned_trajectory
 from srgc.results.found_design import FoundDesign, FoundRecord, found_design, found_record
 from srgc.results.result_folder import json_object
+from srgc.results.stated_objectives import Objective, stated_objectives
 from srgc.results.why_folder import TriedFolder, tried_folder
 
 if TYPE_CHECKING:
@@ -68,6 +70,8 @@ class Evidence:
         evaluations: what the search of parameters evaluated, in order.
         landscape: the grid of ``srgc landscape``, where there is one.
         pareto: ``pareto.json`` of ``synth --all``, else empty.
+        objectives: what ``design.json`` says of the objectives of the task.
+        front: of a task with objectives the motions of the designs that none dominates.
         log: ``log.json``, empty where there is none.
         coverings: the sizes of ``proofs/NNNN.boxes`` by their paths.
         digests: SHA-256 of ``design.json`` and ``certificate.json``.
@@ -90,6 +94,8 @@ class Evidence:
     evaluations: tuple[Evaluation, ...]
     landscape: tuple[Evaluation, ...]
     pareto: Mapping[str, Any]
+    objectives: tuple[Objective, ...]
+    front: tuple[FrontMotion, ...]
     log: Mapping[str, Any]
     coverings: Mapping[str, CoveringSize]
     digests: Mapping[str, str]
@@ -199,6 +205,8 @@ def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Ev
         evaluations(folder / "evaluations.csv"),
         evaluations(folder / "landscape.csv"),
         pareto,
+        stated_objectives(design, folder / "design.json"),
+        front_motions(folder, pareto),
         json_object(folder / "log.json", needed=False),
         _coverings(folder, design),
         _digests(folder),

@@ -7,6 +7,7 @@ from fractions import Fraction
 from math import degrees
 
 from compiler.descriptions.model_symbols import closed_text
+from compiler.objectives.objective_text import objective_text
 from compiler.robots.state_and_input import EFFORT_UNITS
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
@@ -39,6 +40,17 @@ def _sentences(program: ir.Program, task: ir.Task) -> Iterator[str]:
     for carry in task.carries:
         yield _carried(program, task, carry)
     yield from _limits(task)
+    if task.minimize:
+        yield f"Of the robots that do this, one with the least is asked for: {_least(task)}"
+
+
+def _least(task: ir.Task) -> str:
+    """What is to be least, in turn."""
+    asked = []
+    for each in task.minimize:
+        left = f" (up to {_value(100 * each.within)} % more is as good)" if each.within else ""
+        asked.append(f"`{objective_text(each)}`{left}")
+    return ", then ".join(asked)
 
 
 def _modules(task: ir.Task) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from srgc.faults import UsageFault
 
 SEARCHED = ("effort", "time", "energy")
-"""Objectives of motions, of which nothing is proved for other robots."""
+"""Objectives of motions, of which little is proved for other robots."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +59,10 @@ class Objective:
     def claim(self, *, first: bool) -> str:
         """What is proved of all robots, in a sentence; ``first``: no objective comes before."""
         robots = "no robot" if first else "no robot within what the objectives before it leave"
-        if self.objective in SEARCHED:
-            return f"nothing is proved of what other robots need of {self.name}"
+        if not self.least > 0 and not self.is_least:
+            return "nothing is proved of other robots"
         if self.is_least:
             return f"{robots} has less"
-        if not self.least > 0:
-            return "nothing is proved of other robots"
         return f"{robots} has less than {self.amount(self.least)}"
 
     @property
