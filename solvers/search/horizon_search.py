@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from math import ceil
 
 import numpy as np
@@ -20,7 +21,7 @@ from compiler.workspaces.abstraction import Abstraction
 from solvers.search.lessened_parameters import Improved, LessenedParameters, kept_box, least_ends
 from solvers.search.path_search import PathSearch, StructureTask
 from solvers.search.path_task import Design
-from solvers.search.round_task import round_tasks, tasks_by_length
+from solvers.search.round_task import round_tasks, tasks_by_length, tasks_of_other_lengths
 from solvers.search.search_state import PathAttempt, StructureState
 from solvers.search.shorter_motion import fastest_way, shorter_motion, steps_of_end
 from solvers.search.structure_search import StructureSearch
@@ -46,8 +47,12 @@ class HorizonSearch:
         ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
         """
         state, reason = StructureState(), ""
-        for task in tasks_by_length(self.given.task):
+        usual = tasks_by_length(self.given.task)
+        for task in chain(usual, tasks_of_other_lengths(self.given.task)):
             before = state.attempts
+            if task not in usual and before:
+                # There were paths: it is not for want of plans that no motion was found.
+                break
             for found in StructureSearch(self.lasting(task.steps), self.cells).states(effectors):
                 state = replace(found, attempts=(*before, *found.attempts), reason=None)
                 reason = found.reason or reason

@@ -25,7 +25,12 @@ from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
 from solvers.conclusion import module_bound
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
-from solvers.search.round_task import closing, round_tasks, tasks_by_length
+from solvers.search.round_task import (
+    closing,
+    round_tasks,
+    tasks_by_length,
+    tasks_of_other_lengths,
+)
 from solvers.trajectory.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.verdict import Holds, Unknown, Verdict
 from srgc.faults import UsageFault
@@ -133,7 +138,8 @@ def _problems(cells: Abstraction, task: ir.Task) -> Iterator[PlanningProblem]:
     steps are looked for.
     """
     recorded = recorded_effector(task) or 0
-    for each in tasks_by_length(task) if task.demanded else [task.lasting(task.steps)]:
+    lengths = *tasks_by_length(task), *tasks_of_other_lengths(task)
+    for each in lengths if task.demanded else lengths[:1]:
         for part in round_tasks(each, recorded):
             yield from closing(planning_problem(cells, part.task, recorded), part)
 
@@ -191,7 +197,6 @@ def _why(ended: Exhausted, steps: int, task: ir.Task) -> str:
         return f"no path with at most {ended.changes} changes of cell satisfies the formula"
     if ended.why is Exhaustion.FORMULA:
         if task.at_most:
-            ends = [str(each.steps) for each in tasks_by_length(task)]
-            return f"no path of {', '.join(ends)} steps satisfies the formula"
+            return "no path satisfies the formula, of any number of steps that was looked at"
         return f"no path within the {steps + 1} samples satisfies the formula"
     return str(ended.why.value)
