@@ -211,14 +211,13 @@ class _Judgement:
                 dearer |= dict.fromkeys(words)
             limits.append(Limit(found.amount, found.least, value))
         used = _Used()
-        words = dict.fromkeys(record.word for record, _ in due.values())
-        for derivation in structures_of(self.left.language, words):
+        listed = dict.fromkeys(record.word for record, _ in due.values())
+        for derivation in structures_of(self.left.language, listed):
             if derivation.labels in due:
                 used.add(*due[derivation.labels])
         for lemma in self.lemmas:
             if isinstance(lemma, VariantLemma):
                 used.add(self.records[lemma.labels], self.records[lemma.labels])
-        listed = {record.word for record in used.records}
         return Optimality(
             tuple(results),
             self.modules,
