@@ -236,13 +236,12 @@ class _Judgement:
         for lemma in self.lemmas:
             if isinstance(lemma, VariantLemma):
                 used.add(self.records[lemma.labels], self.records[lemma.labels])
-        refuted = {record.word for record in used.records}
         return Optimality(
             tuple(results),
             self.modules,
             self.task.modules is None and self.modules is not None,
             with_lemmas(used.records, self.lemmas),
-            tuple(word for word in dearer if word not in refuted),
+            tuple(word for word in dearer if word not in listed),
             tuple(self.lemmas),
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,10 +12,11 @@ from solvers.verifier.report import Report
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.least_specs import link, spec
-from tests.oracles.result_files import read
+from tests.oracles.result_files import alter, read
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
+SPECS = Path(__file__).parents[2] / "specs"
 QUICK = ("--paths", "2", "--evaluations", "3")
 ARMS = "matches Base eps Joint eps (A eps | B eps)+ Hand"
 TWO = {"a": ("eps A", link("0.5 m", "1 kg")), "b": ("eps B", link("0.25 m", "0.3 kg"))}
@@ -128,6 +130,17 @@ def test_irrational_masses(tmp_path: Path) -> None:
     assert mass[0] ** 2 >= 2 >= mass[1] ** 2
     assert modules == (4, 4)
 
+    def lower(content: dict[str, Any]) -> None:
+        (claim,) = (c for c in content["claims"] if c["kind"] == "objectives")
+        below = str(mass[0] - Fraction(2, 10**9))
+        claim["values"][0] |= {"value": below, "least": below}
+
+    (tmp_path / "out" / "design.json").unlink()
+    alter(tmp_path / "out", lower, sign=True)
+    report = verify_directory(tmp_path / "out")
+    assert report.outcome is Outcome.REFUTED
+    assert (report.reason or "").startswith("`mass` is about 1.414213563, not 1.414213561")
+
 
 def test_nothing_is_proved_of_efforts(tmp_path: Path) -> None:
     text = spec(
@@ -168,3 +181,27 @@ def test_values_that_the_existing_robot_fixes(tmp_path: Path) -> None:
     (((value, low),), _) = least(text, tmp_path)
     assert value == 18
     assert low in (10, 18)
+
+
+@pytest.mark.slow
+def test_lemmas_about_variants(tmp_path: Path) -> None:
+    """Arms behind a wall, whatever they weigh and however they bend; a tower stands beyond it."""
+    text = (SPECS / "walled_arm.srg").read_text(encoding="utf-8")
+    prices = {"B": 1, "JO": 20, "KN": 5, "L": 10, "W": 30, "EN": 2}
+    for name, price in prices.items():
+        text = text.replace(f"module {name} {{", f"module {name} {{ const price = {price};")
+    for before, after in (
+        ("module JO", "module Tower { role base; const price = 60; }\nmodule JO"),
+        ("base: N -> B;", "base: N -> B;\n  tower: N -> Tower;"),
+        ("semantics Arm {", "semantics Arm {\n  tower { this.frame = world * move(y, 1.3 m); }"),
+        ("matches B (eps", "matches (B | Tower) (eps"),
+        ("region S box [1.8, 2.2] x [-0.1, 0.1] m", "region S box [1.2, 2.2] x [-0.1, 2.0] m"),
+        ("modules <= 6;", "modules <= 6; minimize sum(price); control open loop;"),
+        ("steps of 0.1 s", "steps of 0.2 s"),
+    ):
+        assert before in text
+        text = text.replace(before, after)
+    # Two links fold back to the tower with two knees between them, and not with fewer.
+    assert least(text, tmp_path)[0] == proved("92")
+    (claim,) = (c for c in read(tmp_path / "out")["claims"] if c["kind"] == "objectives")
+    assert "variants" in {each["argument"] for each in claim["lemmas"]}
