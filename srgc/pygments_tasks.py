@@ -112,7 +112,7 @@ TASK_STATES = MappingProxyType({
     "objective": [
         include("gap"),
         (
-            word_of("modules", "mass", "time", "effort", "sum"),
+            word_of("modules", "mass", "time", "energy", "effort", "sum"),
             Name.Builtin,
             ("#pop", "within", "summed"),
         ),

@@ -299,7 +299,7 @@ def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditi
     Where the demands are too large with the regions that are only avoided, they are given without
     these.
     """
-    if task.at_most:
+    if task.at_most and not task.repeat:
         return None
     grid = _grid(task)
     parts = (node for clause in task.demanded for node in subformulas(clause.formula))

@@ -33,10 +33,11 @@ def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
                 sink.error(Code.LAST_WITHOUT_END, message, last.span, hint, notes)
         elif isinstance(item, t.Minimize):
             for objective in item.objectives:
-                if objective.name.text != "time" or objective.attribute is not None:
+                name = objective.name.text
+                if name not in ("time", "energy") or objective.attribute is not None:
                     continue
-                message = "a motion that goes on for ever takes no time that could be least"
-                hint = "remove `time`, or remove `repeat;`"
+                message = f"a motion that goes on for ever takes no {name} that could be least"
+                hint = f"remove `{name}`, or remove `repeat;`"
                 sink.error(Code.TIME_WITHOUT_END, message, objective.span, hint, notes)
 
 

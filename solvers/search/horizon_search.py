@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from math import ceil
 
 import numpy as np
@@ -20,13 +21,11 @@ from compiler.workspaces.abstraction import Abstraction
 from solvers.search.lessened_parameters import Improved, LessenedParameters, kept_box, least_ends
 from solvers.search.path_search import PathSearch, StructureTask
 from solvers.search.path_task import Design
-from solvers.search.round_task import round_tasks
+from solvers.search.round_task import round_tasks, tasks_by_length, tasks_of_other_lengths
 from solvers.search.search_state import PathAttempt, StructureState
-from solvers.search.shorter_motion import fastest_way, shorter_motion
+from solvers.search.shorter_motion import fastest_way, shorter_motion, steps_of_end
 from solvers.search.structure_search import StructureSearch
 
-PARTS = (1.0, 0.5, 0.75, 0.25)
-"""The parts of the horizon that a motion takes, in turn, until one is found."""
 FEWEST = 0.5
 """The fewest steps that are tried, relative to what the fastest timing of a known way takes."""
 CALM = 0.0, 1.0, 10.0
@@ -48,9 +47,13 @@ class HorizonSearch:
         ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
         """
         state, reason = StructureState(), ""
-        for steps in self.horizons():
+        usual = tasks_by_length(self.given.task)
+        for task in chain(usual, tasks_of_other_lengths(self.given.task)):
             before = state.attempts
-            for found in StructureSearch(self.lasting(steps), self.cells).states(effectors):
+            if task not in usual and before:
+                # There were paths: it is not for want of plans that no motion was found.
+                break
+            for found in StructureSearch(self.lasting(task.steps), self.cells).states(effectors):
                 state = replace(found, attempts=(*before, *found.attempts), reason=None)
                 reason = found.reason or reason
                 yield state
@@ -82,7 +85,10 @@ class HorizonSearch:
     def gentler(
         self, best: Design, held: Array, longest: int, prices: Sequence[float]
     ) -> Iterator[PathAttempt]:
-        """Attempts at motions of as many steps as are left, with some prices on rates."""
+        """Attempts at motions of as many steps as are left, with some prices on rates.
+
+        Parameters get no farther from the ends of their ranges that are ``held``, (p,).
+        """
         for price in prices:
             if longest == len(best.inputs) and not price:
                 continue
@@ -97,13 +103,6 @@ class HorizonSearch:
             return None
         return kept_box(best.model, best.configuration.outcome.trajectory.theta, held)
 
-    def horizons(self) -> list[int]:
-        """The numbers of steps of motions that are looked for, in turn."""
-        if not self.given.task.at_most:
-            return [self.given.task.steps]
-        most, fewest = self.given.task.steps, self.given.task.fewest_steps
-        return list(dict.fromkeys(max(fewest, int(part * most)) for part in PARTS))
-
     def lasting(self, steps: int) -> StructureTask:
         """The structure in the task of motions of so many steps."""
         if not self.given.task.at_most:
@@ -114,13 +113,14 @@ class HorizonSearch:
     def shorter(self, best: Design, held: Array) -> Improved:
         """Attempts at motions along the way of the best design so far, of ever fewer steps.
 
-        Parameters get no farther from the ends of their ranges that are ``held``.
+        Parameters get no farther from the ends of their ranges that are ``held``, (p,).
         """
         failed, step = self.given.task.fewest_steps - 1, float(self.given.task.step)
         for _ in range(ATTEMPTS):
             most = len(best.inputs)
             way = fastest_way(self.paths(best, most), best)
-            fewest = most if way is None else max(1, ceil(way.duration / step))
+            rest = steps_of_end(self.given.task)
+            fewest = most if way is None else max(1, ceil(way.duration / step)) + rest
             failed = max(failed, min(most, int(FEWEST * fewest)))
             if most - failed <= 1:
                 break

@@ -15,6 +15,7 @@ from compiler.objectives.objective_text import amount_text, value_text
 from compiler.objectives.ordered_structures import Limit, structures_by, words_below
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
+from compiler.words.structures import structures_of
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord, with_lemmas
 from solvers.impossibility.box_evidence import covered
@@ -43,7 +44,12 @@ class ObjectiveResult:
 
     @property
     def is_least(self) -> bool:
-        """Whether no robot has less than the best design."""
+        """Whether no robot has less than the design."""
+        return self.least >= self.value and self._is_settled
+
+    @property
+    def _is_settled(self) -> bool:
+        """Whether no robot has less than some design."""
         return self.least >= self.reached and not self.undecided and not self.more
 
     @property
@@ -61,7 +67,7 @@ class ObjectiveResult:
 
     def _best_text(self) -> str:
         best = amount_text(self.amount.objective, self.reached)
-        if self.is_least:
+        if self._is_settled:
             return f"least {best}"
         if self.amount.is_ordering and (self.undecided or self.more):
             return f"least {best}, unless {self._others()} for less"
@@ -84,14 +90,15 @@ class ObjectiveResult:
 class Optimality:
     """The objectives of a design, and the evidence for the least of each.
 
-    ``modules`` is the bound on modules that they are about, None without one.  ``records`` are the
-    structures that may have less, all with coverings, and those whose variants the ``lemmas`` are
-    about; ``dearer`` are words of which each robot has as much.  The least time rests on ``time``,
-    ``untimed`` says why there is no bound on it.
+    ``modules`` is the bound on modules that they are about, None without one; ``by_default`` it is
+    not that of the task.  ``records`` are the structures that may have less, all with coverings,
+    and those whose variants the ``lemmas`` are about; ``dearer`` are words of which each robot has
+    as much.  The least time rests on ``time``, ``untimed`` says why there is no bound on it.
     """
 
     objectives: tuple[ObjectiveResult, ...]
     modules: int | None
+    by_default: bool
     records: tuple[StructureRecord, ...]
     dearer: tuple[tuple[str, ...], ...]
     lemmas: tuple[Lemma, ...]
@@ -106,6 +113,13 @@ class Optimality:
             for each in self.objectives
         )
         return replace(self, objectives=tuple(objectives), time=bound)
+
+    @property
+    def text(self) -> str:
+        """What is known of the objectives, in words."""
+        known = "; then ".join(each.text for each in self.objectives)
+        bound = f", of robots with up to {self.modules} modules" if self.by_default else ""
+        return known + bound
 
 
 def optimality(
@@ -154,7 +168,7 @@ def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction])
     found = tuple(
         ObjectiveResult(amount, value, Fraction(0), value, 0, more=True) for amount, value in pairs
     )
-    return Optimality(found, task.modules, (), (), ())
+    return Optimality(found, task.modules, by_default=False, records=(), dearer=(), lemmas=())
 
 
 def _may_be_less(
@@ -201,26 +215,34 @@ class _Judgement:
     def result(self) -> Optimality:
         """What is proved of each objective, and what that rests on."""
         results, limits = list[ObjectiveResult](), list[Limit]()
-        used = _Used()
+        due: dict[tuple[str, ...], tuple[StructureRecord, StructureRecord]] = {}
         dearer: dict[tuple[str, ...], None] = {}
         for k, value in enumerate(self.values):
             found = self._objective(k, limits)
             results.append(found)
             if found.least > 0:
                 for candidate in self._below(found.amount, limits, found.least):
-                    used.add(*self._refuted(candidate))
+                    record, first = self._refuted(candidate)
+                    if record is not None and first is not None:
+                        due[record.derivation] = record, first
                 words = words_below(found.amount, self.left, self.modules, limits, found.least)
                 dearer |= dict.fromkeys(words)
             limits.append(Limit(found.amount, found.least, value))
+        used = _Used()
+        listed = dict.fromkeys(record.word for record, _ in due.values())
+        for derivation in structures_of(self.left.language, listed):
+            if derivation.labels in due:
+                used.add(*due[derivation.labels])
         for lemma in self.lemmas:
             if isinstance(lemma, VariantLemma):
                 used.add(self.records[lemma.labels], self.records[lemma.labels])
-        listed = {record.word for record in used.records}
+        refuted = {record.word for record in used.records}
         return Optimality(
             tuple(results),
             self.modules,
+            self.task.modules is None and self.modules is not None,
             with_lemmas(used.records, self.lemmas),
-            tuple(word for word in dearer if word not in listed),
+            tuple(word for word in dearer if word not in refuted),
             tuple(self.lemmas),
         )
 
@@ -283,15 +305,18 @@ class _Judgement:
 
 @dataclass(slots=True)
 class _Used:
-    """Structures with coverings, each once; what is the same robot as others is numbered here."""
+    """Structures with coverings, each once; what is the same robot as others is numbered here.
+
+    All derivations of a word stand together, in the order in which they are listed anew.
+    """
 
     records: list[StructureRecord] = field(default_factory=list[StructureRecord])
     places: dict[tuple[str, ...], int] = field(default_factory=dict[tuple[str, ...], int])
     robots: dict[tuple[str, ...], int] = field(default_factory=dict[tuple[str, ...], int])
 
-    def add(self, record: StructureRecord | None, first: StructureRecord | None) -> None:
+    def add(self, record: StructureRecord, first: StructureRecord) -> None:
         """A structure; ``first`` is the record with the evidence about its robot."""
-        if record is None or first is None or record.derivation in self.places:
+        if record.derivation in self.places:
             return
         place = self.places[record.derivation] = len(self.records)
         same = self.robots.setdefault(first.derivation, place)

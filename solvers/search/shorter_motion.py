@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import ceil
 
 import numpy as np
 
 from compiler.arrays import Array
 from compiler.workspaces.abstraction import Abstraction
+from grammar_lang import ir
 from solvers.search.calm_motion import calmer
 from solvers.search.cell_timing import settled
 from solvers.search.closed_loop import needs_feedback
@@ -118,26 +120,49 @@ def _problem(paths: PathSearch, cells: Abstraction, best: Design, steps: int) ->
     leader = routes[best.leader]
     found = paths.place.path_problem(cells, best.effector, best.leader, leader.cells)
     if found.formula is not None:
-        timing = _scaled(leader.entries or (0,), steps / old)
-        others = tuple(
-            replace(route, entries=_scaled(route.entries or (0,), steps / old))
-            for route in routes
-            if route is not leader
+        others = [route for route in routes if route is not leader]
+        timed = (
+            replace(
+                found,
+                timing=shorten(leader.entries or (0,), old, steps),
+                others=tuple(
+                    replace(route, entries=shorten(route.entries or (0,), old, steps))
+                    for route in others
+                ),
+            )
+            for shorten in (_scaled, _with_the_end, _cut_short)
         )
-        found = replace(found, timing=timing, others=others)
-        if not found.allows(timing):
+        allowed = (each for each in timed if each.allows(each.timing or (0,)))
+        first = next(allowed, None)
+        if first is None:
             return None
+        found = first
     elif len(leader.cells) > steps:
         return None
     return calmer(found) if best.controller is not None or needs_feedback(found) else found
 
 
-def _scaled(entries: Entries, part: float) -> Entries:
-    """Entries of a motion of another length, each cell with a sample of its own."""
+# --- Entries of a motion of fewer steps, each cell with a sample of its own -----------------------
+
+
+def _scaled(entries: Entries, old: int, steps: int) -> Entries:
+    """All of the motion goes on faster."""
     found = list[int]()
     for entry in entries:
-        found.append(max(round(entry * part), found[-1] + 1 if found else 0))
+        found.append(max(round(entry * steps / old), found[-1] + 1 if found else 0))
     return tuple(found)
+
+
+def _with_the_end(entries: Entries, old: int, steps: int) -> Entries:
+    """What comes before the last entry goes on faster, what comes after it takes as long."""
+    rest = old - entries[-1]
+    return _scaled(entries, max(1, entries[-1]), max(1, steps - rest))
+
+
+def _cut_short(entries: Entries, old: int, steps: int) -> Entries:
+    """Entries stay as they are as long as can be, and what comes after the last takes as long."""
+    last = steps - (old - entries[-1]) - len(entries) + 1
+    return tuple(min(entry, max(0, last) + index) for index, entry in enumerate(entries))
 
 
 def _seed(
@@ -152,8 +177,25 @@ def _seed(
         columns = [np.interp(places, samples, column) for column in motion.x[:, :n].T]
         q: Array = np.stack(columns, axis=1)
     else:
-        q = way.sampled(steps)
+        there = steps - _still(path_problem, way, entries)
+        q = way.sampled(max(1, there))
+        q = np.concatenate([q, np.repeat(q[-1:], steps + 1 - len(q), axis=0)])
     problem = path_problem.problem(entries, released=True)
     (found,) = followed(path_problem, q[None], motion.theta, problem.loads)
     at: ControlOutcome | None = as_it_is(problem, found)
     return found if at is None else at.trajectory
+
+
+def _still(path_problem: PathProblem, way: Timing, entries: Entries) -> int:
+    """For how many steps the end of a motion lasts, as far as its way leaves time for that."""
+    task = path_problem.task
+    lasts = steps_of_end(task)
+    if path_problem.formula is not None:
+        spare = task.steps - ceil(way.duration / float(task.step))
+        lasts = max(lasts, min(task.steps - entries[-1], spare))
+    return lasts
+
+
+def steps_of_end(task: ir.Task) -> int:
+    """The steps for which the end of a motion is to last."""
+    return ceil(task.stay / task.step)

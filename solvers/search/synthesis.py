@@ -200,7 +200,7 @@ def _result(
             found for each in searched for found in each.state.counterexamples(each.number)
         ),
         nearest=max(nearest, key=lambda motion: motion.rank, default=None),
-        ended=(run.stopped if late is None else OUT_OF_TIME) if run.every else None,
+        ended=_ended(run, late),
         unfinished=late is not None,
         last_step="" if late is None else late.step,
         lemmas=tuple(run.lemmas),
@@ -208,6 +208,13 @@ def _result(
         unbounded=_unbounded(run, late) if designs else None,
         optimality=_stated(run, designs[0]) if designs and run.amounts else None,
     )
+
+
+def _ended(run: FamilySearch, late: OutOfTimeError | None) -> str | None:
+    """What kept the search from trying all structures that were due after a design."""
+    if late is not None:
+        return OUT_OF_TIME if run.every else None
+    return run.stopped if run.every or run.amounts else None
 
 
 def _stated(run: FamilySearch, best: Proved) -> Optimality:

@@ -166,7 +166,8 @@ def _declared(program: ir.Program) -> Iterator[tuple[str, str, str]]:
         yield "workspace", place.name, f"{plane}: {', '.join(kinds) or 'no regions'}"
     for task in program.tasks.values():
         seconds = float(task.steps * task.step)
-        yield "task", task.name, f"{task.grammar} in {task.workspace}, {seconds:g} s"
+        most = "at most " if task.at_most else ""
+        yield "task", task.name, f"{task.grammar} in {task.workspace}, {most}{seconds:g} s"
 
 
 def _of_module(module: ir.Module) -> str:

@@ -45,7 +45,7 @@ GROUPS = {
         "words": ("language", "List, count or draw the robots of a family."),
         "accepts": ("language", "Decide whether a word is in a family."),
         "language": ("language", "Say what kind of language a family is."),
-        "compare": ("language", "Compare the words of two grammars."),
+        "compare": ("compare", "Compare the words of grammars, or results."),
         "graph": ("graph", "Draw an automaton, words, a robot or cells."),
         "model": ("model", "Print the equations of motion of a robot."),
         "plan": ("plan", "Find the cells that effectors go through."),
@@ -55,7 +55,6 @@ GROUPS = {
     },
     "Use results": {
         "report": ("report", "Show a result as one page for a browser."),
-        "tabulate": ("tabulate", "Put results side by side: which is better?"),
         "export": ("export", "Write a robot or its motion for other tools."),
         "replay": ("replay", "Play a design in a simulator, against its proof."),
     },

@@ -100,8 +100,9 @@ def next_cheaper(folder: Path, tried: TriedFolder) -> NextCheaper | None:
 
 def _value(amount: Amount, found: FoundDesign) -> Fraction | None:
     """What the design has of an objective that is no motion's."""
-    motion = MotionValues(None, Fraction(0), None)
-    bounds = value_bounds(amount, found.derivation.word, found.model, found.parameters, motion)
+    nothing = MotionValues(None, Fraction(0), None)
+    word = found.derivation.word
+    bounds = value_bounds(amount, word, found.model, found.parameters, nothing)
     return None if bounds is None else bounds[1]
 
 

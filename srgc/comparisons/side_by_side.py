@@ -12,7 +12,7 @@ from compiler.objectives.least_values import Amount, amounts
 from compiler.objectives.objective_text import objective_name, objective_text, objective_unit
 from compiler.objectives.values import MotionValues, value_bounds
 from grammar_lang import ir
-from solvers.verifier.claims.objective_claims import ObjectivesClaim
+from solvers.verifier.claims.certificate import FoundClaim
 from srgc.results.found_design import FoundDesign, found_design
 from srgc.results.pareto_front import Figure, objective_figure
 from srgc.results.result_folder import json_object
@@ -166,29 +166,31 @@ def _figures(found: FoundDesign) -> tuple[dict[str, Figure], dict[str, Measure]]
     """What a design has of the objectives of its task, and of what every design has."""
     figures: dict[str, Figure] = {}
     measures: dict[str, Measure] = {}
-    stated = {} if found.claim.objectives is None else _stated(found.claim.objectives)
-    time = len(found.claim.inputs) * found.task.step
-    motion = MotionValues(_share(found), time, stated.get("energy"))
+    motion = MotionValues(
+        _share(found), len(found.claim.inputs) * found.task.step, _energy(found.claim)
+    )
     for amount in (*amounts(found.program, found.task), *_always(found)):
-        bounds = value_bounds(amount, found.derivation.word, found.model, found.parameters, motion)
+        word = found.derivation.word
+        bounds = value_bounds(amount, word, found.model, found.parameters, motion)
         if bounds is None or amount.text in figures:
             continue
         objective = amount.objective
         figures[amount.text] = objective_figure(objective, bounds)
-        word, unit = objective_name(objective), objective_unit(objective)
-        measures[amount.text] = Measure(amount.text, word, unit, objective=False)
+        name, unit = objective_name(objective), objective_unit(objective)
+        measures[amount.text] = Measure(amount.text, name, unit, objective=False)
     return figures, measures
-
-
-def _stated(claim: ObjectivesClaim) -> dict[str, Bounds]:
-    """The values of objectives that a certificate states."""
-    values = ((each.objective, exact_number(each.value)) for each in claim.values)
-    return {name: (value, value) for name, value in values}
 
 
 def _always(found: FoundDesign) -> list[Amount]:
     modules = dict.fromkeys(found.program.modules, Fraction(1))
     return [Amount(each, modules if each.kind == "modules" else {}, exact=False) for each in ALWAYS]
+
+
+def _energy(claim: FoundClaim) -> Bounds | None:
+    """The energy that a certificate states; None where it states none."""
+    stated = () if claim.objectives is None else claim.objectives.values
+    values = (exact_number(each.value) for each in stated if each.objective == "energy")
+    return next(((value, value) for value in values), None)
 
 
 def _share(found: FoundDesign) -> float | None:

@@ -140,6 +140,7 @@ _TASK = {
     "carry": "`carry m from A to B;`: a point mass that is taken up in A and put down in B.",
     "minimize": "`minimize sum(NAME) within p % then modules;`: what there is to be least of.",
     "time": "`minimize time;`: how long the motion takes, up to the horizon.",
+    "energy": "`minimize energy;`: what the drives turn over, of all joints together.",
     "then": "`then OBJECTIVE`: among what the objectives before it leave.",
     "sum": "`minimize sum(NAME);`: the sum over the modules of a `const` or `param` of theirs.",
     "for": "`reach R at rest for d;`: throughout the last d seconds.",

@@ -58,8 +58,8 @@ class Evidence:
         cells: the cells of that workspace; of a design with the cuts that its path needs.
         files: the files of the spec by their paths; ``design["spec"]`` is the main one.
         claim: the certificate; None where there is none (unknown).
-        found: the design; None unless the verdict is ``found``.  ``found.program`` and
-            ``found.task`` are as written, too.
+        found: the design; None unless the verdict is ``found``.  ``found.program`` is as written,
+            too, and ``found.task`` but for the number of steps, which is that of the motion.
         record: how the design was found; None together with ``found``.
         trajectory: its sampled motion, by the certificate; None together with ``found``.
         tube: the enclosure of its motion; None without a design, where it was not computed, or

@@ -101,7 +101,8 @@ def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
     who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
     if task.repeat:
         return f"At some time {who} is in `{reach.region}`{_turned(reach)}"
-    found = f"At {end} s ({steps}) {who} is in `{reach.region}`{_turned(reach)}"
+    when = "At the end of the motion" if task.at_most else f"At {end} s ({steps})"
+    found = f"{when} {who} is in `{reach.region}`{_turned(reach)}"
     rates = reach.rates
     if rates is None:
         return found
@@ -167,8 +168,14 @@ def _limits(task: ir.Task) -> Iterator[str]:
         yield (
             "The inputs follow what is measured" if feedback else "The inputs are fixed in advance"
         )
+    most = "at most " if task.at_most else ""
+    if task.at_most and not task.repeat:
+        steps, end = many(task.steps, "step"), _value(task.steps * task.step)
+        yield f"The motion takes at most {steps} of {_value(task.step)} s, {end} s"
     if task.repeat:
-        lasting = f"the horizon of {_value(task.steps * task.step)} s is a prefix and one loop"
+        lasting = (
+            f"the horizon of {most}{_value(task.steps * task.step)} s is a prefix and one loop"
+        )
         yield f"The motion goes on for ever: {lasting}"
     if task.robust is not None:
         yield f"All of this holds although {_disturbances(task.robust)}"

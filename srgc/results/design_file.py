@@ -151,7 +151,6 @@ def _lemma(claim: LemmaClaim) -> dict[str, Any]:
 
 
 def _counterexample(found: CounterExampleRecord, task: ir.Task) -> dict[str, Any]:
-    stuck = None if found.sample is None or found.sample > task.steps else found.sample
     return {
         "structure": found.structure,
         "path": found.path,
@@ -160,7 +159,7 @@ def _counterexample(found: CounterExampleRecord, task: ir.Task) -> dict[str, Any
         "ordered": found.ordered,
         "of": found.length,
         "deferred": found.deferred,
-        "time": None if stuck is None else float(stuck * task.step),
+        "time": None if found.sample is None else float(found.sample * task.step),
         "robustness": found.robustness if isfinite(found.robustness) else None,
     }
 

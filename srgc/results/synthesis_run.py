@@ -286,11 +286,9 @@ def _write(
         whether they were drawn, or there is nothing to draw.
     """
     design = result.design
-    if task.at_most:
+    if design is not None:
         # What is written is about the motion that was found.
-        nearest = None if result.nearest is None else result.nearest.trajectory.u
-        inputs = nearest if design is None else design.inputs
-        task = task if inputs is None else task.lasting(len(inputs))
+        task = task.lasting(len(design.inputs))
     evidence = Evidence(result.records, result.lemmas).files()
     if result.bound is not None:
         evidence |= bound_evidence(result.bound).files()
@@ -329,6 +327,7 @@ def _write_nearest(
     if nearest is None or not np.all(np.isfinite(nearest.trajectory.x)):
         files.discard(NEAREST)
         return
+    task = task.lasting(len(nearest.trajectory.u))
     inputs = [[decimal(value) for value in row] for row in nearest.trajectory.u]
     files.write(NEAREST, samples_csv(nearest.model, nearest.trajectory, inputs, task))
     from srgc.render.result_pictures import nearest_figure

@@ -173,9 +173,16 @@ def offered(clause: str, text: str = TEXT) -> list[str]:
 
 
 def test_objectives_are_offered() -> None:
-    assert offered("minimize ") == ["modules", "mass", "time", "effort", "sum"]
-    assert offered("minimize ma") == ["modules", "mass", "time", "effort", "sum"]
-    assert offered("minimize modules then ") == ["modules", "mass", "time", "effort", "sum"]
+    assert offered("minimize ") == ["modules", "mass", "time", "energy", "effort", "sum"]
+    assert offered("minimize ma") == ["modules", "mass", "time", "energy", "effort", "sum"]
+    assert offered("minimize modules then ") == [
+        "modules",
+        "mass",
+        "time",
+        "energy",
+        "effort",
+        "sum",
+    ]
 
 
 def test_any_number_of_steps_is_offered() -> None:

@@ -147,20 +147,14 @@ class PricedArms:
         half, other = choose.randint(5, 12), choose.randint(5, 12)
         match choose.choice(["box", "hull", "polytope"]):
             case "box":
-                ends = (x - half, x + half), (y - other, y + other)
-                text = "box " + " x ".join(f"[{_m(low)}, {_m(high)}]" for low, high in ends)
-                corners = [(ends[0][i], ends[1][j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+                left, right, below, above = x - half, x + half, y - other, y + other
+                text = f"box [{_m(left)}, {_m(right)}] x [{_m(below)}, {_m(above)}]"
+                corners = [(left, below), (right, below), (right, above), (left, above)]
             case "hull":
                 turn = choose.uniform(0, pi)
                 c, s = cos(turn), sin(turn)
-                signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-                corners = [
-                    (
-                        round(x + a * half * c - b * other * s),
-                        round(y + a * half * s + b * other * c),
-                    )
-                    for a, b in signs
-                ]
+                ends = (-half, -other), (half, -other), (half, other), (-half, other)
+                corners = [(round(x + a * c - b * s), round(y + a * s + b * c)) for a, b in ends]
                 text = "hull " + ", ".join(f"({_m(p)}, {_m(q)})" for p, q in corners)
             case _:
                 corners = [(x + half, y), (x, y + half), (x - half, y), (x, y - half)]

@@ -16,7 +16,7 @@ from tests.oracles.result_files import read
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
 QUICK = ("--paths", "2", "--evaluations", "2")
-FEW = (0, 1, 2, 3)
+FEW = (0, 1, 3, 5)
 BLOCK = 5
 BLOCKS = 10
 SHARE = 5

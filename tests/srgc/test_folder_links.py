@@ -25,7 +25,7 @@ COMMANDS = {
     "report": ("report", "DIR", "-q", "--no-verify"),
     "landscape": ("landscape", "DIR", "-q", "--points", "2"),
     "why": ("why", "DIR", "-q"),
-    "tabulate": ("tabulate", "DIR", "DIR"),
+    "compare": ("compare", "DIR", "DIR"),
     "export": ("export", "DIR", "--to", "csv", "-o", "ELSEWHERE"),
     "replay": ("replay", "DIR", "--in", "python"),
 }

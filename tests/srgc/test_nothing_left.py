@@ -25,7 +25,7 @@ RUNS = [
     "graph none --of lemmas",
     "report out --quiet",
     "report none -o written/none.html --quiet",
-    "tabulate out none",
+    "compare out none",
     "landscape out --points 2 --jobs 2 --quiet",
     "why none --no-runs --quiet",
     "words turner.srg --limit 3",

@@ -47,7 +47,7 @@ def test_nothing_but_click_and_the_table(bare, arguments):
 
 
 @pytest.mark.parametrize(
-    "name", ["check", "synth", "verify", "words", "landscape", "export", "tabulate"]
+    "name", ["check", "synth", "verify", "words", "landscape", "export", "compare"]
 )
 def test_the_help_of_a_command_loads_its_options_alone(bare, name):
     found = loaded([name, "--help"], bare)

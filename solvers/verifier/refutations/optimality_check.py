@@ -101,9 +101,17 @@ def objective_conditions(
                 _check_time(folder, found, claim.time, program, task, each.least, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         raise Refused(f"it is not proved that no robot has less: {error}") from None
-    bound = claim.modules if task.modules is None else None
-    said = (_says(each, stated[:k], bound) for k, each in enumerate(stated))
+    said = (_says(each, stated[:k], _modules(claim, task, each)) for k, each in enumerate(stated))
     return tuple(CheckedCondition(text, Status.HOLDS, NO_MARGIN, "") for text in said)
+
+
+def _modules(claim: ObjectivesClaim, task: ir.Task, stated: _Stated) -> int | None:
+    """The bound on modules that a least is about where it is not the task's; None without one."""
+    if task.modules is not None:
+        return None
+    if stated.amount.objective.kind == "time" and claim.time is not None:
+        return claim.time.modules
+    return claim.modules
 
 
 def _says(stated: _Stated, before: Sequence[_Stated], modules: int | None) -> str:

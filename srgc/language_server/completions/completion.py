@@ -224,7 +224,7 @@ STATEMENTS = MappingProxyType(
             "repeat": "repeat;",
             "payload": "payload ${1:0.5} kg;",
             "carry": "carry ${1:0.5} kg from ${2:A} to ${3:B};",
-            "minimize": "minimize ${1|modules,mass,time,effort|};",
+            "minimize": "minimize ${1|modules,mass,time,energy,effort|};",
             "control": "control ${1|open loop,feedback|};",
         },
     }

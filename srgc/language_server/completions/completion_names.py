@@ -299,6 +299,7 @@ OBJECTIVES = (
     Offer("modules", _KINDS.EnumMember, "the number of modules"),
     Offer("mass", _KINDS.EnumMember, "the mass of all bodies, without loads"),
     Offer("time", _KINDS.EnumMember, "how long the motion takes"),
+    Offer("energy", _KINDS.EnumMember, "what the drives turn over"),
     Offer("effort", _KINDS.EnumMember, "the largest share of its bound that an input uses"),
     Offer("sum", _KINDS.Function, "the sum of an attribute over the modules", "sum($0)"),
 )

@@ -1,4 +1,4 @@
-"""``srgc tabulate``: results side by side, against masses and prices by hand."""
+"""``srgc compare``: results side by side, against masses and prices by hand."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Srgc = Callable[..., Ran]
 
 
 def table(srgc: Srgc, *folders: Path) -> dict[str, Any]:
-    ran = srgc("tabulate", *folders, "--json")
+    ran = srgc("compare", *folders, "--json")
     assert (ran.status, ran.err) == (0, "")
     found: dict[str, Any] = json.loads(ran.out)
     return found
@@ -65,7 +65,7 @@ def test_one_that_dominates_whatever_the_order(srgc: Srgc, of) -> None:
 
 def test_three_with_their_table(srgc: Srgc, of) -> None:
     folders = [of(kind) for kind in ("Heavy", "Light", "Worse")]
-    ran = srgc("tabulate", *folders)
+    ran = srgc("compare", *folders)
     assert ran.status == 0
     lines = ran.out.splitlines()
     assert lines[:2] == [f"A: {folders[0]}, task Go: found", f"   {word('Heavy')}"]
@@ -101,7 +101,7 @@ def test_results_of_different_tasks(srgc: Srgc, spec, of, tmp_path: Path, made) 
 
 
 def test_parameters_stand_side_by_side(srgc: Srgc, made) -> None:
-    ran = srgc("tabulate", made("turner") / "out", made("beyond_reach") / "out")
+    ran = srgc("compare", made("turner") / "out", made("beyond_reach") / "out")
     assert ran.status == 0
     (row,) = [line for line in ran.out.splitlines() if line.startswith("4.length")]
     assert row.split()[1] == "(m)"
@@ -111,21 +111,21 @@ def test_parameters_stand_side_by_side(srgc: Srgc, made) -> None:
 
 def test_without_any_design(srgc: Srgc, made) -> None:
     folder = made("beyond_reach") / "out"
-    ran = srgc("tabulate", folder, folder)
+    ran = srgc("compare", folder, folder)
     assert ran.status == 0
     assert ran.out.splitlines()[-1] == "None of them has a design."
 
 
 def test_what_cannot_be_put_side_by_side(srgc: Srgc, of, tmp_path: Path) -> None:
-    ran = srgc("tabulate", of("Heavy"))
+    ran = srgc("compare", of("Heavy"))
     assert (ran.status, ran.out) == (2, "")
-    assert "two at least" in ran.err
-    ran = srgc("tabulate", of("Heavy"), tmp_path)
+    assert "Missing argument" in ran.err
+    ran = srgc("compare", of("Heavy"), tmp_path)
     assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
     assert "it holds no finished results" in ran.err
     certificate = of("Light") / "certificate.json"
     certificate.write_text(certificate.read_text().replace('"30"', '"29"'), encoding="utf-8")
-    assert srgc("tabulate", of("Heavy"), of("Light")).status == 2
+    assert srgc("compare", of("Heavy"), of("Light")).status == 2
 
 
 MEASURES = (Measure("mass", "mass", "kg", objective=True), Measure("modules", "modules", "", True))
