@@ -322,7 +322,7 @@ class Grid:
         self.unit = GRID / view.scale
 
     def whole(self, points: Array) -> list[int]:
-        """The coordinates of all points in turn."""
+        """The coordinates of points (..., d) in turn."""
         found: list[int] = np.rint((points - self.centre) / self.unit).astype(int).ravel().tolist()
         return found
 
