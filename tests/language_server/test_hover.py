@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from grammar_lang.elaboration.typecheck import EMISSIONS
+from srgc.language_server.completions.call_forms import EMISSIONS as FORMS
 from srgc.language_server.completions.completion import EMISSION_SNIPPETS
-from srgc.language_server.completions.completion_names import EMISSIONS as FORMS
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.hovers.hover import hover, hover_number
 from srgc.language_server.hovers.production_physics import AddedPhysics, added_physics

@@ -12,7 +12,8 @@ from lsprotocol import types as lsp
 from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.source import Span
 from grammar_lang.units import UNIT_NAMES
-from srgc.language_server.completions.completion_names import EMISSIONS, FUNCTIONS, NamesDue, Offer
+from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
+from srgc.language_server.completions.completion_names import NamesDue, Offer
 from srgc.language_server.completions.cursor import Cursor, cursor_at, open_call
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.keywords import explained
