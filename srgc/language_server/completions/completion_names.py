@@ -20,6 +20,7 @@ from grammar_lang.names.declarations import (
     productions,
 )
 from grammar_lang.syntax import tasks as t
+from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.completions.cursor import Cursor, open_call
 from srgc.language_server.documents.analysis import Analysis
 
