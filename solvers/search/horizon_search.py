@@ -30,6 +30,8 @@ FEWEST = 0.5
 """The fewest steps that are tried, relative to what the fastest timing of a known way takes."""
 CALM = 0.0, 1.0, 10.0
 """Prices on rates of motions that may take less energy, relative to that of calm ones."""
+LENGTHS = 10
+"""After so many numbers of steps for which there were paths, but no motion, none are tried."""
 ATTEMPTS = 12
 """So many numbers of steps are tried for a shorter motion of a structure."""
 
@@ -47,17 +49,15 @@ class HorizonSearch:
         ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
         """
         state, reason = StructureState(), ""
-        usual = tasks_by_length(self.given.task)
-        for task in chain(usual, tasks_of_other_lengths(self.given.task)):
+        lengths, asked = 0, self.given.task
+        for task in chain(tasks_by_length(asked), tasks_of_other_lengths(asked)):
             before = state.attempts
-            if task not in usual and before:
-                # There were paths: it is not for want of plans that no motion was found.
-                break
             for found in StructureSearch(self.lasting(task.steps), self.cells).states(effectors):
                 state = replace(found, attempts=(*before, *found.attempts), reason=None)
                 reason = found.reason or reason
                 yield state
-            if state.design is not None:
+            lengths += len(state.attempts) > len(before)
+            if state.design is not None or lengths == LENGTHS:
                 break
         best = state.design
         for attempt in self.improved(best) if best is not None else ():

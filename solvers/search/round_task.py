@@ -7,6 +7,7 @@ for ever is asked of the round in a form that is sufficient (:mod:`compiler.task
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -24,7 +25,7 @@ ENTRIES = Fraction(1, 4), Fraction(1, 2)
 TAKEN = 1, Fraction(1, 2), Fraction(3, 4), Fraction(1, 4)
 """The parts of the horizon that a motion takes, in turn, where it may take any."""
 OTHERS = 40
-"""About so many other numbers of steps are looked at."""
+"""At most so many other numbers of steps are looked at."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +54,7 @@ def tasks_by_length(task: ir.Task) -> tuple[ir.Task, ...]:
 
 
 def tasks_of_other_lengths(task: ir.Task) -> tuple[ir.Task, ...]:
-    """Those that are looked for where formulas leave no path for the others, the longest first.
+    """Those that are looked for after them where formulas tell times, evenly spread at first.
 
     Without formulas there are none: a longer motion has the paths of a shorter one.
     """
@@ -61,8 +62,14 @@ def tasks_of_other_lengths(task: ir.Task) -> tuple[ir.Task, ...]:
         return ()
     known = {each.steps for each in tasks_by_length(task)}
     left = [n for n in range(task.steps, task.fewest_steps - 1, -1) if n not in known]
-    apart = 1 + len(left) // OTHERS
-    return tuple(task.lasting(steps) for steps in left[::apart])
+    parts, found = deque([(0, len(left))]), list[int]()
+    while parts and len(found) < OTHERS:
+        first, last = parts.popleft()
+        if first < last:
+            middle = (first + last) // 2
+            found.append(left[middle])
+            parts += (first, middle), (middle + 1, last)
+    return tuple(map(task.lasting, found))
 
 
 def task_on_samples(task: ir.Task) -> SampledFormula | None:

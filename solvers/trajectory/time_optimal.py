@@ -72,11 +72,12 @@ def fastest_timing(
     if way is None:
         return None
     places = _Places(numeric, limits, groups, theta, way)
-    last = 0.0 if limits.final_rates <= 0 else FASTEST
-    reachable = _backwards(places, last)
+    reachable = _backwards(places)
     if reachable is None:
         return None
     squared = _forwards(places, reachable)
+    if not np.all(np.isfinite(squared)):
+        return None
     rates = np.sqrt(squared)
     steps = 2 * places.width / np.maximum(rates[:-1] + rates[1:], TINY)
     return Timing(way, np.concatenate([[0.0], np.cumsum(steps)]))
@@ -135,6 +136,7 @@ def _rate_limits(limits: MotionLimits, first: Array) -> Array:
     low = limits.rate_lower.reshape(-1, limits.joints).max(axis=0)
     high = limits.rate_upper.reshape(-1, limits.joints).min(axis=0)
     bound = np.where(first > 0, high, -low)
+    bound[-1] = np.minimum(bound[-1], limits.final_rates)
     with np.errstate(all="ignore"):
         share = np.where(np.abs(first) > TINY, np.maximum(bound, TINY) / np.abs(first), np.inf)
     squared: Array = np.minimum(np.min(share, axis=1) ** 2, FASTEST)
@@ -172,11 +174,11 @@ def _input_bounds(groups: Sequence[InputGroup], inputs: int) -> tuple[Array, Arr
     return lower, upper
 
 
-def _backwards(places: _Places, last: float) -> Array | None:
+def _backwards(places: _Places) -> Array | None:
     """The squared rates (w, 2), least and most, from which the end of the way can be reached."""
     count = len(places.fastest)
     found = np.zeros((count, 2))
-    found[-1] = 0.0, min(last, places.fastest[-1])
+    found[-1] = 0.0, places.fastest[-1]
     for place in range(count - 2, -1, -1):
         after = np.array([[2 * places.width, 1.0]])
         rows = np.concatenate([places.rows[place], after, -after, [[0.0, 1.0], [0.0, -1.0]]])
