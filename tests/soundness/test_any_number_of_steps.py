@@ -81,7 +81,7 @@ def test_random_tasks(seed: int) -> None:
 @pytest.mark.slow
 def test_many_random_tasks() -> None:
     verdicts = set[str]()
-    for seed in range(12, 120):
+    for seed in range(12, 50):
         verdicts |= agree(seed)
     assert verdicts >= {"found", "impossible"}
 
