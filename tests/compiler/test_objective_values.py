@@ -13,7 +13,7 @@ import pytest
 
 from compiler.expressions.exact_numbers import rational_bounds
 from compiler.objectives.least_values import Amount, amounts, mass_bounds
-from compiler.objectives.values import value_bounds
+from compiler.objectives.values import MotionValues, value_bounds
 from compiler.robots.normal_form import family_of
 from compiler.robots.parameter_values import ParameterValue, stated_value
 from compiler.robots.robot import RobotModel
@@ -32,6 +32,9 @@ ROD = (
     "rod(frame: Arm.frame, axis: x, length: B.length, density: 0.3 kg/m);"
 )
 ARMS = "matches Base eps Joint eps (A eps | B eps)+ Hand"
+
+NO_TIME = Fraction(0)
+NOTHING = MotionValues(None, NO_TIME, None)
 
 
 def only_task(program: ir.Program) -> ir.Task:
@@ -114,7 +117,7 @@ def test_masses_of_rods_and_points() -> None:
             for each in values:
                 assert isinstance(each.exact, Fraction)
                 total += Fraction(3, 10) * each.exact + 2 * each.exact**2
-            assert value_bounds(amount, word, model, values, None) == (total, total)
+            assert value_bounds(amount, word, model, values, NOTHING) == (total, total)
 
 
 def test_loads_are_left_out() -> None:
@@ -138,7 +141,7 @@ def test_what_is_irrational_is_enclosed() -> None:
     (amount,) = amounts(program, task)
     values = [stated_value(model.parameters[0], Fraction(2))]
     assert values[0] is not None
-    bounds = value_bounds(amount, word, model, [values[0]], None)
+    bounds = value_bounds(amount, word, model, [values[0]], NOTHING)
     assert bounds is not None
     low, high = bounds
     assert low**2 < 2 < high**2
@@ -161,7 +164,7 @@ def check_bounds(
             assert amount.of_word(word) <= least
             for _ in range(draws):
                 values = some_values(model, choose)
-                bounds = value_bounds(amount, word, model, values, None)
+                bounds = value_bounds(amount, word, model, values, NOTHING)
                 assert bounds is not None
                 assert least <= bounds[0] <= bounds[1]
 
@@ -206,7 +209,7 @@ def test_sums_of_constants_are_exact() -> None:
         total = Fraction(1, 10) + Fraction(1, 7)
         total += word.count("A") * Fraction(1, 3) + word.count("B") * Fraction(5, 2)
         assert amount.of_word(word) == amount.of_robot(word, model) == total
-        assert value_bounds(amount, word, model, [], None) == (total, total)
+        assert value_bounds(amount, word, model, [], NOTHING) == (total, total)
 
 
 def test_sums_of_parameters() -> None:
@@ -227,7 +230,7 @@ def test_sums_of_parameters() -> None:
                 if each.parameter.name == "price":
                     assert isinstance(each.exact, Fraction)
                     total += each.exact
-            assert value_bounds(amount, word, model, values, None) == (total, total)
+            assert value_bounds(amount, word, model, values, NOTHING) == (total, total)
 
 
 def test_irrational_ends() -> None:
@@ -245,5 +248,8 @@ def test_efforts_are_what_is_not_kept() -> None:
     (amount,) = amounts(program, replace(task, minimize=(ir.Objective("effort"),)))
     ((word, model),) = robots(program, task, 1)
     for share, value in [(0.75, Fraction(1, 4)), (0.1, Fraction(9, 10)), (None, Fraction(0))]:
-        assert value_bounds(amount, word, model, [], share) == (value, value)
+        assert value_bounds(amount, word, model, [], MotionValues(share, NO_TIME, None)) == (
+            value,
+            value,
+        )
     assert amount.of_robot(word, model) == 0
