@@ -12,11 +12,12 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.elaboration.disturbances import check_ownership
+from grammar_lang.elaboration.families import Family, family_of
 from grammar_lang.elaboration.modules import ModuleInfo, lower_module
-from grammar_lang.elaboration.productions import GrammarInfo, lower_grammar
+from grammar_lang.elaboration.productions import lower_grammar
 from grammar_lang.elaboration.recovery import sound_part, without_followers
-from grammar_lang.elaboration.semantics import SemanticsInfo, lower_semantics
-from grammar_lang.elaboration.tasks import Family, Surroundings, lower_task
+from grammar_lang.elaboration.semantics import lower_semantics
+from grammar_lang.elaboration.tasks import Surroundings, lower_task
 from grammar_lang.elaboration.workspaces import lower_workspace
 from grammar_lang.files.file_tree import (
     LIMIT,
@@ -177,22 +178,6 @@ def _check_semantics(names: NameTable, sink: Sink) -> None:
             sink.error(Code.UNKNOWN_NAME, message, semantics.grammar.span, hint)
 
 
-def _family(
-    grammar: GrammarInfo, semantics: SemanticsInfo | None, modules: Mapping[str, ModuleInfo]
-) -> Family:
-    symbols = [x.name for p in grammar.grammar.productions for x in p.right]
-    used = [modules[name].module for name in symbols if name in modules]
-    joints = {dof.kind for module in used for dof in module.dofs}
-    driven = {dof.kind for module in used for dof in module.free_dofs if dof.effort is None}
-    kinds: tuple[ir.DofKind, ...] = ("revolute", "prismatic")
-    return Family(
-        kinds=tuple(kind for kind in kinds if kind in joints),
-        driven=tuple(kind for kind in kinds if kind in driven),
-        has_semantics=semantics is not None,
-        uses=() if semantics is None else semantics.uses,
-    )
-
-
 def lower(
     file: t.File,
     names: NameTable,
@@ -231,7 +216,7 @@ def lower(
             )
         blocks = None if semantics is None else semantics.blocks
         grammars[name] = replace(info.grammar, semantics=blocks)
-        families[name] = _family(info, semantics, modules)
+        families[name] = family_of(info, semantics, modules)
     workspaces = {
         name: lower_workspace(w, read.maps, sink) for name, w in declared.workspaces.items()
     }

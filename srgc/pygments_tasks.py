@@ -19,10 +19,11 @@ TASK_STATES = MappingProxyType({
         (word_of("avoid"), Keyword, ("avoided", "avoided region")),
         (word_of("bounds"), Keyword, "subject"),
         (word_of("effort"), Keyword, ("norm", "bound")),
-        (word_of("horizon"), Keyword, ("steps", "operand")),
+        (word_of("horizon"), Keyword, ("steps", "operand", "at most")),
         (word_of("carry"), Keyword, ("placement", "carried", "operand")),
         (word_of("slack", "gravity", "payload"), Keyword, ("placement", "operand")),
         (word_of("modules"), Keyword, "bound"),
+        (word_of("minimize"), Keyword, "objective"),
         (word_of("from"), Keyword, ("word", "reference")),
         (word_of("satisfy"), Keyword, "formula"),
         (word_of("robust"), Keyword, "robust"),
@@ -66,6 +67,7 @@ TASK_STATES = MappingProxyType({
     ],
     "names": [include("gap"), (NAME, Name), (",", Punctuation), default("#pop")],
     "norm": [include("gap"), (word_of("norm"), Keyword, "operand"), default("#pop")],
+    "at most": [include("gap"), (word_of("at", "most"), Keyword), default("#pop")],
     "steps": [
         include("gap"),
         (word_of("steps"), Keyword),
@@ -107,6 +109,28 @@ TASK_STATES = MappingProxyType({
         default("#pop"),
     ],
     "part": [include("gap"), (word_of("bound"), Keyword, "#pop"), default(("#pop", "reference"))],
+    "objective": [
+        include("gap"),
+        (
+            word_of("modules", "mass", "time", "energy", "effort", "sum"),
+            Name.Builtin,
+            ("#pop", "within", "summed"),
+        ),
+        (NAME, Name, ("#pop", "within", "summed")),
+        default("#pop"),
+    ],
+    "summed": [
+        include("gap"),
+        (r"\(", Punctuation, ("#pop", "close", "reference")),
+        default("#pop"),
+    ],
+    "within": [
+        include("gap"),
+        (word_of("within"), Keyword, "operand"),
+        ("%", Keyword.Type),
+        (word_of("then"), Keyword, ("#pop", "objective")),
+        default("#pop"),
+    ],
     "control": [include("gap"), (word_of("open", "loop", "feedback"), Keyword), default("#pop")],
     # --- formulas -----------------------------------------------------------------------
     "formula": [

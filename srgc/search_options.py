@@ -13,6 +13,7 @@ from solvers.search.configuration_search import SEARCHES
 from srgc.session import NoAnswer, UsageFault
 
 if TYPE_CHECKING:
+    from grammar_lang import ir
     from solvers.verifier.refutations.solver_process import SmtSolver
 
 # --- Which search of parameters a run is asked to use ---------------------------------------------
@@ -88,6 +89,21 @@ def named_gap(text: str | float | None) -> float | None:
         gap = -inf
     if not 0 <= gap < inf:
         raise UsageFault(f"a gap is a percentage from 0 on, as `5 %`; `{text}` is none")
+    return gap
+
+
+def asked_gap(text: str | float | None, task: ir.Task) -> float | None:
+    """The gap for a task, in percent.
+
+    Raises:
+        UsageFault: it is none, or the task says itself what is to be least.
+    """
+    gap = named_gap(text)
+    if gap is not None and task.minimize:
+        raise UsageFault(
+            "a gap is about robustness, and the task has `minimize`: how far the design may be "
+            "from the least is proved without it"
+        )
     return gap
 
 

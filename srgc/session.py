@@ -78,6 +78,10 @@ def check_loaded(loaded: Loaded) -> Checked:
         from compiler.checks.self_collision_checks import self_collision_diagnostics
 
         self_collision_diagnostics(loaded.sound, sink)
+    if complete and any(task.minimize for task in tasks):
+        from compiler.checks.objective_checks import objective_diagnostics
+
+        objective_diagnostics(loaded.sound, sink)
     if complete and _has_solids(loaded.sound):
         from compiler.checks.shape_checks import shape_diagnostics
 

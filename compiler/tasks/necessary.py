@@ -90,9 +90,13 @@ def permanently_avoided(formula: ir.Formula, horizon: Fraction | None) -> Places
 
 
 def task_visits(task: ir.Task) -> tuple[Place, ...]:
-    """The places that the formulas and loads of a task together make necessary, sorted."""
-    total = task.steps * task.step
-    found = (necessary_visits(clause.formula, total, task.step) for clause in task.demanded)
+    """The places that the formulas and loads of a task together make necessary, sorted.
+
+    Where a motion may end at several times, they are necessary whichever it is: what is found of
+    the shortest is found of all, as a later end leaves more of every window.
+    """
+    end = task.fewest_steps * task.step
+    found = (necessary_visits(clause.formula, end, task.step) for clause in task.demanded)
     return tuple(sorted(_union(found)))
 
 
@@ -104,9 +108,11 @@ def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
         effector: its number, from 1; None for one that has no number.
     """
     regions = {name for a in task.avoid if a.subject == "effector" for name in a.regions}
-    total = None if task.repeat else task.steps * task.step
+    # What is never entered in the longest motion is never entered in a shorter one: a window that
+    # covers the one covers the other.
+    end = None if task.repeat else task.steps * task.step
     for clause in task.satisfy:
-        found = permanently_avoided(clause.formula, total)
+        found = permanently_avoided(clause.formula, end)
         regions.update(place.region for place in found if place.effector == effector)
     return tuple(sorted(regions))
 

@@ -294,10 +294,13 @@ class _Writer:
 def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditions | None:
     """The demands of a task; None where they are too large to be looked at.
 
-    None also of a motion for ever with a last part, which is reported where it is read.
+    None also of a motion for ever with a last part, which is reported where it is read, and where a
+    motion may end at several times.
     Where the demands are too large with the regions that are only avoided, they are given without
     these.
     """
+    if task.at_most and not task.repeat:
+        return None
     grid = _grid(task)
     parts = (node for clause in task.demanded for node in subformulas(clause.formula))
     if grid is None or (task.repeat and any(isinstance(node, ir.Last) for node in parts)):

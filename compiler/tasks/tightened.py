@@ -1,4 +1,4 @@
-"""A task with narrower bounds on its inputs, in which a design has to do with less."""
+"""A task with narrower bounds on its inputs, or with less time: a design has to do with less."""
 
 from __future__ import annotations
 
@@ -51,3 +51,8 @@ def _drawn(domain: ir.Interval, part: Fraction) -> ir.Interval:
     lower, upper = rational_bounds(domain.lower)[1], rational_bounds(domain.upper)[0]
     middle, half = (lower + upper) / 2, part * (upper - lower) / 2
     return ir.Interval(ir.Num(middle - half), ir.Num(middle + half))
+
+
+def shortened(task: ir.Task, steps: int) -> ir.Task:
+    """The task of motions of at most so many steps, whatever it minimizes."""
+    return replace(task, steps=steps, at_most=True, minimize=())

@@ -73,6 +73,19 @@ class Language:
         """The intersection in binary normal form; all nonterminals are useful."""
         return intersect(self.normal, self.accept, self.limit)
 
+    def restricted(self, max_modules: int | None) -> BinaryGrammar:
+        """The words with at most ``max_modules`` modules, in the form of ``product``."""
+        if max_modules is None:
+            return self.product
+        return intersect(self.normal, self._bounded(self.accept, max_modules))
+
+    def condition(self, max_modules: int | None) -> Dfa:
+        """A condition that leaves of the grammar the words with at most so many modules.
+
+        It is the whole language where a finite automaton of that is seen.
+        """
+        return self._bounded(self.finite_automaton or self.accept, max_modules)
+
     @cached_property
     def finite_automaton(self) -> Dfa | None:
         """The minimal finite automaton, where the form of the grammar shows that there is one."""
@@ -132,7 +145,7 @@ class Language:
             return _longest(self.binary)
         bound = self._bound(condition)
         if bound is None:
-            return _longest(self._restricted(max_modules))
+            return _longest(self.restricted(max_modules))
         if bound > LENGTH_LIMIT:
             raise WordsTooLongError
         recogniser = self.recogniser(bound, max_modules=max_modules)
@@ -205,7 +218,7 @@ class Language:
         except BudgetExceededError:
             if not self.is_lr:
                 return count_by_length(recogniser, longest, most)
-        derivations = DerivationCounts(self._restricted(max_modules), longest)
+        derivations = DerivationCounts(self.restricted(max_modules), longest)
         return tuple(derivations.total(length) for length in range(longest + 1))
 
     def recogniser(self, horizon: int, *, max_modules: int | None = None) -> Recogniser[Any]:
@@ -221,11 +234,6 @@ class Language:
     def _bound(self, condition: Dfa) -> int | None:
         """A length that no word exceeds, where the grammar or the condition alone gives one."""
         return _least(condition.longest(), _longest(self.binary))
-
-    def _restricted(self, max_modules: int | None) -> BinaryGrammar:
-        if max_modules is None:
-            return self.product
-        return intersect(self.normal, self._bounded(self.accept, max_modules))
 
     def _bounded(self, dfa: Dfa, max_modules: int | None) -> Dfa:
         if max_modules is None:

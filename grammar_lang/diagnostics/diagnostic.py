@@ -102,6 +102,14 @@ class Code(Enum):
     UNDRIVEN_JOINT = "SRG0717"
     EXEMPT_BODIES = "SRG0718"
     SOLID_WITHOUT_SHAPE = "SRG0719"
+    NO_OBJECTIVE = "SRG0720"
+    NO_AMOUNT = "SRG0721"
+    AMOUNT_OF_ZERO = "SRG0722"
+    NEGATIVE_AMOUNT = "SRG0723"
+    ENDLESS_OBJECTIVE = "SRG0724"
+    BAD_WITHIN = "SRG0725"
+    FIXED_TIME = "SRG0726"
+    TIME_WITHOUT_END = "SRG0727"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -61,13 +61,14 @@ class ClosedScope:
         return ()
 
 
-def not_rational(at: Span, sink: Sink) -> None:
+def not_rational(at: Span, sink: Sink, notes: Iterable[tuple[Span, str]] = ()) -> None:
     """Report a number that has to be an exact rational and is not seen to be one."""
     sink.error(
         Code.NOT_RATIONAL,
         "this is not a rational number",
         at,
         "write a decimal or a fraction; angles in `rad`",
+        notes,
     )
 
 

@@ -31,6 +31,14 @@ def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
                 message = "a motion that goes on for ever has no last part"
                 hint = "write `eventually always` for what holds from some time on"
                 sink.error(Code.LAST_WITHOUT_END, message, last.span, hint, notes)
+        elif isinstance(item, t.Minimize):
+            for objective in item.objectives:
+                name = objective.name.text
+                if name not in ("time", "energy") or objective.attribute is not None:
+                    continue
+                message = f"a motion that goes on for ever takes no {name} that could be least"
+                hint = f"remove `{name}`, or remove `repeat;`"
+                sink.error(Code.TIME_WITHOUT_END, message, objective.span, hint, notes)
 
 
 def _lasts(formula: f.Formula) -> Iterator[f.Last]:

@@ -100,7 +100,14 @@ _MISSING = frozenset(
         Code.NOT_MOUNTED,
     }
 )
-_NAMED = _MISSING | {Code.UNKNOWN_NAME, Code.UNUSED_NAME, Code.UNUSED_SYMBOL, Code.UNUSED_OBSTACLE}
+_NAMED = _MISSING | {
+    Code.UNKNOWN_NAME,
+    Code.UNUSED_NAME,
+    Code.UNUSED_SYMBOL,
+    Code.UNUSED_OBSTACLE,
+    Code.NO_AMOUNT,
+    Code.AMOUNT_OF_ZERO,
+}
 
 
 class Spans:

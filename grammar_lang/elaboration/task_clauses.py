@@ -29,6 +29,7 @@ def clause_places(task: t.Task) -> dict[str, Span]:
         t.BoundsBody: "bounds_body",
         t.Control: "control",
         t.Repeat: "repeat",
+        t.Minimize: "minimize",
     }
     return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
 

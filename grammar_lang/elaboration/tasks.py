@@ -12,6 +12,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.closed import Constants, coordinates, list_unit
 from grammar_lang.elaboration.endless_tasks import check_endless
+from grammar_lang.elaboration.families import Family, check_family
 from grammar_lang.elaboration.joint_values import (
     check_duration,
     final_rates,
@@ -19,7 +20,6 @@ from grammar_lang.elaboration.joint_values import (
     start_values,
 )
 from grammar_lang.elaboration.modules import ModuleInfo
-from grammar_lang.elaboration.sorts import DimensionUse
 from grammar_lang.elaboration.task_clauses import clause_places, lower_efforts
 from grammar_lang.elaboration.workspaces import check_round
 from grammar_lang.names.declarations import report_unknown
@@ -32,19 +32,6 @@ DEFAULT_SLACK = Fraction(1, 10**6)
 MOST_STEPS = 100_000
 Clause = TypeVar("Clause", bound=t.TaskItem)
 Named = TypeVar("Named")
-
-
-@dataclass(frozen=True, slots=True)
-class Family:
-    """A robot family as a task sees it.
-
-    ``kinds`` are those of its joints, ``driven`` those of joints with a free input, in fixed order.
-    """
-
-    kinds: tuple[ir.DofKind, ...]
-    driven: tuple[ir.DofKind, ...]
-    has_semantics: bool
-    uses: tuple[DimensionUse, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,19 +269,31 @@ class _Reader:
 
         return lower_robust(self.task.items, self.around.names, self.sink)
 
+    def minimize(self) -> tuple[ir.Objective, ...]:
+        item = self.one(t.Minimize, "minimize", None)
+        if item is None:
+            return ()
+        from grammar_lang.elaboration.objectives import check_time, lower_objectives
+
+        check_time(item, self.task, self.sink)
+        return lower_objectives(
+            item, self.family, self.around.modules, self.around.names, self.sink
+        )
+
     # --- the rest ------------------------------------------------------------------------------
 
-    def horizon(self) -> tuple[int, Fraction]:
+    def horizon(self) -> tuple[int, Fraction, bool]:
+        """The number of steps, their length, and whether there may be fewer."""
         item = self.one(t.Horizon, "horizon", "add `horizon 80 steps of 0.125 s;`")
         if item is None:
-            return 1, Fraction(1)
+            return 1, Fraction(1), False
         steps = self.constants.integer(item.steps, 1, "the number of steps")
         if steps is not None and steps > MOST_STEPS:
             self.sink.error(
                 Code.BAD_VALUE, f"the horizon has more than {MOST_STEPS:,} steps", item.steps.span,
                 "write fewer, longer steps",
             )  # fmt: skip
-        return steps or 1, self.positive(item.step, TIME, "the step")
+        return steps or 1, self.positive(item.step, TIME, "the step"), item.at_most
 
     def slack(self) -> Fraction:
         item = self.one(t.Slack, "slack", None)
@@ -328,26 +327,6 @@ class _Reader:
         return self.constants.integer(item.bound, 1, "the number of modules")
 
 
-def _check_family(reader: _Reader, robot: t.Robot) -> None:
-    """The family has a meaning, and one in the dimension of the workspace."""
-    family, workspace, sink = reader.family, reader.workspace, reader.sink
-    if family is None:
-        return
-    if not family.has_semantics:
-        message = f"grammar `{robot.name.text}` has no semantics, so it describes no robot"
-        hint = f"add `semantics {robot.name.text} {{ … }}`"
-        sink.error(Code.MISSING_BLOCK, message, robot.name.span, hint)
-    if workspace is None:
-        return
-    where = "`plane xy`" if workspace.dimension == 2 else "`space xyz`"
-    for use in family.uses:
-        known = any(d.code is Code.OUT_OF_PLANE and d.span == use.span for d in sink.found)
-        if use.only != workspace.dimension and not known:
-            hint = f"workspace `{workspace.name}` is {where}"
-            notes = [(robot.span, "the task that joins them")]
-            sink.error(Code.OUT_OF_PLANE, use.message, use.span, hint, notes)
-
-
 def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None:
     """The task; None where a required clause is missing or wrong, which is reported."""
     reader = _Reader(task, around, sink)
@@ -357,18 +336,19 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         reader.family = reader.named(robot.name, around.families, "a grammar")
     if place is not None:
         reader.workspace = reader.named(place.name, around.workspaces, "a workspace")
-    if robot is not None:
-        _check_family(reader, robot)
+    if robot is not None and reader.family is not None:
+        check_family(reader.family, robot, reader.workspace, sink)
     start, reach, satisfy = reader.start(), reader.reach(), reader.satisfy()
     avoid = reader.avoid()
     effort = lower_efforts(task, () if reader.family is None else reader.family.driven, sink)
-    steps, step = reader.horizon()
+    steps, step, at_most = reader.horizon()
     check_duration(task, reach, steps * step, sink)
     slack, gravity, modules = reader.slack(), reader.gravity(), reader.modules()
     body = reader.one(t.BoundsBody, "bounds with body", None) is not None
     origin, robust, (payloads, carries) = reader.origin(), reader.robust(), reader.loads(reach)
     control, repeat = reader.one(t.Control, "control", None), reader.one(t.Repeat, "repeat", None)
     check_endless(task, repeat, sink)
+    minimize = reader.minimize()
     if robot is None or place is None or start is None or not (reach or satisfy):
         return None
     return ir.Task(
@@ -395,4 +375,6 @@ def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None
         clauses=clause_places(task),
         payloads=payloads,
         carries=carries,
+        minimize=minimize,
+        at_most=at_most,
     )

@@ -102,6 +102,7 @@ from grammar_lang.ir.formula import (
     Until,
     Window,
 )
+from grammar_lang.ir.objective import Objective, ObjectiveKind
 from grammar_lang.ir.task import (
     REST_RATE,
     Avoid,
@@ -190,6 +191,8 @@ __all__ = [
     "Not",
     "NotAccept",
     "Num",
+    "Objective",
+    "ObjectiveKind",
     "ObstacleMap",
     "Operator",
     "Or",

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from fractions import Fraction
+from math import ceil
 from typing import Literal, TypeAlias
 
 from grammar_lang.ir.expressions import NOWHERE, Expr
 from grammar_lang.ir.family import DofKind
 from grammar_lang.ir.formula import And, Atom, Eventually, Formula, Pose, Window
+from grammar_lang.ir.objective import Objective
 from grammar_lang.source import Span, node
 
 
@@ -325,10 +327,12 @@ class Task:
 
     ``reach`` is None only where ``satisfy`` holds a formula.  ``clauses`` are the places of those
     clauses that are plain values here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``,
-    ``control``, ``repeat``.
+    ``control``, ``repeat``, ``minimize``.
 
     With ``repeat`` the motion goes on for ever: ``steps`` bounds a prefix and one loop together.
+    With ``at_most`` a motion of fewer steps does the task, too; T in formulas is then its own end.
     ``control`` says whether the inputs are a fixed list or follow what is measured; None: either.
+    Of the objectives in ``minimize``, each counts among what is left by those before it.
     """
 
     name: str
@@ -354,6 +358,17 @@ class Task:
     clauses: Mapping[str, Span] = field(default_factory=dict[str, Span], compare=False, repr=False)
     payloads: tuple[Payload, ...] = ()
     carries: tuple[Carry, ...] = ()
+    minimize: tuple[Objective, ...] = ()
+    at_most: bool = False
+
+    def lasting(self, steps: int) -> Task:
+        """The task of motions of just so many steps."""
+        return replace(self, steps=steps, at_most=False)
+
+    @property
+    def fewest_steps(self) -> int:
+        """The fewest steps of a motion: it takes as long as its end is to last."""
+        return max(1, ceil(self.stay / self.step)) if self.at_most else self.steps
 
     @property
     def demanded(self) -> tuple[Satisfy, ...]:

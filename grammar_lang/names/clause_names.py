@@ -54,10 +54,37 @@ def region_names(item: t.TaskItem) -> Iterator[s.Ident]:
             pass
 
 
-def excepted_modules(item: t.TaskItem) -> Iterator[s.Ident]:
-    """The modules that `avoid self` names."""
-    for pair in item.excepted if isinstance(item, t.Avoid) else ():
-        yield from pair
+def named_modules(item: t.TaskItem) -> Iterator[s.Ident]:
+    """The modules that `avoid self` and `robust mass` name."""
+    match item:
+        case t.Avoid(excepted=excepted):
+            for pair in excepted:
+                yield from pair
+        case t.RobustPercent(module=module) if module is not None:
+            yield module
+        case _:
+            pass
+
+
+def summed_attributes(item: t.TaskItem) -> Iterator[s.Ident]:
+    """The attributes of modules that objectives add up."""
+    for objective in item.objectives if isinstance(item, t.Minimize) else ():
+        if objective.attribute is not None:
+            yield objective.attribute
+
+
+def symbols_of(grammar: s.Grammar) -> Iterator[str]:
+    """What stands on right sides; of a grammar from ports, its modules."""
+    for item in grammar.items:
+        match item:
+            case s.Production(right=right):
+                yield from (each.symbol.text for each in right)
+            case s.StartSymbol(name=name) if grammar.from_ports:
+                yield name.text
+            case s.Listed(names=modules):
+                yield from (name.text for name in modules)
+            case _:
+                pass
 
 
 def _atoms(formula: f.Formula) -> Iterator[s.Ident]:

@@ -12,7 +12,13 @@ from dataclasses import dataclass, field
 from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.names.clause_names import condition_symbols, excepted_modules, region_names
+from grammar_lang.names.clause_names import (
+    condition_symbols,
+    named_modules,
+    region_names,
+    summed_attributes,
+    symbols_of,
+)
 from grammar_lang.names.declarations import (
     Declarations,
     Entity,
@@ -276,15 +282,27 @@ class _Resolver:
                     self.add(named(declared.workspaces[name.text]), name)
                 case t.From():
                     self._origin(item)
-                case t.RobustPercent(module=module) if module is not None:
-                    if module.text in declared.modules:
-                        self.add(declared.terminals.get(module.text), module)
+                case t.Minimize():
+                    self._sums(task, item)
                 case _:
                     for name in region_names(item):
                         self.add(known.get(name.text), name)
-            for module in excepted_modules(item):
+            for module in named_modules(item):
                 if module.text in declared.modules:
                     self.add(declared.terminals.get(module.text), module)
+
+    def _sums(self, task: t.Task, item: t.Minimize) -> None:
+        """The attributes that are summed up: each name is that of members of several modules."""
+        robots = (each.name.text for each in task.items if isinstance(each, t.Robot))
+        grammar = self.declared.grammars.get(next(robots, ""))
+        if grammar is not None:
+            symbols = {*symbols_of(grammar)}
+            modules = [module for module in self.declared.modules if module in symbols]
+            for name in summed_attributes(item):
+                for module in modules:
+                    member = self.members(module).get(name.text)
+                    if member is not None and member.kind in {"constant", "parameter"}:
+                        self.add(member, name)
 
     def _origin(self, item: t.From) -> None:
         terminals = self.declared.terminals

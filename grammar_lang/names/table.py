@@ -9,6 +9,7 @@ from functools import cached_property
 
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
+from grammar_lang.names.clause_names import symbols_of
 from grammar_lang.names.declarations import Declarations, Entity, Kind, Occurrences, members, named
 from grammar_lang.source import Span, node
 from grammar_lang.syntax import Ident
@@ -21,7 +22,7 @@ from grammar_lang.syntax import Ident
 
 @node
 class Mention:
-    """A name in the text.
+    """A name in the text; a word may name several things, each with a mention of its own.
 
     ``whole`` is the word that stands there; ``span`` is the part of it that is the name: a quoted
     symbol without its quotes, ``L`` of the numbered occurrence ``L2``.  ``within`` is the entity in
@@ -36,6 +37,12 @@ class Mention:
     declares: bool = field(default=False)
     within: Entity | None = field(default=None, compare=False, repr=False)
     position: int | None = field(default=None, compare=False)
+
+    @property
+    def summed_up(self) -> bool:
+        """Whether an objective of a task adds up the attribute that it names."""
+        attribute = self.entity.kind in {"constant", "parameter"} and self.position is None
+        return attribute and self.within is not None and self.within.kind == "task"
 
 
 class NameTable:
@@ -76,6 +83,12 @@ class NameTable:
             if mention.whole.file == file and mention.whole.start <= offset <= mention.whole.end:
                 return mention
         return None
+
+    def together(self, mention: Mention) -> Sequence[Mention]:
+        """All that is named by the word of a mention: of ``sum(NAME)`` a member of each module."""
+        place = mention.whole.file, mention.whole.start
+        first, stop = bisect_left(self._starts, place), bisect_right(self._starts, place)
+        return self.mentions[first:stop]
 
     def inside(self, span: Span) -> Sequence[Mention]:
         """The names that stand in a part of the text."""
@@ -154,26 +167,9 @@ def _check_attributes(names: NameTable, sink: Sink) -> None:
 
 def _described(names: NameTable) -> Iterator[str]:
     """The modules in the productions to which a semantics or their ports give a meaning."""
-    for grammar in names.declared.grammars.values():
-        if grammar.from_ports:
-            yield from _listed(grammar)
-    for semantics in names.declared.semantics.values():
-        grammar = names.declared.grammars[semantics.grammar.text]
-        for item in grammar.items:
-            if isinstance(item, s.Production):
-                yield from (each.symbol.text for each in item.right)
-
-
-def _listed(grammar: s.Grammar) -> Iterator[str]:
-    """The modules of a grammar from ports."""
-    for item in grammar.items:
-        match item:
-            case s.StartSymbol(name=name):
-                yield name.text
-            case s.Listed(names=modules):
-                yield from (name.text for name in modules)
-            case _:
-                pass
+    for name, grammar in names.declared.grammars.items():
+        if grammar.from_ports or name in names.declared.semantics:
+            yield from symbols_of(grammar)
 
 
 def _made_of(names: NameTable, members: Iterable[Entity]) -> dict[Entity, set[Entity]]:
@@ -205,13 +201,14 @@ def _used_in(kind: Kind, entity: Entity, names: NameTable) -> bool:
 
 
 def _check_module(module: str, names: NameTable, sink: Sink) -> None:
-    """Warn of what neither the semantics nor a degree of freedom depends on."""
+    """Warn of what neither the semantics nor a degree of freedom or an objective depends on."""
     owns = s.owns_body(names.declared.modules[module])
     made = _made_of(names, members(names.declared.modules[module]).values())
     users: tuple[Kind, ...] = ("production", "module")
     read = (m for m in made if any(_used_in(kind, m, names) for kind in users))
     moving = (m for m in made if m.kind == "degree of freedom")
-    live = _live(made, [*read, *moving])
+    summed = (m for m in made if any(use.summed_up for use in names.uses(m)))
+    live = _live(made, [*read, *moving, *summed])
     for member in made:
         if member in live:
             continue

@@ -159,6 +159,10 @@ _LOOKALIKES = {
 }
 _COMPARISONS = frozenset({"<", "<=", "==", ">=", ">"})
 _HORIZON = "write a number of steps and how long one is, as in `horizon 10 steps of 0.2 s`"
+_AT_MOST = (
+    "write `horizon 10 steps of 0.2 s` for just so many steps, or `horizon at most 10 steps of "
+    "0.2 s` for any number of them up to that"
+)
 _DESCRIBED = {
     "NAME": "a name",
     "NUMBER": "a number",
@@ -248,6 +252,8 @@ def _habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
     """What to write instead of something that other notations have."""
     if wanted in {"`steps`", "`of`"}:
         return _HORIZON
+    if "horizon" in map(tokens.at, range(max(0, here - 3), here)):
+        return _AT_MOST
     if wanted == "`(`" and tokens.at(here - 1) == "at":
         return "write coordinates of joints, as in `start at (30 deg, 0)`, or `start in` a region"
     if wanted == "`feedback` or `open`" and tokens.at(here) == "closed":
@@ -256,6 +262,8 @@ def _habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
         return "the margin stands before `except`"
     if wanted == "a name" and "except" in (tokens.at(here - 1), tokens.at(here - 2)):
         return "modules stand in pairs, as in `except Hand Tube, Tube Tube`"
+    if "`then`" in wanted and tokens.at(here) in {",", "and"}:
+        return "write `then` between objectives"
     if wanted == "`;` or `}`" and tokens.at(here) in _COMPARISONS:
         return "an inequality has two sides: write two of them, with `;` between"
     return None

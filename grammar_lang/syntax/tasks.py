@@ -194,11 +194,12 @@ class Effort:
 
 @node
 class Horizon:
-    """``horizon k steps of dt;``."""
+    """``horizon k steps of dt;``, or ``horizon at most k steps of dt;``."""
 
     steps: Expr
     step: Expr
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    at_most: bool = False
 
 
 @node
@@ -306,6 +307,24 @@ class Carry:
 
 
 @node
+class Objective:
+    """``NAME(NAME) within p %``: what is minimized; an attribute stands in brackets."""
+
+    name: Ident
+    attribute: Ident | None
+    within: Expr | None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
+class Minimize:
+    """``minimize OBJECTIVE then OBJECTIVE;``."""
+
+    objectives: tuple[Objective, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class RobustPercent:
     """``robust effort 0.5 %;``, ``… % of bound;``, ``robust mass 5 % of M;`` and its like."""
 
@@ -334,6 +353,7 @@ TaskItem: TypeAlias = (
     | Repeat
     | Payload
     | Carry
+    | Minimize
     | RobustRadii
     | RobustPercent
 )

@@ -129,9 +129,14 @@ def with_shorter_steps(posed: PosedTask, line: TaskLine, parts: int) -> Change:
     steps, step = parts * posed.task.steps, posed.task.step / parts
     length = number_text(step)
     # A quotient without parentheses would be one of a number and a time.
-    says = f"with `horizon {steps} steps of {f'({length})' if '/' in length else length} s`"
+    of = f"({length})" if "/" in length else length
+    says = f"with `horizon {_at_most(posed)}{steps} steps of {of} s`"
     shorter = posed.with_task(steps=steps, step=step)
     return Change(line, says, shorter, Fraction(steps), "shorter")
+
+
+def _at_most(posed: PosedTask) -> str:
+    return "at most " if posed.task.at_most else ""
 
 
 def with_fewer_steps(posed: PosedTask, line: TaskLine, steps: int) -> Change:
@@ -224,7 +229,9 @@ def _horizon(posed: PosedTask, line: TaskLine) -> Scale:
     steps = posed.task.steps
 
     def at(value: Fraction) -> Change:
-        return Change(line, f"with {value} steps", posed.with_task(steps=int(value)), value)
+        return Change(
+            line, f"with {_at_most(posed)}{value} steps", posed.with_task(steps=int(value)), value
+        )
 
     longest = max(min(4 * steps, MOST_STEPS), steps + (steps + 1) // 2)
     values = tuple(Fraction(value) for value in range(steps + 1, longest + 1))

@@ -133,6 +133,17 @@ def foremost(posed: PosedTask, refuted: Sequence[tuple[str, ...]]) -> Derivation
     return max((replay(grammar, labels) for labels in refuted[-MOST_COMPARED:]), key=freedom)
 
 
+def conflicts_of(
+    posed: PosedTask, refuted: Sequence[Derivation], context: RunContext
+) -> tuple[Conflicts, str | None]:
+    """The conflicts of some refuted structures; and what kept the rest from being found out."""
+    search = ConflictSearch(posed, context, context.check_time)
+    try:
+        return search.conflicts(refuted), None
+    except OutOfTimeError:
+        return search.found(len(refuted)), "the time limit was reached"
+
+
 def quick_conflict(
     posed: PosedTask, refuted: Derivation | None, context: RunContext
 ) -> Explanation:

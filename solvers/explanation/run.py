@@ -134,4 +134,8 @@ class Runs:
             paths=change.budget * self.context.paths,
             evaluations=change.budget * self.context.evaluations,
         )
-        return synthesise(change.posed.program, change.posed.task, context)
+        # A fast motion takes all the effort that it may, and so would tell nothing of how much it
+        # needs.
+        task = change.posed.task
+        objectives = tuple(each for each in task.minimize if each.kind != "time")
+        return synthesise(change.posed.program, replace(task, minimize=objectives), context)

@@ -146,7 +146,8 @@ class SuggestionSearch:
         They take longest, and so come where nothing else has helped.
         """
         task, context = self.posed.task, self.runs.context
-        for part in FEWER:
+        # Where fewer steps do the task they have been tried.
+        for part in () if task.at_most else FEWER:
             fewer = int(task.steps * part)
             if fewer and self.tried(with_fewer_steps(self.posed, line, fewer)) is not None:
                 return

@@ -149,7 +149,7 @@ def _dynamics(task: ir.Task) -> Iterator[TaskLine]:
     """What bounds the motion."""
     for index, effort in enumerate(task.effort):
         yield TaskLine("effort", (index,), f"the effort of {effort.kind} joints", effort.span)
-    says = f"the motion ends after {task.steps} steps"
+    says = f"the motion ends after {'at most ' if task.at_most else ''}{task.steps} steps"
     yield TaskLine("horizon", (), says, task.clauses.get("horizon", task.span))
     for index, payload in enumerate(task.payloads):
         yield TaskLine("payload", (index,), "the payload", payload.span)

@@ -6,7 +6,7 @@ be proved, so that nobody has to believe the solver.  Of those that no motion is
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
 
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -26,11 +26,16 @@ NONE_FOUND = ""
 
 
 def covered(
-    records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, context: RunContext
+    records: Sequence[StructureRecord],
+    family: RobotFamily,
+    task: ir.Task,
+    context: RunContext,
+    due: Container[int] | None = None,
 ) -> tuple[list[StructureRecord], OutOfTimeError | None]:
     """The records of all structures, with coverings where they were found.
 
-    A time limit ends the search, and is told; what is refuted stays refuted.
+    With ``due`` they are looked for at these places alone.  A time limit ends the search, and is
+    told; what is refuted stays refuted.
     """
     found, failed = list(records), 0
     try:
@@ -38,7 +43,8 @@ def covered(
             if failed == WITHOUT_SUCCESS:
                 break
             known = record.boxes is not None or record.script is None
-            if record.verdict != "refuted" or known:
+            passed_over = due is not None and number not in due
+            if record.verdict != "refuted" or known or passed_over:
                 continue
             context.check_time()
             derivation = family.replay(record.derivation)

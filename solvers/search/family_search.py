@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from compiler.lemmas.variants import is_about_poses
+from compiler.objectives.least_values import Amount, amounts
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
@@ -27,16 +28,13 @@ from solvers.impossibility.drive_search import AFTER_MOTIONS, DriveEffort
 from solvers.impossibility.structure_refutation import Refutation
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
+from solvers.search.design_values import design_values, limits_of
+from solvers.search.horizon_search import HorizonSearch
+from solvers.search.narrowed_family import NoBoundError, Tried
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.prefetch import Prefetch
-from solvers.search.robustness_bound import (
-    FINER,
-    NoBoundError,
-    RobustnessBound,
-    Tried,
-    robustness_bound,
-)
+from solvers.search.robustness_bound import FINER, RobustnessBound, robustness_bound
 from solvers.search.search_queue import SearchQueue, StructureUnderWay
 from solvers.search.structure_search import StructureSearch
 from solvers.search.structures_left import StructuresLeft
@@ -87,15 +85,38 @@ class FamilySearch:
     unanswered: dict[int, str] = field(default_factory=dict[int, str])
     """By the number of a structure which solver has not answered, and why."""
     lemmas: list[Lemma] = field(default_factory=list[Lemma])
+    amounts: tuple[Amount, ...] = field(init=False)
+    """What is to be least."""
+    valued: dict[int, tuple[Design, tuple[Fraction, ...]]] = field(
+        default_factory=dict[int, tuple[Design, tuple[Fraction, ...]]]
+    )
+    """Designs, by what identifies them, and what each is worth."""
 
     def __post_init__(self) -> None:
         self.every |= self.gap is not None
         self.queue, self.whole = SearchQueue(self.every), self.family
+        self.amounts = amounts(self.program, self.task)
 
     def structures(self) -> None:
         """Let structures have their turns until one is proved, unless all are due."""
         left = StructuresLeft(self.program, self.task, self.context, self.family, self.lemmas)
-        while left.following is not None or self.queue.under_way:
+        for _ in self.turns(left):
+            if self.designs and (not self.every or self.is_closed()):
+                return
+        if self.designs and self.bound is not None and not self.is_closed():
+            self.seek_bound(FINER)
+
+    def turns(
+        self, left: StructuresLeft, prepare: Callable[[], None] = lambda: None
+    ) -> Iterator[None]:
+        """Let structures have their turns; after each one that is searched to its end, go on.
+
+        ``prepare`` is called before each turn.
+        """
+        while True:
+            prepare()
+            if left.following is None and not self.queue.under_way:
+                return
             self.context.check_time()
             if left.following is not None and self.may_enter():
                 if self.at_limit():
@@ -112,10 +133,7 @@ class FamilySearch:
             if structure.state.is_over:
                 self.leave(structure)
                 self.learn(left, structure.candidate)
-                if self.designs and (not self.every or self.is_closed()):
-                    return
-        if self.designs and self.bound is not None and not self.is_closed():
-            self.seek_bound(FINER)
+                yield
 
     # --- how much more robust a design may be ---------------------------------------------------
 
@@ -194,6 +212,10 @@ class FamilySearch:
             self.record(candidate, "inadmissible", candidate.fault)
             return
         key = robot_key_in_task(candidate.model, self.task)
+        if self.amounts:
+            # One robot may be had at several prices.
+            word = candidate.derivation.word
+            key += f"|{[str(amount.of_word(word)) for amount in self.amounts]}"
         if key in self.seen:
             self.record(candidate, "same", "", same=self.seen[key])
             return
@@ -213,6 +235,8 @@ class FamilySearch:
         entered = StructureUnderWay(
             self.queue.entered, candidate, answer.solver_calls, lambda: self.told(self)
         )
+        if self.amounts:
+            entered.best_of = self.best_of
         given = StructureTask(
             program=self.program,
             task=self.task,
@@ -220,11 +244,12 @@ class FamilySearch:
             derivation=candidate.derivation,
             numeric=ahead.numeric(candidate),
             number=candidate.number,
-            robot=key,
+            robot=robot_key_in_task(candidate.model, self.task),
             listener=entered,
         )
         effectors = self.effectors(candidate.model, answer)
-        self.queue.enter(entered, StructureSearch(given, self.abstraction).states(effectors))
+        search = HorizonSearch if self.task.at_most or self.amounts else StructureSearch
+        self.queue.enter(entered, search(given, self.abstraction).states(effectors))
 
     def leave(self, structure: StructureUnderWay) -> None:
         """A structure is searched to its end."""
@@ -277,19 +302,51 @@ class FamilySearch:
     @property
     def all_searched(self) -> list[StructureUnderWay]:
         """The structures that were searched, or are, in their order."""
-        return sorted([*self.searched, *self.queue.under_way], key=lambda each: each.number)
+        known = [*self.searched, *self.queue.under_way, *self.queue.parked]
+        return sorted(known, key=lambda each: each.number)
+
+    @property
+    def every_design(self) -> tuple[Proved, ...]:
+        """The best design of each structure, in their order."""
+        found = ((each, each.incumbent) for each in self.all_searched)
+        return tuple(proved(each, design) for each, design in found if design is not None)
 
     @property
     def designs(self) -> tuple[Proved, ...]:
-        """The designs of all structures, in their order; with a gap the most robust one alone."""
-        found = tuple(
-            Proved(each.number, each.incumbent, {"structures": 1, "smt": each.smt, **spent(each)})
-            for each in self.all_searched
-            if each.incumbent is not None
-        )
-        if self.gap is None or not found:
+        """The same, the best one first by what is to be least; that alone unless all are asked for.
+
+        With a gap the most robust one alone.
+        """
+        found = self.every_design
+        if self.gap is not None and found:
+            best = max(found, key=lambda each: robustness_share(each.design, self.task) or 0.0)
+            return (best,)
+        if not self.amounts or not found:
             return found
-        return (max(found, key=lambda proved: robustness_share(proved.design, self.task) or 0.0),)
+        every = [proved(each, design) for each in self.all_searched for design in each.proved]
+        _, first = limits_of([self.values(each.design) for each in every], self.amounts)
+        best = every[first or 0]
+        others = (each for each in found if each.number != best.number)
+        return (best, *others) if self.every else (best,)
+
+    def best_of(self, designs: Sequence[Design]) -> Design:
+        """The best of some designs by what is to be least; of equal ones the most robust."""
+        ranked = sorted(designs, key=lambda design: -design.robustness)
+        _, first = limits_of([self.values(design) for design in ranked], self.amounts)
+        return ranked[first or 0]
+
+    def values(self, design: Design) -> tuple[Fraction, ...]:
+        """What a design is worth in what is to be least."""
+        known = self.valued.get(id(design))
+        if known is None:
+            known = design, design_values(design, self.amounts, self.task)
+            self.valued[id(design)] = known
+        return known[1]
+
+    @property
+    def all_values(self) -> list[tuple[Fraction, ...]]:
+        """What all designs that were proved are worth."""
+        return [self.values(design) for each in self.all_searched for design in each.proved]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -306,7 +363,7 @@ class FamilySearch:
         ``why`` says what ended the search of those that are under way.
         """
         found = dict(self.records)
-        for each in self.queue.under_way:
+        for each in (*self.queue.under_way, *self.queue.parked):
             if each.incumbent is not None:
                 found[each.number] = record_of(each.candidate, "found", "proved")
                 continue
@@ -319,6 +376,12 @@ class FamilySearch:
             for _, record in sorted(found.items())
         )
         return with_lemmas(list(shared), self.lemmas)
+
+
+def proved(structure: StructureUnderWay, design: Design) -> Proved:
+    """A design of a structure, with what its search took."""
+    counts = {"structures": 1, "smt": structure.smt, **spent(structure)}
+    return Proved(structure.number, design, counts)
 
 
 def record_of(candidate: Candidate, verdict: StructureVerdict, reason: str) -> StructureRecord:

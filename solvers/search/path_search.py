@@ -55,8 +55,8 @@ class Listener(Protocol):
 class StructureTask:
     """A structure in a task, of which designs are looked for.
 
-    ``number`` is its place among all and names it in journals, ``robot`` is its key and names it in
-    counterexamples.
+    ``number`` is its place among all, and ``name``, if it is not that, names it in journals;
+    ``robot`` is its key and names it in counterexamples.
     """
 
     program: ir.Program
@@ -67,6 +67,12 @@ class StructureTask:
     number: int
     robot: str
     listener: Listener
+    name: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name in journals."""
+        return str(self.number) if self.name is None else self.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +100,7 @@ class PathSearch:
     def cores(self) -> PathCores:
         """What explains paths that are not followed."""
         given = self.structure
-        return PathCores(given.context, f"{given.number}|{self.recorded}")
+        return PathCores(given.context, f"{given.label}|{self.recorded}")
 
     @property
     def proof(self) -> MotionProof:
@@ -164,7 +170,7 @@ class PathSearch:
 
     def label(self, cells: Abstraction, plan: Plan) -> str:
         """The name of a plan in journals."""
-        return f"{self.structure.number}|{self.recorded}|{len(cells.cuts)}|{plan}"
+        return f"{self.structure.label}|{self.recorded}|{len(cells.cuts)}|{plan}"
 
     def explained(
         self, path_problem: PathProblem, found: Configuration, label: str, why: Explanation

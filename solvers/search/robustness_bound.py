@@ -1,52 +1,25 @@
 """The search for a share of their bounds that the inputs of no design of a family keep.
 
 A design whose inputs keep the share s does the task with bounds that are smaller by s.  Where all
-structures are refuted in that task, none does.  What poses refute is refuted for every s; of the
-others the least s is sought at which their drives are shown to be too weak.  Shares are multiples
-of 1 / ``GRID``; what is found is a proof only once the verifier has read it again.
+structures are refuted in that task, none does.  Shares are multiples of 1 / ``GRID``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import NoReturn
 
-from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.lemmas.variants import is_about_poses
-from compiler.lemmas.weighted import weighted_robot
-from compiler.robots.candidate import Candidate, robot_in_task
-from compiler.robots.normal_form import RobotFamily, family_of
-from compiler.robots.robot import RobotModel
-from compiler.robots.robot_key import robot_key_in_task
+from compiler.robots.normal_form import RobotFamily
 from compiler.tasks.tightened import tightened
-from compiler.words.derivation import Derivation
-from compiler.words.structures import InfiniteAmbiguityError
 from grammar_lang import ir
-from solvers.conclusion import (
-    DEFAULT_MODULES,
-    StructureRecord,
-    StructureVerdict,
-    robot_limit,
-    with_lemmas,
-)
-from solvers.impossibility.box_search import WITH_PROOF, box_refutation
-from solvers.impossibility.drive_search import AFTER_MOTIONS, DriveEffort, drive_refutation
-from solvers.impossibility.structure_refutation import refute_structure
-from solvers.impossibility.variant_lemmas import weights_lemma
-from solvers.lemma import Lemma, VariantLemma, WeightsLemma
-from solvers.run_context import RunContext, Silent
-from solvers.search.structures_left import StructuresLeft
-from solvers.verifier.refutations.box_check import why_not
+from solvers.conclusion import StructureRecord
+from solvers.impossibility.drive_search import AFTER_MOTIONS, DriveEffort
+from solvers.lemma import Lemma
+from solvers.run_context import RunContext
+from solvers.search.narrowed_family import NoBoundError, Tried, narrowed_family
 
 GRID = 10_000
 """Shares are multiples of one part in so many: they are stated with four decimals."""
-FINE = 1_000
-"""The least share of a structure is sought to one part of itself in so many."""
-MOST_STRUCTURES = 200
-"""More are not refuted one by one for a bound."""
 FINER = DriveEffort((1024,), 16)
 """For a bound that leaves a larger gap than was asked for."""
 
@@ -65,16 +38,18 @@ class RobustnessBound:
     lemmas: tuple[Lemma, ...]
 
 
-class NoBoundError(Exception):
-    """No bound was found; the message says why, in words."""
-
-
 @dataclass(frozen=True, slots=True)
-class Tried:
-    """What the search of a family knows: its structures so far, and its lemmas."""
+class _Shares:
+    """The bounds of inputs are narrowed, by one part in ``GRID`` a step."""
 
-    records: Sequence[StructureRecord]
-    lemmas: Sequence[Lemma]
+    most: int = GRID - 1
+    name: str = "bound"
+    none: str = "no share is shown to be too much"
+    reason: str = "its inputs cannot keep this share"
+
+    def at(self, program: ir.Program, task: ir.Task, step: int) -> tuple[ir.Program, ir.Task]:
+        """The program and its task with bounds that leave out a share."""
+        return tightened(program, task, Fraction(step, GRID))
 
 
 def robustness_bound(
@@ -99,231 +74,8 @@ def robustness_bound(
     Raises:
         NoBoundError: none was found.
     """
-    modules = task.modules if robot_limit(family, task) is None else DEFAULT_MODULES
-    silent = replace(context, reporter=Silent())
-    search = _BoundSearch(family, replace(task, modules=modules), silent, tried, effort)
-    search.step = int(best * GRID) + 1
-    if not search.step < GRID:
+    first = int(best * GRID) + 1
+    if not first < GRID:
         raise NoBoundError("the design leaves nothing to gain")
-    try:
-        search.refute_all()
-    except InfiniteAmbiguityError as error:
-        raise NoBoundError(str(error)) from None
-    return search.result(modules)
-
-
-@dataclass(slots=True)
-class _Evidence:
-    """A covering, and the step of the share from which on it holds; 0: it is about poses alone."""
-
-    boxes: str
-    step: int
-
-
-@dataclass(slots=True)
-class _BoundSearch:
-    """The search in progress; ``step`` is the share so far, in parts of ``GRID``."""
-
-    family: RobotFamily
-    task: ir.Task
-    context: RunContext
-    tried: Tried
-    effort: DriveEffort
-    step: int = 0
-    lemmas: list[Lemma] = field(default_factory=list[Lemma])
-    found: list[tuple[Derivation, _Evidence, int | None]] = field(
-        default_factory=list[tuple[Derivation, _Evidence, int | None]]
-    )
-    """Structures in their order with the first one that is the same robot."""
-    narrow: dict[int, tuple[RobotFamily, ir.Task]] = field(
-        default_factory=dict[int, tuple[RobotFamily, ir.Task]]
-    )
-
-    def refute_all(self) -> None:
-        """Refute every structure that no lemma is about, at a share that rises as it has to."""
-        self._known_lemmas()
-        program = self.family.program
-        left = StructuresLeft(program, self.task, self.context, self.family, self.lemmas)
-        seen: dict[str, int] = {}
-        while left.following is not None:
-            self.context.check_time()
-            if len(left.tried) == MOST_STRUCTURES:
-                raise NoBoundError(f"the family has more than {MOST_STRUCTURES} structures")
-            candidate = left.taken()
-            model = _model(candidate)
-            first = seen.setdefault(robot_key_in_task(model, self.task), len(self.found))
-            if first < len(self.found):
-                self.found.append((candidate.derivation, self.found[first][1], first))
-                left.go_on()
-                continue
-            evidence = self._refuted(candidate, model)
-            self.found.append((candidate.derivation, evidence, None))
-            left.go_on()
-            self._learn(left, candidate, evidence)
-
-    def _learn(self, left: StructuresLeft, candidate: Candidate, evidence: _Evidence) -> None:
-        if evidence.step == 0:
-            left.learn(candidate, by_poses=True)
-        elif left.following is not None and self.context.lemmas:
-            narrow, due = self._tightened(self.step)
-            lemma = weights_lemma(narrow, due, candidate.derivation, self.effort)
-            if lemma is not None:
-                left.add(lemma, candidate.derivation.word)
-
-    def _known_lemmas(self) -> None:
-        """The lemmas of the search that do not speak of drives, where coverings prove them."""
-        known = {record.derivation: record for record in self.tried.records}
-        for lemma in self.tried.lemmas:
-            if isinstance(lemma, WeightsLemma):
-                continue
-            if isinstance(lemma, VariantLemma):
-                derivation = self.family.replay(lemma.labels)
-                model = robot_in_task(self.family, self.task.origin, derivation)
-                boxes = self._by_poses(known[lemma.labels], model)
-                if boxes is None:
-                    continue
-                self.found.append((derivation, _Evidence(boxes, 0), None))
-            self.lemmas.append(lemma)
-
-    # --- one structure --------------------------------------------------------------------------
-
-    def _refuted(self, candidate: Candidate, model: RobotModel) -> _Evidence:
-        """The evidence about a structure, from the least share on at which there is some."""
-        derivation = candidate.derivation
-        known = {record.derivation: record for record in self.tried.records}
-        record = known.get(derivation.labels)
-        if record is not None and record.verdict == "refuted":
-            boxes = self._by_poses(record, model)
-            if boxes is not None:
-                return _Evidence(boxes, 0)
-        boxes = self._by_drives(derivation, self.step)
-        if boxes is not None:
-            return _Evidence(boxes, self.step)
-        if record is None:
-            boxes = self._by_poses(self._screened(derivation, model), model)
-            if boxes is not None:
-                return _Evidence(boxes, 0)
-        return self._risen(derivation)
-
-    def _risen(self, derivation: Derivation) -> _Evidence:
-        """The evidence at the least share that is found, which is that of all from now on."""
-        low, high = self.step, GRID - 1
-        boxes = self._by_drives(derivation, high)
-        if boxes is None:
-            word = " ".join(derivation.word)
-            raise NoBoundError(f"no share is shown to be too much for the drives of {word}")
-        while high - low > max(1, low // FINE):
-            middle = (low + high) // 2
-            better = self._by_drives(derivation, middle)
-            if better is None:
-                low = middle
-            else:
-                high, boxes = middle, better
-        self.step = high
-        return _Evidence(boxes, high)
-
-    def _by_drives(self, derivation: Derivation, step: int) -> str | None:
-        """A covering that shows the drives to be too weak with so much less; None: none found."""
-        key = f"bound|{' '.join(derivation.labels)}|{step}|{max(self.effort.leaves)}"
-        known = self.context.journal.recall(key)
-        if not isinstance(known, str):
-            self.context.check_time()
-            narrow, due = self._tightened(step)
-            model = robot_in_task(narrow, due.origin, derivation)
-            workspace, graph = self._workspace, robot_graph(model, due.gravity)
-            answer = drive_refutation(model, graph, workspace, due, self.effort)
-            known = "" if answer is None else answer.boxes
-            self.context.journal.record(key, known)
-        return known or None
-
-    def _by_poses(self, record: StructureRecord, model: RobotModel) -> str | None:
-        """A covering of poses alone of a refuted structure; None: none is found."""
-        if record.boxes is not None and is_about_poses(record.boxes):
-            return record.boxes
-        if record.script is None:
-            return None
-        key = f"bound|{' '.join(record.derivation)}"
-        known = self.context.journal.recall(key)
-        if not isinstance(known, str):
-            graph = robot_graph(model, self.task.gravity)
-            answer = box_refutation(model, graph, self._workspace, self.task, WITH_PROOF)
-            known = "" if answer is None else answer.boxes
-            self.context.journal.record(key, known)
-        return known or None
-
-    def _screened(self, derivation: Derivation, model: RobotModel) -> StructureRecord:
-        """What is refuted of a structure that the search has not tried."""
-        numeric = NumericRobot(robot_graph(model, self.task.gravity))
-        program = self.family.program
-        answer = refute_structure(model, numeric, program, self.task, self.context)
-        verdict: StructureVerdict = "refuted" if answer.refuted else "unresolved"
-        return StructureRecord(
-            derivation.word, derivation.labels, verdict, answer.reason, answer.script,
-            boxes=answer.boxes,
-        )  # fmt: skip
-
-    # --- the task with less to do with ----------------------------------------------------------
-
-    @property
-    def _workspace(self) -> ir.Workspace:
-        return self.family.program.workspaces[self.task.workspace]
-
-    def _tightened(self, step: int) -> tuple[RobotFamily, ir.Task]:
-        """The family and its task with bounds that leave out a share."""
-        if step not in self.narrow:
-            program, task = tightened(self.family.program, self.task, Fraction(step, GRID))
-            self.narrow[step] = family_of(program, task), task
-        return self.narrow[step]
-
-    # --- all structures at one share ------------------------------------------------------------
-
-    def result(self, modules: int | None) -> RobustnessBound:
-        """The bound at the share that all structures are refuted at.
-
-        Raises:
-            NoBoundError: what was found at a smaller share does not hold there.
-        """
-        records = [self._record(*found) for found in self.found]
-        lemmas = [self._held(lemma) for lemma in self.lemmas]
-        return RobustnessBound(
-            Fraction(self.step, GRID), modules, with_lemmas(records, lemmas), tuple(lemmas)
-        )
-
-    def _record(
-        self, derivation: Derivation, evidence: _Evidence, first: int | None
-    ) -> StructureRecord:
-        """The record of a structure, whose covering holds at the share of all."""
-        if 0 < evidence.step < self.step:
-            narrow, due = self._tightened(self.step)
-            model = robot_in_task(narrow, due.origin, derivation)
-            if why_not(evidence.boxes, model, self._workspace, due) is not None:
-                evidence.boxes = self._by_drives(derivation, self.step) or _lost(derivation)
-            evidence.step = self.step
-        return StructureRecord(
-            derivation.word, derivation.labels, "refuted", "its inputs cannot keep this share",
-            same_robot_as=first, boxes=evidence.boxes,
-        )  # fmt: skip
-
-    def _held(self, lemma: Lemma) -> Lemma:
-        """A lemma, whose covering holds at the share of all."""
-        if not isinstance(lemma, WeightsLemma):
-            return lemma
-        narrow, due = self._tightened(self.step)
-        base = narrow.replay(lemma.labels)
-        model = weighted_robot(narrow, due, base, lemma.most)
-        if model is None or why_not(lemma.boxes, model, self._workspace, due) is not None:
-            _lost(base)
-        return lemma
-
-
-def _model(candidate: Candidate) -> RobotModel:
-    """The robot of a structure; without one, it cannot be refuted."""
-    if candidate.model is None:
-        word = " ".join(candidate.derivation.word)
-        raise NoBoundError(f"{word} is no robot: {candidate.fault}")
-    return candidate.model
-
-
-def _lost(derivation: Derivation) -> NoReturn:
-    word = " ".join(derivation.word)
-    raise NoBoundError(f"what refutes {word} at one share does not at a larger one")
+    found = narrowed_family(family, task, context, tried, _Shares(), first, effort)
+    return RobustnessBound(Fraction(found.step, GRID), found.modules, found.records, found.lemmas)

@@ -7,6 +7,7 @@ for ever is asked of the round in a form that is sufficient (:mod:`compiler.task
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -21,6 +22,10 @@ ARRIVAL = Fraction(1, 2)
 """The part of the horizon by which a motion that stays has arrived."""
 ENTRIES = Fraction(1, 4), Fraction(1, 2)
 """The parts of the horizon by which a motion comes to a tour that it does not begin on."""
+TAKEN = 1, Fraction(1, 2), Fraction(3, 4), Fraction(1, 4)
+"""The parts of the horizon that a motion takes, in turn, where it may take any."""
+OTHERS = 40
+"""At most so many other numbers of steps are looked at."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +43,33 @@ class RoundTask:
     def formula(self) -> SampledFormula | None:
         """What its formulas ask of the samples."""
         return task_on_samples(self.task)
+
+
+def tasks_by_length(task: ir.Task) -> tuple[ir.Task, ...]:
+    """The tasks of motions of one number of steps that are looked for, in turn."""
+    if not task.at_most:
+        return (task,)
+    numbers = (max(task.fewest_steps, int(part * task.steps)) for part in TAKEN)
+    return tuple(task.lasting(steps) for steps in dict.fromkeys(numbers))
+
+
+def tasks_of_other_lengths(task: ir.Task) -> tuple[ir.Task, ...]:
+    """Those that are looked for after them where formulas tell times, evenly spread at first.
+
+    Without formulas there are none: a longer motion has the paths of a shorter one.
+    """
+    if not (task.at_most and task.demanded):
+        return ()
+    known = {each.steps for each in tasks_by_length(task)}
+    left = [n for n in range(task.steps, task.fewest_steps - 1, -1) if n not in known]
+    parts, found = deque([(0, len(left))]), list[int]()
+    while parts and len(found) < OTHERS:
+        first, last = parts.popleft()
+        if first < last:
+            middle = (first + last) // 2
+            found.append(left[middle])
+            parts += (first, middle), (middle + 1, last)
+    return tuple(map(task.lasting, found))
 
 
 def task_on_samples(task: ir.Task) -> SampledFormula | None:

@@ -9,7 +9,7 @@ that no motion is expected for along any path comes some rounds later.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from compiler.robots.candidate import Candidate
@@ -22,13 +22,18 @@ LATER = 3
 """By so many rounds."""
 
 
+def most_robust(designs: Sequence[Design]) -> Design:
+    """The best of some designs where nothing else is asked for."""
+    return max(designs, key=lambda design: design.robustness)
+
+
 @dataclass(slots=True)
 class StructureUnderWay:
     """A structure that is searched, and what is known of it; ``place`` is that among all searched.
 
     ``incumbent`` is a proved design, there before the attempt that it comes from has ended;
     ``waiting`` is the last motion that was seen, whose search or proof may go on.  ``told`` is
-    called when a better design was proved.
+    called when a better design was proved; ``best_of`` says which of those ``proved`` is the best.
     """
 
     place: int
@@ -39,6 +44,8 @@ class StructureUnderWay:
     state: StructureState = field(default_factory=StructureState)
     incumbent: Design | None = None
     waiting: NearestMotion | None = None
+    best_of: Callable[[Sequence[Design]], Design] = field(default=most_robust)
+    proved: list[Design] = field(default_factory=list[Design])
 
     @property
     def number(self) -> int:
@@ -69,8 +76,9 @@ class StructureUnderWay:
 
     def keep(self, design: Design) -> None:
         """A design was proved: it is there from now on, whatever ends the search."""
-        if self.incumbent is None or design.robustness > self.incumbent.robustness:
-            self.incumbent = design
+        self.proved.append(design)
+        before, self.incumbent = self.incumbent, self.best_of(self.proved)
+        if self.incumbent is not before:
             self.told()
 
     def see(self, motion: NearestMotion) -> None:
@@ -95,6 +103,8 @@ class SearchQueue:
     entered: int = 0
     """How many structures have been searched."""
     under_way: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
+    parked: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
+    """Those that have no turns for now."""
     current: StructureUnderWay | None = None
     """The one that had the last turn."""
 
@@ -127,3 +137,9 @@ class SearchQueue:
     def leave(self, structure: StructureUnderWay) -> None:
         """A structure has no turn any more."""
         self.under_way.remove(structure)
+
+    def give_turns(self, due: Callable[[StructureUnderWay], bool]) -> None:
+        """Only those structures have turns from now on that are due."""
+        unfinished = sorted([*self.under_way, *self.parked], key=lambda each: each.place)
+        self.under_way = [each for each in unfinished if due(each)]
+        self.parked = [each for each in unfinished if not due(each)]

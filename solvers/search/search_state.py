@@ -90,6 +90,11 @@ class NearestMotion:
     text: str
 
     @property
+    def stuck(self) -> int | None:
+        """The first sample that it cannot be brought to; None where its end alone is wrong, too."""
+        return None if self.sample is None or self.sample > len(self.trajectory.u) else self.sample
+
+    @property
     def rank(self) -> tuple[bool, float]:
         """Greater is nearer."""
         return self.feasible, self.robustness
@@ -102,8 +107,8 @@ class CounterExampleRecord:
     ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
     the one that could not follow, through ``length`` cells.  So many paths with at most two cells
     more are ``deferred``, as far as they were counted.  ``sample`` is the first that the most
-    robust motion cannot be brought to, None where it is not known; ``robustness`` is what that
-    motion has.
+    robust motion cannot be brought to, None where there is none or it is not known; ``robustness``
+    is what that motion has.
     """
 
     structure: int
@@ -218,7 +223,7 @@ class StructureState:
                 found.append(
                     CounterExampleRecord(
                         structure, path, at.leader, names, each.excluded.ordered, len(at.cells),
-                        each.deferred, at.sample, at.robustness,
+                        each.deferred, at.stuck, at.robustness,
                     )
                 )  # fmt: skip
         return tuple(found)

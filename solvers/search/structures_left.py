@@ -6,7 +6,7 @@ before is passed over.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 
@@ -26,7 +26,8 @@ from solvers.search.prefetch import Prefetch
 class StructuresLeft:
     """The structures of ``family`` that are left; ``following`` is the next one, None after all.
 
-    ``whole`` is the family before any lemma; ``lemmas`` are those known, which grow in place.
+    ``whole`` is the family before any lemma; ``lemmas`` are those known, which grow in place, as do
+    the derivations that were ``tried``.  ``order`` lists the structures of a family.
     """
 
     program: ir.Program
@@ -35,6 +36,7 @@ class StructuresLeft:
     whole: RobotFamily
     lemmas: list[Lemma] = field(default_factory=list[Lemma])
     tried: set[tuple[str, ...]] = field(default_factory=set[tuple[str, ...]])
+    order: Callable[[RobotFamily], Iterator[Candidate]] | None = None
     family: RobotFamily = field(init=False)
     ahead: Prefetch = field(init=False)
     following: Candidate | None = field(init=False, default=None)
@@ -110,8 +112,11 @@ class StructuresLeft:
     def _left(self) -> Iterator[Candidate]:
         """What was not tried, numbered on."""
         number = len(self.tried)
-        bound = module_bound(self.family, self.task)
-        for candidate in candidates(self.family, bound, self.task.origin):
+        for candidate in (self.order or self._usual)(self.family):
             if candidate.derivation.labels not in self.tried:
                 yield replace(candidate, number=number)
                 number += 1
+
+    def _usual(self, family: RobotFamily) -> Iterator[Candidate]:
+        """Up to the bound on modules, in the order of section 2."""
+        return candidates(family, module_bound(family, self.task), self.task.origin)

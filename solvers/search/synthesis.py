@@ -10,7 +10,7 @@ by a covering that the verifier's own replay accepts, or by both.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from compiler.robots.normal_form import family_of
@@ -25,11 +25,16 @@ from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.configuration_search import PathSamples
+from solvers.search.design_values import limits_of
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
+from solvers.search.least_search import LeastSearch
+from solvers.search.narrowed_family import NoBoundError, Tried
+from solvers.search.optimality import Optimality, optimality, stated
 from solvers.search.path_task import Design
 from solvers.search.robustness_bound import RobustnessBound
 from solvers.search.search_queue import StructureUnderWay
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
+from solvers.search.time_bound import time_bound
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
 
@@ -50,7 +55,8 @@ class Synthesis:
     a design without being proved.  ``unfinished``: the time limit was reached, and another run can
     go on; ``last_step`` is what then took so long, if that could not be interrupted.  ``lemmas``
     are about structures that were not tried, too.  ``bound`` is on the robustness of all designs,
-    where one was asked for and proved; ``unbounded`` says why none was.
+    where one was asked for and proved; ``unbounded`` says why none was.  ``optimality`` is what the
+    design has of the task's objectives.
     """
 
     verdict: Verdict
@@ -70,6 +76,7 @@ class Synthesis:
     lemmas: tuple[Lemma, ...] = ()
     bound: RobustnessBound | None = None
     unbounded: str | None = None
+    optimality: Optimality | None = None
 
 
 def synthesise(
@@ -115,10 +122,13 @@ def synthesise(
 
     run = FamilySearch(program, task, context, family, finer, every, better, gap)
     try:
-        run.structures()
+        if run.amounts:
+            LeastSearch(run, run.amounts).search()
+        else:
+            run.structures()
         if run.designs:
             check_time()
-            return _result(run, "found", None, cells)
+            return replace(_result(run, "found", None, cells), optimality=_optimality(run))
         records: Sequence[StructureRecord] = run.all_records(PUT_OFF)
         verdict, reason = conclude(records, run.family, task, run.stopped)
     except OutOfTimeError as late:
@@ -130,6 +140,24 @@ def synthesise(
     if uncovered is not None:
         reason = f"{reason}; {NOT_COVERED}"
     return _result(run, verdict, reason, cells, uncovered, records)
+
+
+def _optimality(run: FamilySearch) -> Optimality | None:
+    """What is proved of the objectives of the best design."""
+    if not run.amounts:
+        return None
+    values, records = run.values(run.designs[0].design), run.all_records(PUT_OFF)
+    limits, _ = limits_of(run.all_values, run.amounts)
+    found = optimality(run.whole, run.task, values, limits, records, run.lemmas, run.context)
+    if not any(each.objective.kind == "time" for each in run.amounts) or not run.task.at_most:
+        return found
+    best = min(len(design.inputs) for each in run.all_searched for design in each.proved)
+    tried = Tried(records, tuple(run.lemmas))
+    try:
+        bound = time_bound(run.whole, run.task, run.context, tried, best)
+    except NoBoundError as why:
+        return replace(found, untimed=str(why))
+    return found.with_time(bound, run.task.step)
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:
@@ -172,13 +200,26 @@ def _result(
             found for each in searched for found in each.state.counterexamples(each.number)
         ),
         nearest=max(nearest, key=lambda motion: motion.rank, default=None),
-        ended=(run.stopped if late is None else OUT_OF_TIME) if run.every else None,
+        ended=_ended(run, late),
         unfinished=late is not None,
         last_step="" if late is None else late.step,
         lemmas=tuple(run.lemmas),
         bound=run.bound if designs else None,
         unbounded=_unbounded(run, late) if designs else None,
+        optimality=_stated(run, designs[0]) if designs and run.amounts else None,
     )
+
+
+def _ended(run: FamilySearch, late: OutOfTimeError | None) -> str | None:
+    """What kept the search from trying all structures that were due after a design."""
+    if late is not None:
+        return OUT_OF_TIME if run.every else None
+    return run.stopped if run.every or run.amounts else None
+
+
+def _stated(run: FamilySearch, best: Proved) -> Optimality:
+    """What the best design has of the objectives, of which nothing else is proved yet."""
+    return stated(run.task, run.amounts, run.values(best.design))
 
 
 def _unbounded(run: FamilySearch, late: OutOfTimeError | None) -> str | None:

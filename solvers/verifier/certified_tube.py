@@ -17,6 +17,7 @@ from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.spec_copy import claimed_task, read_claim
+from solvers.verifier.found_check import claimed_robot
 from solvers.verifier.proofs.disturbed_proof import disturbed_start, input_error
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.point_map import PointMap
@@ -25,7 +26,6 @@ from solvers.verifier.proofs.trajectory_proof import ACCURACIES
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot, legs
 from solvers.verifier.proofs.zonotope import Zonotope, zonotope
 from solvers.verifier.report import Outcome, Refused
-from solvers.verifier.verification import claimed_robot
 
 FLOAT_BITS = 53
 """Bounds at an instant are floats: more bits do not make them narrower than that."""

@@ -107,6 +107,15 @@ def _facts(design: Mapping[str, Any], used: Sequence[UsedInputs]) -> Iterator[tu
         yield "robustness", robustness_text(used)
     if used and design.get("control") is not None:
         yield "control", str(design["control"])
+    yield from _objectives(design)
+
+
+def _objectives(design: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """What the task asked to be least."""
+    from srgc.results.stated_objectives import stated_objectives
+
+    for place, each in enumerate(stated_objectives(design, Path("design.json"))):
+        yield each.name, f"{each.amount(each.value)}; {each.claim(first=place == 0)}"
 
 
 def _tried(design: Mapping[str, Any]) -> str:
@@ -157,7 +166,8 @@ def _declared(program: ir.Program) -> Iterator[tuple[str, str, str]]:
         yield "workspace", place.name, f"{plane}: {', '.join(kinds) or 'no regions'}"
     for task in program.tasks.values():
         seconds = float(task.steps * task.step)
-        yield "task", task.name, f"{task.grammar} in {task.workspace}, {seconds:g} s"
+        most = "at most " if task.at_most else ""
+        yield "task", task.name, f"{task.grammar} in {task.workspace}, {most}{seconds:g} s"
 
 
 def _of_module(module: ir.Module) -> str:

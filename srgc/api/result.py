@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from srgc.report.tables import Trajectory
     from srgc.results.found_design import FoundDesign
+    from srgc.results.stated_objectives import Objective
     from srgc.text_reports.synthesis_report import UsedInputs
 
 
@@ -94,6 +95,21 @@ class Result:
         """The share of their bounds that no robot's inputs keep; None where none was proved."""
         found = self.design.get("bound")
         return None if found is None else float(found["share"])
+
+    @property
+    def objectives(self) -> tuple[Objective, ...]:
+        """What the robot has of each objective of its task, and what is proved of all robots.
+
+        Raises:
+            SrgcError: the results have been altered.
+        """
+        return self._objectives()
+
+    @spoken
+    def _objectives(self) -> tuple[Objective, ...]:
+        from srgc.results.stated_objectives import stated_objectives
+
+        return stated_objectives(self.design, self.folder / "design.json")
 
     @property
     def effort_peak(self) -> float | None:

@@ -33,6 +33,7 @@ def synthesize(
     time_limit: float | None = None,
     cells: int | None = None,
     every: bool = False,
+    pareto: bool = False,
     gap: float | str | None = None,
     solver: str | None = None,
     search: str | None = None,
@@ -53,8 +54,10 @@ def synthesize(
         time_limit: seconds, after which the verdict is unknown unless a robot was proved by then.
         cells: begin with at least so many cells.
         every: go on after the first robot, and compare all of them.
+        pareto: the same, and keep those alone that no other one dominates.
         gap: go on until no robot is proved to be more robust by more than that part of the best
-            one, in percent, as 5 or "5 %"; not with ``every``.
+            one, in percent, as 5 or "5 %"; not with ``every``, ``pareto`` or a task that says
+            itself what is to be least.
         solver: of convex programs; our own by default, or one of cvxpy's.
         search: of parameters; gp-acb by default.
         smt: the SMT solvers that scripts are given to, as "cvc5" or "z3,cvc5", which must agree; z3
@@ -74,18 +77,21 @@ def synthesize(
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
     _refuse_numbers(seed, jobs, cells, time_limit)
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
-    from srgc.search_options import named_gap, named_search, named_smt_solvers, named_solver
+    from srgc.search_options import asked_gap, named_search, named_smt_solvers, named_solver
 
     named_smt_solvers(smt)
-    if every and gap is not None:
-        raise UsageFault("`every` does not go with `gap`, which keeps the most robust robot alone")
+    if gap is not None and (every or pareto):
+        option = "pareto" if pareto else "every"
+        raise UsageFault(
+            f"`{option}` does not go with `gap`, which keeps the most robust robot alone"
+        )
 
     keeper = TemporaryFolder.made() if folder is None else None
     place = Path(folder) if folder is not None else keeper.path if keeper is not None else Path()
     options = SynthesisOptions(
-        place, seed, jobs, limit, force, quiet=True, cells=cells, every=every,
-        solver=named_solver(solver), search=named_search(search), lemmas=lemmas, smt=smt,
-        gap=named_gap(gap),
+        place, seed, jobs, limit, force, quiet=True, cells=cells,
+        every=every or pareto, front=pareto, solver=named_solver(solver),
+        search=named_search(search), lemmas=lemmas, smt=smt, gap=asked_gap(gap, chosen_task),
     )  # fmt: skip
     run_synthesis(Path(program.name), program.ir, chosen_task, options)
     return opened(place, keeper)

@@ -45,7 +45,7 @@ GROUPS = {
         "words": ("language", "List, count or draw the robots of a family."),
         "accepts": ("language", "Decide whether a word is in a family."),
         "language": ("language", "Say what kind of language a family is."),
-        "compare": ("language", "Compare the words of two grammars."),
+        "compare": ("compare", "Compare the words of grammars, or results."),
         "graph": ("graph", "Draw an automaton, words, a robot or cells."),
         "model": ("model", "Print the equations of motion of a robot."),
         "plan": ("plan", "Find the cells that effectors go through."),

@@ -1,4 +1,4 @@
-"""The commands about words: ``words``, ``accepts``, ``language`` and ``compare``."""
+"""The commands about words: ``words``, ``accepts`` and ``language``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILE, GRAMMAR, QUIET, DocumentedCommand
-from srgc.cli.completions import complete_name, complete_symbol
+from srgc.cli.completions import complete_symbol
 from srgc.faults import UsageFault
 
 
@@ -119,31 +119,3 @@ def language(file: Path, grammar: str | None) -> int:
     program = program_of(file)
     click.echo(language_text(program, chosen(program.grammars, grammar, "grammar")))
     return 0
-
-
-@click.command(
-    cls=DocumentedCommand,
-    examples=["srgc compare specs/planar_arm.srg PlanarArm PlanarArm"],
-    statuses={0: "the same words", 1: "different words", 4: "it would take too long"},
-    read_on="docs/how-to/words.md",
-)
-@FILE
-@click.argument("first", shell_complete=complete_name)
-@click.argument("second", shell_complete=complete_name)
-@click.option("--max-length", type=click.IntRange(0), default=20, show_default=True)
-@QUIET
-def compare(file: Path, first: str, second: str, max_length: int, quiet: bool) -> int:  # noqa: FBT001
-    """Compare the words of two grammars of a file.
-
-    Two regular families are compared entirely, others up to --max-length.
-    """
-    from srgc.results.progress_display import progress
-    from srgc.session import chosen, program_of
-    from srgc.text_reports.language_report import comparison_text
-
-    program = program_of(file)
-    families = [chosen(program.grammars, name, "grammar") for name in (first, second)]
-    with progress("compare", quiet=quiet, plain=False):
-        same, text = comparison_text(program, families[0], families[1], max_length)
-    click.echo(text)
-    return 0 if same else 1

@@ -36,6 +36,11 @@ from srgc.time_limit import TimeLimit
     "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
 )
 @click.option(
+    "--pareto",
+    is_flag=True,
+    help="As --all, but keep the designs alone that no other one dominates.",
+)
+@click.option(
     "--gap",
     metavar="PERCENT",
     help="Go on until no robot is proved to be able to be more robust by more, as 5 %.",
@@ -69,6 +74,7 @@ def synth(
     time_limit: float | None,
     cells: int | None,
     every: bool,  # noqa: FBT001
+    pareto: bool,  # noqa: FBT001
     gap: str | None,
     paths: int | None,
     evaluations: int | None,
@@ -85,13 +91,17 @@ def synth(
     The verdict and all evidence are written to a folder, which `srgc verify` checks.  The same
     file and seed give the same bytes, whatever --jobs.  The first proved design is in the folder at
     once, and more robust ones replace it.  An interrupted run, or one that the time limit ended, is
-    resumed by the same command.
+    resumed by the same command.  Of a task with `minimize` the design is the best one by that, and
+    --all and --pareto compare designs by it; else by modules, length and robustness.
     """
     limit = TimeLimit(time_limit)
     if jobs is not None and cluster is not None:
         raise UsageFault("--jobs does not go with --cluster, which has its own workers")
-    if every and gap is not None:
-        raise UsageFault("--all does not go with --gap, which keeps the most robust design alone")
+    if gap is not None and (every or pareto):
+        option = "--pareto" if pareto else "--all"
+        raise UsageFault(
+            f"{option} does not go with --gap, which keeps the most robust design alone"
+        )
     from solvers.execution.one_thread import ONE_THREAD
     from srgc.session import chosen, program_of, refuse_cycles
 
@@ -100,22 +110,22 @@ def synth(
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
-    from srgc.search_options import named_gap, named_search, named_smt_solvers, named_solver
+    from srgc.search_options import asked_gap, named_search, named_smt_solvers, named_solver
     from srgc.text_reports.synthesis_report import change_of, synthesis_text
 
     named_smt_solvers(smt)
     folder = output or Path("out") / chosen_task.name
     options = SynthesisOptions(
-        folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster, every,
-        named_solver(solver), named_search(search), paths, evaluations,
-        not no_lemmas, smt, named_gap(gap),
+        folder, seed, jobs or 1, limit, force, as_json or quiet, cells, cluster,
+        every or pareto, named_solver(solver), named_search(search), paths, evaluations,
+        not no_lemmas, smt, asked_gap(gap, chosen_task), pareto,
     )  # fmt: skip
     result = run_synthesis(file, program, chosen_task, options)
     table = ""
-    if result.designs and every:
-        from srgc.results.pareto_table import pareto_rows, pareto_text
+    if result.designs and options.every:
+        from srgc.results.pareto_table import pareto_table, pareto_text
 
-        table = pareto_text(pareto_rows(result, program, chosen_task), result.ended)
+        table = pareto_text(pareto_table(result, program, chosen_task, front_only=pareto))
     if as_json:
         click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)
     else:

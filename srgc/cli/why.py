@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from srgc.cli.arguments import FOLDER, QUIET, DocumentedCommand, limit_of_time
 from srgc.time_limit import TimeLimit
+
+if TYPE_CHECKING:
+    from srgc.results.why_folder import TriedFolder
 
 
 @click.command(
@@ -35,7 +39,8 @@ def why(
     """Say which lines of a spec conflict, and what would make its task possible.
 
     FOLDER is one that `srgc synth` has written with the verdict impossible or unknown.  Every
-    suggestion was found and proved by a run of its own.
+    suggestion was found and proved by a run of its own.  Of a design of a task with `minimize` it
+    says what the next cheaper robots lack.
     """
     limit = TimeLimit(time_limit)
     from solvers.execution.one_thread import ONE_THREAD
@@ -50,12 +55,36 @@ def why(
 
     tried = tried_folder(folder)
     if tried.tried is None:
-        click.echo("verdict: found\nThere is nothing to explain: `srgc verify` checks the design.")
-        return 0
+        return _of_found(folder, tried, limit, quiet=quiet, as_json=as_json)
     with limit.holds(), progress("why", quiet=quiet or as_json) as display:
         context = tried.context(limit.reached)
         asked = Asked(context, 0 if no_runs else MOST_RUNS, display.note)
         found = explain(tried.posed, tried.tried, asked)
     text = why_json(found) if as_json else why_text(found, colour=out_colours())
+    click.echo(text, nl=False)
+    return 0
+
+
+def _of_found(
+    folder: Path, tried: TriedFolder, limit: TimeLimit, *, quiet: bool, as_json: bool
+) -> int:
+    """Say of a design what robots lack that would have less of the first objective."""
+    from solvers.explanation.explanation import conflicts_of
+    from srgc.comparisons.next_cheaper import next_cheaper
+    from srgc.comparisons.next_cheaper_text import cheaper_json, cheaper_text
+    from srgc.results.progress_display import progress
+    from srgc.terminal import out_colours
+
+    cheaper = next_cheaper(folder, tried)
+    if cheaper is None:
+        click.echo("verdict: found\nThere is nothing to explain: `srgc verify` checks the design.")
+        return 0
+    with limit.holds(), progress("why", quiet=quiet or as_json):
+        refuted = [each.derivation for each in cheaper.refuted if each.lemma is None]
+        conflicts, ended = conflicts_of(cheaper.posed, refuted, tried.context(limit.reached))
+    if as_json:
+        text = cheaper_json(cheaper, conflicts, ended)
+    else:
+        text = cheaper_text(cheaper, conflicts, ended, colour=out_colours())
     click.echo(text, nl=False)
     return 0

@@ -88,7 +88,7 @@ def nearest_figure(nearest: NearestMotion, workspace: ir.Workspace, task: ir.Tas
     theta = nearest.trajectory.theta
     title = f"{task.name}: {' '.join(nearest.derivation.word)}, the nearest motion, not proved"
     caption = _caption(nearest.model, task, theta, nearest.robustness)
-    stuck = nearest.sample if nearest.sample is not None and nearest.sample <= task.steps else None
+    stuck = nearest.stuck
     if stuck is not None:
         caption += f"; it is stuck at {number(float(stuck * task.step))} s"
     drawn = _DrawnMotion(

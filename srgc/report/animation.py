@@ -54,10 +54,10 @@ def motion_section(evidence: Evidence) -> str:
 
 def _workspace_alone(evidence: Evidence, scene: MotionScene) -> str:
     shapes = shape_marks(scene.shapes, scene.view)
-    shapes += shape_names(scene.shapes, scene.view) + _measure(scene)
+    shapes += shape_names(scene.shapes, scene.view) + measure(scene)
     return (
         '<section id="motion"><h2>Workspace</h2><figure>'
-        f"{_svg(scene.view, f'Workspace {evidence.workspace.name}', shapes)}"
+        f"{scene_picture(scene.view, f'Workspace {evidence.workspace.name}', shapes)}"
         f"{_views(scene)}"
         "<figcaption>There is no robot, and so no motion: the workspace "
         f"<i>{text(evidence.workspace.name)}</i> with its regions and cells.{_beyond(scene)}"
@@ -66,12 +66,14 @@ def _workspace_alone(evidence: Evidence, scene: MotionScene) -> str:
     )
 
 
-def _svg(view: View, title: str, content: str) -> str:
+def scene_picture(view: View, title: str, content: str, *, turned: bool = True) -> str:
+    """A picture of a workspace; of space, one that a script can turn."""
     size = f"{view.width:.0f} {view.height:.0f}"
     space = view.axes.shape[1] == 3
-    kind, turned = ("scene space", ' tabindex="0"') if space else ("scene", "")
+    kind = "scene space" if space else "scene"
+    stop = ' tabindex="0"' if space and turned else ""
     return (
-        f'<svg class="{kind}" viewBox="0 0 {size}" role="img" aria-label="{text(title)}"{turned}>'
+        f'<svg class="{kind}" viewBox="0 0 {size}" role="img" aria-label="{text(title)}"{stop}>'
         f"{content}</svg>"
     )
 
@@ -91,8 +93,8 @@ def _picture(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
         boxes = _instant_boxes(motion.tips[0], motion.tube.half_widths[0], factor)
         parts.append(f'<path class="instant" d="{boxes_path(list(boxes), view)}"/>')
     parts.append(shape_names(scene.shapes, view))
-    parts.append(_measure(scene))
-    return _svg(
+    parts.append(measure(scene))
+    return scene_picture(
         view, "The robot in its workspace at the time that the slider gives", "".join(parts)
     )
 
@@ -112,7 +114,7 @@ def _factor(tube: TubeBoxes | None, view: View) -> float:
     return float(10.0 ** max(0, floor(log10(WIDEST_BOX / widest))))
 
 
-def _measure(scene: MotionScene) -> str:
+def measure(scene: MotionScene) -> str:
     """How long and which way: a bar in the plane, the directions of the axes in space."""
     return scale_bar(scene.view) if scene.dimension == 2 else triad(scene.view)
 
@@ -251,7 +253,7 @@ def _poses(scene: MotionScene, motion: RobotMotion) -> str:
         if not found:
             marks = f"<defs>{sets}</defs>{marks}"
         label = f"t = {number(float(motion.times[index]))} s"
-        picture = _svg(scene.view, f"The robot at {label}", marks)
+        picture = scene_picture(scene.view, f"The robot at {label}", marks)
         found.append(f"<figure>{picture}<figcaption>{label}</figcaption></figure>")
     return f'<div class="poses">{"".join(found)}</div>'
 
@@ -290,7 +292,7 @@ def scene_data(scene: MotionScene) -> dict[str, Any]:
     Coordinates are whole multiples of ``unit`` metres from ``centre``.  In space there are views,
     each with its name, azimuth and elevation.
     """
-    grid = _Grid(scene.view)
+    grid = Grid(scene.view)
     view = scene.view
     data: dict[str, Any] = {
         "dimension": scene.dimension,
@@ -308,11 +310,11 @@ def scene_data(scene: MotionScene) -> dict[str, Any]:
         ]
     cells = [shape.name for shape in scene.shapes if shape.kind == "cell"]
     if scene.motion is not None:
-        data["motion"] = _motion(scene.motion, grid, cells, view)
+        data["motion"] = motion_data(scene.motion, grid, cells, view)
     return data
 
 
-class _Grid:
+class Grid:
     """Rounds points to the grid."""
 
     def __init__(self, view: View) -> None:
@@ -320,12 +322,13 @@ class _Grid:
         self.unit = GRID / view.scale
 
     def whole(self, points: Array) -> list[int]:
-        """The coordinates of all points in turn."""
+        """The coordinates of points (..., d) in turn."""
         found: list[int] = np.rint((points - self.centre) / self.unit).astype(int).ravel().tolist()
         return found
 
 
-def _motion(motion: RobotMotion, grid: _Grid, cells: list[str], view: View) -> dict[str, Any]:
+def motion_data(motion: RobotMotion, grid: Grid, cells: list[str], view: View) -> dict[str, Any]:
+    """A motion for a script; ``cells`` are the names of those that are drawn, in order."""
     robot = motion.robot
     visits = [
         [[visit.since, cells.index(visit.cell) if visit.cell in cells else -1] for visit in each]
@@ -358,7 +361,7 @@ def _short(value: float) -> float:
     return float(f"{value:.7g}")
 
 
-def _tube(tube: TubeBoxes, grid: _Grid) -> dict[str, Any]:
+def _tube(tube: TubeBoxes, grid: Grid) -> dict[str, Any]:
     """Boxes on the grid rounded outwards; half widths as they are, to three digits."""
     low = np.floor((tube.boxes[..., 0] - grid.centre) / grid.unit).astype(int)
     high = np.ceil((tube.boxes[..., 1] - grid.centre) / grid.unit).astype(int)

@@ -22,9 +22,11 @@ from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.report import Outcome, Report
 from solvers.verifier.verification import verify_directory
 from srgc.faults import UsageFault
+from srgc.report.front_motions import FrontMotion, front_motions
 from srgc.report.tables import Evaluation, Trajectory, evaluations, planned_trajectory
 from srgc.results.found_design import FoundDesign, FoundRecord, found_design, found_record
 from srgc.results.result_folder import json_object
+from srgc.results.stated_objectives import Objective, stated_objectives
 from srgc.results.why_folder import TriedFolder, tried_folder
 
 if TYPE_CHECKING:
@@ -56,8 +58,8 @@ class Evidence:
         cells: the cells of that workspace; of a design with the cuts that its path needs.
         files: the files of the spec by their paths; ``design["spec"]`` is the main one.
         claim: the certificate; None where there is none (unknown).
-        found: the design; None unless the verdict is ``found``.  ``found.program`` and
-            ``found.task`` are as written, too.
+        found: the design; None unless the verdict is ``found``.  ``found.program`` is as written,
+            too, and ``found.task`` but for the number of steps, which is that of the motion.
         record: how the design was found; None together with ``found``.
         trajectory: its sampled motion, by the certificate; None together with ``found``.
         tube: the enclosure of its motion; None without a design, where it was not computed, or
@@ -68,6 +70,8 @@ class Evidence:
         evaluations: what the search of parameters evaluated, in order.
         landscape: the grid of ``srgc landscape``, where there is one.
         pareto: ``pareto.json`` of ``synth --all``, else empty.
+        objectives: what ``design.json`` says of the objectives of the task.
+        front: of a task with objectives the motions of the designs that none dominates.
         log: ``log.json``, empty where there is none.
         coverings: the sizes of ``proofs/NNNN.boxes`` by their paths.
         digests: SHA-256 of ``design.json`` and ``certificate.json``.
@@ -90,6 +94,8 @@ class Evidence:
     evaluations: tuple[Evaluation, ...]
     landscape: tuple[Evaluation, ...]
     pareto: Mapping[str, Any]
+    objectives: tuple[Objective, ...]
+    front: tuple[FrontMotion, ...]
     log: Mapping[str, Any]
     coverings: Mapping[str, CoveringSize]
     digests: Mapping[str, str]
@@ -199,6 +205,8 @@ def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Ev
         evaluations(folder / "evaluations.csv"),
         evaluations(folder / "landscape.csv"),
         pareto,
+        stated_objectives(design, folder / "design.json"),
+        front_motions(folder, pareto),
         json_object(folder / "log.json", needed=False),
         _coverings(folder, design),
         _digests(folder),
@@ -287,7 +295,15 @@ def checked_designs(content: Mapping[str, Any], path: Path) -> None:
     Raises:
         UsageFault: it is not what ``srgc synth`` writes.
     """
-    if not all(_all(content.get(name, []), _is_design) for name in ("designs", "dominated")):
+    values = None
+    if "units" in content:
+        names, units = content.get("objectives", []), content["units"]
+        words = _is_word(names) and _is_word(units) and len(names) == len(units) > 0
+        if not words or not isinstance(content.get("chosen"), int):
+            raise UsageFault(f"{path} is not what `srgc synth` writes")
+        values = len(units)
+    groups = (content.get(name, []) for name in ("designs", "dominated"))
+    if not all(_all(group, lambda one: _is_design(one, values)) for group in groups):
         raise UsageFault(f"{path} is not what `srgc synth` writes")
 
 
@@ -330,12 +346,19 @@ def _is_formula(one: Mapping[str, Any]) -> bool:
     return value is None or _is_number(value)
 
 
-def _is_design(one: Mapping[str, Any]) -> bool:
+def _is_design(one: Mapping[str, Any], values: int | None) -> bool:
+    """Whether it has so many values in a list; None: those that are usual, by their names."""
+    listed: Any = one.get("values")
+    if values is None:
+        listed = [one.get(name) for name in ("modules", "total_length", "robustness")]
     return (
-        all(_is_number(one.get(name)) for name in ("structure", "modules", "total_length"))
-        and _is_number(one.get("robustness"))
+        isinstance(listed, list)
+        and len(listed) == (values or 3)
+        and all(map(_is_number, listed))
+        and isinstance(one.get("structure"), int)
+        and isinstance(one.get("dominated_by", 0), int)
         and _is_word(one.get("word"))
-        and isinstance(one.get("folder"), str)
+        and isinstance(one.get("folder", 0), str | None)
     )
 
 

@@ -125,15 +125,24 @@ def _shapes(evidence: Evidence, motion: RobotMotion | None) -> tuple[WorkspaceSh
 
 
 def robot_motion(
-    found: FoundDesign, trajectory: Trajectory, tube: TubeBoxes | None = None
+    found: FoundDesign,
+    trajectory: Trajectory,
+    tube: TubeBoxes | None = None,
+    *,
+    most: int = MOST_NUMBERS,
 ) -> RobotMotion:
-    """The motion of a design at instants close enough to be interpolated on a picture."""
+    """The motion of a design at instants close enough to be interpolated on a picture.
+
+    Its points have about so many coordinates at most.
+    """
     model = found.model
     robot = drawn_robot(model, found.theta)
     first = robot.points(trajectory.q[:1])
-    most = int(np.clip(MOST_NUMBERS // max(first.size, 1), FEWEST_INSTANTS, MOST_INSTANTS))
+    instants = int(np.clip(most // max(first.size, 1), FEWEST_INSTANTS, MOST_INSTANTS))
     turning = np.array([dof.kind == "revolute" for dof in model.dofs], dtype=bool)
-    samples = motion_samples(trajectory.t, trajectory.q, trajectory.qd, turning=turning, most=most)
+    samples = motion_samples(
+        trajectory.t, trajectory.q, trajectory.qd, turning=turning, most=instants
+    )
     visits = tuple(_visits(path) for path in found.claim.path)
     step = float(found.task.step)
     return RobotMotion(

@@ -16,6 +16,7 @@ from srgc.report.controller import gains_section, width_section
 from srgc.report.evidence import Evidence, read_evidence
 from srgc.report.history import history_section
 from srgc.report.nearest import nearest_section
+from srgc.report.objectives import objectives_section
 from srgc.report.proof import check_section, margins_section
 from srgc.report.robot_and_word import change_section, robot_section
 from srgc.report.verdict import verdict_section
@@ -23,6 +24,7 @@ from srgc.report.why_not import why_not_section
 
 SECTIONS = (
     robot_section,
+    objectives_section,
     change_section,
     motion_section,
     charts_section,

@@ -7,6 +7,7 @@ from fractions import Fraction
 from math import degrees
 
 from compiler.descriptions.model_symbols import closed_text
+from compiler.objectives.objective_text import objective_text
 from compiler.robots.state_and_input import EFFORT_UNITS
 from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
@@ -39,6 +40,17 @@ def _sentences(program: ir.Program, task: ir.Task) -> Iterator[str]:
     for carry in task.carries:
         yield _carried(program, task, carry)
     yield from _limits(task)
+    if task.minimize:
+        yield f"Of the robots that do this, one with the least is asked for: {_least(task)}"
+
+
+def _least(task: ir.Task) -> str:
+    """What is to be least, in turn."""
+    asked = []
+    for each in task.minimize:
+        left = f" (up to {_value(100 * each.within)} % more is as good)" if each.within else ""
+        asked.append(f"`{objective_text(each)}`{left}")
+    return ", then ".join(asked)
 
 
 def _modules(task: ir.Task) -> str:
@@ -89,7 +101,8 @@ def _reach(program: ir.Program, task: ir.Task, reach: ir.Reach) -> str:
     who = "the same effector" if bound and reach.effector is None else _who(reach.effector)
     if task.repeat:
         return f"At some time {who} is in `{reach.region}`{_turned(reach)}"
-    found = f"At {end} s ({steps}) {who} is in `{reach.region}`{_turned(reach)}"
+    when = "At the end of the motion" if task.at_most else f"At {end} s ({steps})"
+    found = f"{when} {who} is in `{reach.region}`{_turned(reach)}"
     rates = reach.rates
     if rates is None:
         return found
@@ -155,8 +168,14 @@ def _limits(task: ir.Task) -> Iterator[str]:
         yield (
             "The inputs follow what is measured" if feedback else "The inputs are fixed in advance"
         )
+    most = "at most " if task.at_most else ""
+    if task.at_most and not task.repeat:
+        steps, end = many(task.steps, "step"), _value(task.steps * task.step)
+        yield f"The motion takes at most {steps} of {_value(task.step)} s, {end} s"
     if task.repeat:
-        lasting = f"the horizon of {_value(task.steps * task.step)} s is a prefix and one loop"
+        lasting = (
+            f"the horizon of {most}{_value(task.steps * task.step)} s is a prefix and one loop"
+        )
         yield f"The motion goes on for ever: {lasting}"
     if task.robust is not None:
         yield f"All of this holds although {_disturbances(task.robust)}"

@@ -14,7 +14,12 @@ from srgc.report.controller import commanded_peak
 from srgc.report.evidence import Evidence, tried_robots
 from srgc.report.task_sentences import task_sentences
 from srgc.results.found_design import FoundDesign
-from srgc.text_reports.synthesis_report import UNASKED_SELF, robustness_text, used_inputs
+from srgc.text_reports.synthesis_report import (
+    UNASKED_SELF,
+    robustness_text,
+    steps_taken,
+    used_inputs,
+)
 from srgc.text_reports.verification_report import by_map
 
 MODEL = (
@@ -217,7 +222,8 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
         name = f"{known.module}.{known.name}, symbol {known.symbol}"
         yield name, with_unit(float(value), known.unit, 5)
     lasts = f"{number(float(found.task.step * found.task.steps), 6)} s"
-    yield "motion", lasts
+    taken = f", {steps_taken(found.task.steps, evidence.task)}" if evidence.task.at_most else ""
+    yield "motion", lasts + taken
     if found.claim.loop is not None:
         begins = number(float(found.task.step * found.claim.loop.first), 6)
         yield "repeats", f"from {begins} s to {lasts}, for ever"

@@ -17,12 +17,14 @@ import numpy as np
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.exact_numbers import decimal, exact_decimal
+from compiler.objectives.objective_text import objective_unit
 from compiler.robots.reconfiguration import Reconfiguration
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
 from solvers.search.configuration_search import PathSamples, Sample
+from solvers.search.optimality import Optimality
 from solvers.search.path_task import Design, design_margins, stated_inputs
 from solvers.search.search_state import CounterExampleRecord
 from solvers.search.synthesis import Synthesis
@@ -39,9 +41,10 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.claims.claimed_inputs import SHARE, held_bounds, robustness_entry
 from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_text
+from solvers.verifier.claims.objective_claims import objective_entries
 from solvers.verifier.claims.spec_copy import bounded_text
 from solvers.verifier.proofs.effort_bounds import planned_efforts
-from srgc.results.evidence_claims import Evidence, bound_claim_of
+from srgc.results.evidence_claims import Evidence, bound_claim_of, objectives_claim_of
 from srgc.results.result_folder import Identity
 from srgc.text_reports.nearest_motion import nearest_entry
 
@@ -83,7 +86,8 @@ def certificate_text(
     if design is not None:
         peak, rho = efforts(design, task)
         bound = None if result.bound is None else bound_claim_of(result.bound)
-        further = design.controller, design.loop, bound
+        least = None if result.optimality is None else objectives_claim_of(result.optimality)
+        further = design.controller, design.loop, bound, least
         return to_text(
             FoundClaim(
                 task.name,
@@ -147,7 +151,6 @@ def _lemma(claim: LemmaClaim) -> dict[str, Any]:
 
 
 def _counterexample(found: CounterExampleRecord, task: ir.Task) -> dict[str, Any]:
-    stuck = None if found.sample is None or found.sample > task.steps else found.sample
     return {
         "structure": found.structure,
         "path": found.path,
@@ -156,7 +159,7 @@ def _counterexample(found: CounterExampleRecord, task: ir.Task) -> dict[str, Any
         "ordered": found.ordered,
         "of": found.length,
         "deferred": found.deferred,
-        "time": None if stuck is None else float(stuck * task.step),
+        "time": None if found.sample is None else float(found.sample * task.step),
         "robustness": found.robustness if isfinite(found.robustness) else None,
     }
 
@@ -228,15 +231,29 @@ def design_text(
         if identity.gap is not None:
             bound, share = result.bound, content[SHARE]
             content["bound"] = None if bound is None else bound_entry(bound_claim_of(bound), share)
+        if result.optimality is not None:
+            content["objectives"] = _objectives(result.optimality)
     if identity.one_by_one:
         content["one_by_one"] = True
     if identity.smt is not None:
         content["smt"] = identity.smt
     if identity.gap is not None:
         content["gap"] = identity.gap
+    if identity.front:
+        content["front"] = True
     if result.lemmas:
         content["lemmas"] = [_lemma(claim) for claim in _evidence(result).lemma_claims()]
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _objectives(found: Optimality) -> list[dict[str, Any]]:
+    """What is known of the objectives of a design."""
+    units = [objective_unit(each.amount.objective) for each in found.objectives]
+    entries = objective_entries(objectives_claim_of(found).values, units)
+    return [
+        entry | {"undecided": each.undecided, "all_tried": not each.more}
+        for entry, each in zip(entries, found.objectives, strict=True)
+    ]
 
 
 def trajectory_csv(design: Design, task: ir.Task) -> str:

@@ -5,16 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from compiler.expressions.exact_numbers import exact_decimal
+from compiler.expressions.exact_numbers import exact_decimal, exact_text
 from solvers.conclusion import StructureRecord
 from solvers.lemma import Lemma, VariantLemma, WeightsLemma
+from solvers.search.optimality import Optimality
 from solvers.search.robustness_bound import RobustnessBound
+from solvers.search.time_bound import TimeBound
 from solvers.verifier.claims.bound_claims import BoundClaim
 from solvers.verifier.claims.lemma_claims import LemmaClaim
+from solvers.verifier.claims.objective_claims import ObjectivesClaim, ObjectiveValue, TimeClaim
 from solvers.verifier.claims.structure_claims import StructureClaim
 
-PROOFS, BOUND = "proofs", "proofs/bound"
-"""The folders of what refutes structures in the task, and with narrower bounds on the inputs."""
+PROOFS, BOUND, LEAST, TIME = "proofs", "proofs/bound", "proofs/least", "proofs/time"
+"""The folders of what refutes structures in the task, with narrower bounds on the inputs, of those
+that may have less of an objective, and in less time.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,3 +108,39 @@ def bound_claim_of(bound: RobustnessBound) -> BoundClaim:
         exact_decimal(bound.share), bound.modules, rests_on.structure_claims(),
         rests_on.lemma_claims(),
     )  # fmt: skip
+
+
+def least_evidence(found: Optimality) -> Evidence:
+    """What the least values of objectives rest on, but for time."""
+    return Evidence(found.records, found.lemmas, LEAST)
+
+
+def time_evidence(bound: TimeBound) -> Evidence:
+    """What a bound on the time rests on."""
+    return Evidence(bound.evidence.records, bound.evidence.lemmas, TIME)
+
+
+def optimality_files(found: Optimality) -> dict[str, str]:
+    """The evidence of all objectives by the names of files."""
+    timed = {} if found.time is None else time_evidence(found.time).files()
+    return least_evidence(found).files() | timed
+
+
+def objectives_claim_of(found: Optimality) -> ObjectivesClaim:
+    """The objectives of a design as a certificate states them."""
+    rests_on = least_evidence(found)
+    values = tuple(
+        ObjectiveValue(each.amount.text, exact_text(each.value), exact_text(each.least))
+        for each in found.objectives
+    )
+    return ObjectivesClaim(
+        values, found.modules, rests_on.structure_claims(), found.dearer, rests_on.lemma_claims(),
+        None if found.time is None else _time_claim(found.time),
+    )  # fmt: skip
+
+
+def _time_claim(bound: TimeBound) -> TimeClaim:
+    rests_on = time_evidence(bound)
+    return TimeClaim(
+        bound.steps, bound.evidence.modules, rests_on.structure_claims(), rests_on.lemma_claims()
+    )

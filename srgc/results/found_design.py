@@ -36,7 +36,7 @@ from solvers.verifier.claims.certificate import (
     from_text,
 )
 from solvers.verifier.claims.further_claims import exact_law
-from solvers.verifier.claims.spec_copy import bounded_text, read_copy
+from solvers.verifier.claims.spec_copy import bounded_text, read_copy, task_of_motion
 from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.enclosure import EnclosureFailure
 from solvers.verifier.report import Refused
@@ -132,7 +132,7 @@ def found_design(folder: Path) -> FoundDesign:
         raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise UsageFault(f"{folder}: the certificate is not UTF-8") from None
-    except (CertificateError, BadDerivation, SemanticsError) as error:
+    except (CertificateError, BadDerivation, SemanticsError, Refused) as error:
         raise UsageFault(f"{folder}: {error}") from None
 
 
@@ -180,6 +180,7 @@ def _design(claim: FoundClaim, program: ir.Program) -> FoundDesign:
     if len(claim.start) < 2 * n or any(len(row) != m for row in claim.inputs):
         raise CertificateError("the start or the inputs are not those of the robot")
     start = tuple(exact(text) for text in claim.start)
+    task = task_of_motion(claim, task)
     return FoundDesign(claim, program, task, derivation, model, parameters, start)
 
 

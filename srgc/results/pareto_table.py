@@ -1,7 +1,8 @@
-"""All designs of ``synth --all`` held against each other: modules, total length, robustness.
+"""All designs of ``synth --all`` held against each other, and those of ``synth --pareto``.
 
-One design per robot: the most robust that was found.  That it is the best of its robot is not
-proved, so the table is about the designs, not about all that there could be.
+They differ in what the task asks to be least; where it asks for nothing, in modules, total length
+and robustness.  One design per robot: the best that was found.  That it is the best of its robot is
+not proved, so the table is about the designs, not about all that there could be.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ import csv
 import io
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -19,145 +20,209 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.expressions.evaluators.floats import scalar_floats
+from compiler.objectives.least_values import Amount, amounts
+from compiler.objectives.objective_text import objective_name, objective_unit
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import WORLD, Joint, Offset, RobotModel
 from grammar_lang import ir
+from grammar_lang.diagnostics.wording import counted
+from solvers.search.design_values import design_bounds
 from solvers.search.family_search import Proved
 from solvers.search.path_task import Design
 from solvers.search.synthesis import Synthesis
 from srgc.results.design_file import efforts
-
-DIGITS = 4
-"""Significant digits to which designs are compared: below them is the noise of a search."""
-OBJECTIVES = ("modules", "total_length", "robustness")
-"""Few, short, and large; lengths in metres."""
+from srgc.results.pareto_front import (
+    Figure,
+    ParetoRow,
+    judged,
+    objective_figure,
+    rounded_figure,
+    whole_figure,
+)
 
 
 @dataclass(frozen=True, slots=True)
-class ParetoRow:
-    """A proved design; ``dominated_by`` is the number of a structure that is better, or None."""
+class Column:
+    """An objective: its name in files, its unit, and what stands above it."""
 
-    structure: int
-    word: tuple[str, ...]
-    parameters: tuple[tuple[int, str, float], ...]
-    modules: int
-    total_length: float
-    robustness: float
-    dominated_by: int | None = None
+    name: str
+    unit: str
+    heading: str
+
+
+USUAL = (
+    Column("modules", "", "modules"),
+    Column("total_length", "m", "length (m)"),
+    Column("robustness", "", "robustness"),
+)
+"""Few, short, and large."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParetoTable:
+    """All designs, a row each.
+
+    ``chosen`` is the number of the structure that the result is about, where a task says what is to
+    be least; else None.  ``front_only``: designs that others dominate are named, and not kept.
+    ``ended`` says why not all structures were tried.
+    """
+
+    columns: tuple[Column, ...]
+    rows: tuple[ParetoRow, ...]
+    chosen: int | None
+    front_only: bool
+    ended: str | None
 
     @property
-    def folder(self) -> str:
-        """Where its results are."""
-        return f"designs/{self.structure}"
-
-    def dominates(self, other: ParetoRow) -> bool:
-        """Whether it is nowhere worse and somewhere better."""
-        return self.costs != other.costs and all(
-            own <= theirs for own, theirs in zip(self.costs, other.costs, strict=True)
-        )
+    def front(self) -> tuple[ParetoRow, ...]:
+        """The designs that none dominates."""
+        return tuple(row for row in self.rows if row.dominated_by is None)
 
     @property
-    def costs(self) -> tuple[float, float, float]:
-        """The objectives, all to be small, to the digits that count and are printed."""
-        return self.modules, float(_shown(self.total_length)), -float(_shown(self.robustness))
+    def dominated(self) -> tuple[ParetoRow, ...]:
+        """The others."""
+        return tuple(row for row in self.rows if row.dominated_by is not None)
 
 
-def pareto_rows(result: Synthesis, program: ir.Program, task: ir.Task) -> tuple[ParetoRow, ...]:
-    """A row per design, in the order of the structures; the first that dominates one is named."""
-    family = family_of(program, task)
-    return judged([_row(proved, family, task) for proved in result.designs])
+def pareto_table(
+    result: Synthesis, program: ir.Program, task: ir.Task, *, front_only: bool
+) -> ParetoTable:
+    """The designs of a result.
+
+    They are in the order of the structures, or in that of what the task asks to be least.
+    """
+    family, asked = family_of(program, task), amounts(program, task)
+    rows = judged([_row(proved, family, task, asked) for proved in result.designs])
+    if not asked:
+        return ParetoTable(USUAL, rows, None, front_only, result.ended)
+    in_order = tuple(sorted(rows, key=lambda row: (row.costs, row.structure)))
+    chosen = result.designs[0].number
+    return ParetoTable(_columns(asked), in_order, chosen, front_only, result.ended)
 
 
-def _row(proved: Proved, family: RobotFamily, task: ir.Task) -> ParetoRow:
+def _columns(asked: Sequence[Amount]) -> tuple[Column, ...]:
+    """The objectives of a task."""
+    found = []
+    for amount in asked:
+        unit, heading = objective_unit(amount.objective), objective_name(amount.objective)
+        found.append(Column(amount.text, unit, f"{heading} ({unit})" if unit else heading))
+    return tuple(found)
+
+
+def _row(proved: Proved, family: RobotFamily, task: ir.Task, asked: Sequence[Amount]) -> ParetoRow:
     design = proved.design
-    word = design.derivation.word
+    named = tuple(
+        objective_figure(amount.objective, bounds)
+        for amount, bounds in zip(asked, design_bounds(design, asked, task), strict=True)
+    )
     return ParetoRow(
         proved.number,
-        word,
+        design.derivation.word,
         tuple(
             (value.parameter.symbol, value.parameter.name, float(value))
             for value in design.parameters
         ),
-        sum(family.program.is_module(symbol) for symbol in word),
-        _length(design, family),
-        float(Fraction(efforts(design, task)[1])),
+        named or _usual(design, family, task),
     )
 
 
-def _length(design: Design, family: RobotFamily) -> float:
+def _usual(design: Design, family: RobotFamily, task: ir.Task) -> tuple[Figure, ...]:
+    """What designs are compared by where a task does not say."""
     theta = np.array([float(value) for value in design.parameters])
-    return total_length(family.built(design.derivation), theta)
+    length = total_length(family.built(design.derivation), theta)
+    return (
+        whole_figure(sum(map(family.program.is_module, design.derivation.word))),
+        rounded_figure(length),
+        rounded_figure(float(Fraction(efforts(design, task)[1])), large=True),
+    )
 
 
-def judged(rows: Sequence[ParetoRow]) -> tuple[ParetoRow, ...]:
-    """The rows, each with the first that dominates it."""
-    found = []
-    for row in rows:
-        better = next((other.structure for other in rows if other.dominates(row)), None)
-        found.append(replace(row, dominated_by=better))
-    return tuple(found)
+# --- The table as files and as text ---------------------------------------------------------------
 
 
-def pareto_csv(rows: Sequence[ParetoRow]) -> str:
+def pareto_csv(table: ParetoTable) -> str:
     """The designs that none dominates: ``structure``, the objectives, ``word``, ``folder``."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(["structure", *OBJECTIVES, "word", "folder"])
-    for row in rows:
-        if row.dominated_by is None:
-            numbers = (row.structure, row.modules, row.total_length, row.robustness)
-            writer.writerow([*numbers, " ".join(row.word), row.folder])
+    names = [column.name for column in table.columns]
+    if table.chosen is not None:
+        names = [f"{c.name} ({c.unit})" if c.unit else c.name for c in table.columns]
+    writer.writerow(["structure", *names, "word", "folder"])
+    for row in table.front:
+        values = [figure.value for figure in row.figures]
+        writer.writerow([row.structure, *values, " ".join(row.word), row.folder])
     return buffer.getvalue()
 
 
-def pareto_json(rows: Sequence[ParetoRow], ended: str | None) -> str:
-    """All designs, those that are dominated apart; ``ended``: why not all structures were tried."""
+def pareto_json(table: ParetoTable) -> str:
+    """All designs, those that are dominated apart."""
+    named = {} if table.chosen is None else {"units": [column.unit for column in table.columns]}
     content = {
-        "objectives": list(OBJECTIVES),
-        "designs": [_entry(row) for row in rows if row.dominated_by is None],
-        "dominated": [_entry(row) for row in rows if row.dominated_by is not None],
-        "ended": ended,
+        "objectives": [column.name for column in table.columns],
+        **named,
+        "designs": [_entry(row, table) for row in table.front],
+        "dominated": [_entry(row, table) for row in table.dominated],
+        **({} if table.chosen is None else {"chosen": table.chosen}),
+        "ended": table.ended,
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
-def _entry(row: ParetoRow) -> dict[str, Any]:
+def _entry(row: ParetoRow, table: ParetoTable) -> dict[str, Any]:
     parameters = [
         {"symbol": symbol, "name": name, "value": value} for symbol, name, value in row.parameters
     ]
-    entry = {
+    values = [figure.value for figure in row.figures]
+    kept = not table.front_only or row.dominated_by is None
+    entry: dict[str, Any] = {
         "structure": row.structure,
         "word": list(row.word),
         "parameters": parameters,
-        "modules": row.modules,
-        "total_length": row.total_length,
-        "robustness": row.robustness,
-        "folder": row.folder,
+        **({"values": values} if table.chosen is not None else _by_name(table, values)),
+        "folder": row.folder if kept else None,
     }
     return entry if row.dominated_by is None else entry | {"dominated_by": row.dominated_by}
 
 
-def pareto_text(rows: Sequence[ParetoRow], ended: str | None) -> str:
+def _by_name(table: ParetoTable, values: Sequence[float]) -> dict[str, float]:
+    """Values by the names of their objectives."""
+    return {column.name: value for column, value in zip(table.columns, values, strict=True)}
+
+
+def pareto_text(table: ParetoTable) -> str:
     """The table for people; the dominated designs below it, and why it ends where it does."""
-    lines = [f"{'structure':>9} {'modules':>7} {'length (m)':>10} {'robustness':>10}  robot"]
-    lines += [_line(row) for row in rows if row.dominated_by is None]
-    others = [row for row in rows if row.dominated_by is not None]
-    if others:
-        lines.append("dominated:")
-        lines += [f"{_line(row)} (by {row.dominated_by})" for row in others]
-    if ended is not None:
-        lines.append(f"not all structures were tried: {ended}")
+    shown = table.front if table.front_only else table.rows
+    widths = [
+        max(len(column.heading), *(len(row.figures[k].shown) for row in shown))
+        for k, column in enumerate(table.columns)
+    ]
+    headings = [column.heading for column in table.columns]
+    lines = [f"structure {_aligned(headings, widths)}  robot"]
+    lines += [_line(row, widths) for row in table.front]
+    lines += _dominated(table, widths)
+    if table.ended is not None:
+        lines.append(f"not all structures were tried: {table.ended}")
     return "\n".join(lines)
 
 
-def _line(row: ParetoRow) -> str:
-    numbers = f"{row.structure:>9} {row.modules:>7} {_shown(row.total_length):>10}"
-    return f"{numbers} {_shown(row.robustness):>10}  {' '.join(row.word)}"
+def _dominated(table: ParetoTable, widths: Sequence[int]) -> Iterator[str]:
+    """The designs that others dominate."""
+    others = table.dominated
+    if others and table.front_only:
+        yield f"dominated: {counted(len(others), 'design')}, named in pareto.json"
+    elif others:
+        yield "dominated:"
+        yield from (f"{_line(row, widths)} (by {row.dominated_by})" for row in others)
 
 
-def _shown(value: float) -> str:
-    """A number to the digits that count."""
-    return f"{value:.{DIGITS}g}"
+def _line(row: ParetoRow, widths: Sequence[int]) -> str:
+    numbers = _aligned([figure.shown for figure in row.figures], widths)
+    return f"{row.structure:>9} {numbers}  {' '.join(row.word)}"
+
+
+def _aligned(texts: Sequence[str], widths: Sequence[int]) -> str:
+    """Texts on the right of columns."""
+    return " ".join(f"{text:>{width}}" for text, width in zip(texts, widths, strict=True))
 
 
 # --- The total length of a robot: how much of it there is between its joints ----------------------

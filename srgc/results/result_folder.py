@@ -33,7 +33,8 @@ class Identity:
     the first design; ``solver`` is that of its convex programs, None: our own; ``search`` is that
     of its parameters, None: the usual one; ``paths`` and ``evaluations`` are its budgets, None: the
     usual ones; ``one_by_one``: without lemmas; ``smt`` are the solvers of scripts, None: z3 as
-    a library; ``gap``, in percent, is the one that the search was to close, None: none.
+    a library; ``gap``, in percent, is the one that the search was to close, None: none; ``front``:
+    of all designs those alone are kept that none dominates.
     """
 
     spec_sha256: str
@@ -49,6 +50,7 @@ class Identity:
     one_by_one: bool = False
     smt: str | None = None
     gap: float | None = None
+    front: bool = False
 
 
 @dataclass(slots=True)
@@ -185,6 +187,7 @@ def _difference(a: Identity, b: Identity) -> str:
         "one_by_one": "search, with lemmas or without",
         "smt": "SMT solver",
         "gap": "gap to be closed",
+        "front": "search, for all designs or for those that none dominates",
     }
     for name in (item.name for item in fields(Identity)):
         if getattr(a, name) != getattr(b, name):
@@ -212,6 +215,7 @@ def _owner(path: Path) -> Identity | None:
                 bool(content.get("one_by_one", False)),
                 None if content.get("smt") is None else str(content["smt"]),
                 None if content.get("gap") is None else float(content["gap"]),
+                bool(content.get("front", False)),
             )
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
             continue

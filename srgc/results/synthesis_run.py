@@ -19,7 +19,9 @@ from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
 from solvers.run_context import EVALUATIONS, PATHS, RunContext
+from solvers.search.design_values import design_values
 from solvers.search.family_search import Proved
+from solvers.search.optimality import stated
 from solvers.search.path_task import Design
 from solvers.search.synthesis import Synthesis, synthesise
 from solvers.verifier.claims.certificate import spec_digest
@@ -34,7 +36,7 @@ from srgc.results.design_file import (
     samples_csv,
     trajectory_csv,
 )
-from srgc.results.evidence_claims import Evidence, bound_evidence
+from srgc.results.evidence_claims import Evidence, bound_evidence, optimality_files
 from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
 from srgc.results.progress_display import progress
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
@@ -71,6 +73,8 @@ class SynthesisOptions:
     smt: str | None = None
     gap: float | None = None
     """In percent."""
+    front: bool = False
+    """Of all designs those alone are kept that none dominates."""
 
 
 def run_synthesis(
@@ -97,6 +101,7 @@ def _run(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
         options.solver, options.search, unusual(options.paths, PATHS),
         unusual(options.evaluations, EVALUATIONS), not options.lemmas, options.smt, options.gap,
+        options.front,
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,
@@ -221,28 +226,33 @@ def _write_all(
     files: Mapping[str, bytes],
     limit: TimeLimit,
 ) -> bool:
-    """All designs, each in a folder of results of its own, and the tables about them.
+    """All designs to be kept, each in a folder of its own, and the tables about all of them.
 
     Returns:
         whether all were drawn.
     """
-    from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_rows
+    from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_table
 
-    drawn = True
+    drawn, table = True, pareto_table(result, program, task, front_only=folder.identity.front)
+    dominated = {row.structure for row in table.dominated} if table.front_only else set()
     for proved in result.designs:
+        if proved.number in dominated:
+            continue
         own = folder.files.within(f"designs/{proved.number}")
         for name, content in files.items():
             own.write(f"spec/{name}", content)
-        one = alone(result, proved)
+        one = alone(result, proved, task)
         drawn &= _write(own, one, program, task, spec, folder.identity, limit)
-    rows = pareto_rows(result, program, task)
-    folder.files.write("pareto.csv", pareto_csv(rows))
-    folder.files.write("pareto.json", pareto_json(rows, result.ended))
+    folder.files.write("pareto.csv", pareto_csv(table))
+    folder.files.write("pareto.json", pareto_json(table))
     return drawn
 
 
-def alone(result: Synthesis, proved: Proved) -> Synthesis:
+def alone(result: Synthesis, proved: Proved, task: ir.Task) -> Synthesis:
     """One design of a result as the result of a search of its structure alone."""
+    asked = () if result.optimality is None else result.optimality.objectives
+    amounts = tuple(each.amount for each in asked)
+    values = design_values(proved.design, amounts, task)
     samples = (each for each in result.samples if each.structure == proved.number)
     known = (each for each in result.counterexamples if each.structure == proved.number)
     return replace(
@@ -253,6 +263,7 @@ def alone(result: Synthesis, proved: Proved) -> Synthesis:
         counts=proved.counts,
         designs=(replace(proved, number=0),),
         lemmas=(),
+        optimality=stated(task, amounts, values) if asked else None,
         samples=tuple(replace(each, structure=0) for each in samples),
         counterexamples=tuple(replace(each, structure=0) for each in known),
     )
@@ -274,14 +285,19 @@ def _write(
     Returns:
         whether they were drawn, or there is nothing to draw.
     """
+    design = result.design
+    if design is not None:
+        # What is written is about the motion that was found.
+        task = task.lasting(len(design.inputs))
     evidence = Evidence(result.records, result.lemmas).files()
     if result.bound is not None:
         evidence |= bound_evidence(result.bound).files()
+    if result.optimality is not None:
+        evidence |= optimality_files(result.optimality)
     for name, content in evidence.items():
         files.write(name, content)
     if result.samples:
         files.write("evaluations.csv", evaluations_csv(result.samples))
-    design = result.design
     if design is None:
         _write_nearest(files, result, program, task)
         drawn = True
@@ -311,6 +327,7 @@ def _write_nearest(
     if nearest is None or not np.all(np.isfinite(nearest.trajectory.x)):
         files.discard(NEAREST)
         return
+    task = task.lasting(len(nearest.trajectory.u))
     inputs = [[decimal(value) for value in row] for row in nearest.trajectory.u]
     files.write(NEAREST, samples_csv(nearest.model, nearest.trajectory, inputs, task))
     from srgc.render.result_pictures import nearest_figure

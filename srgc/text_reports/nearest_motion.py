@@ -43,8 +43,8 @@ class Stuck:
 
 def stuck_at(nearest: NearestMotion, task: ir.Task) -> Stuck | None:
     """Where a motion cannot go on; None where it gets to all samples, or that is not known."""
-    sample = nearest.sample
-    if sample is None or sample > task.steps:
+    sample = nearest.stuck
+    if sample is None:
         return None
     trajectory, n = nearest.trajectory, len(nearest.model.dofs)
     numeric = NumericRobot(robot_graph(nearest.model, task.gravity))

@@ -22,9 +22,15 @@ from compiler.words.structures import InfiniteAmbiguityError
 from compiler.workspaces.abstraction import Abstraction, abstract
 from compiler.workspaces.bisection import bisections
 from grammar_lang import ir
+from grammar_lang.diagnostics.wording import counted
 from solvers.conclusion import module_bound
 from solvers.planner import EffectorPath, Exhausted, Exhaustion, Plan, Planner
-from solvers.search.round_task import closing, round_tasks
+from solvers.search.round_task import (
+    closing,
+    round_tasks,
+    tasks_by_length,
+    tasks_of_other_lengths,
+)
 from solvers.trajectory.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.verdict import Holds, Unknown, Verdict
 from srgc.faults import UsageFault
@@ -64,14 +70,16 @@ def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = No
         match Planner(problem).next_plan():
             case Holds(witness=plan):
                 gentle = _gentle(plan, problem, cells)
-                text = "\n".join(_lines(gentle, cells, task))
+                text = "\n".join([*_length(problem, task), *_lines(gentle, cells, task)])
                 return PlanReport("found", text, workspace, cells, gentle)
             case Unknown(reason=reason):
                 found = PlanReport("unknown", f"unknown: {reason.value}", workspace, cells)
             case ended:
-                text = f"no path: {_why(ended.counterexample, task)}"
-                # Of motions that go on for ever only some shapes are looked at.
-                verdict: Verdict = "unknown" if task.repeat else "impossible"
+                text = f"no path: {_why(ended.counterexample, problem.steps, task)}"
+                # Of motions that go on for ever only some shapes are looked at, and of those that
+                # may end at several times some of the ends.
+                some = task.repeat or (task.at_most and task.demanded)
+                verdict: Verdict = "unknown" if some else "impossible"
                 found = PlanReport(verdict, text, workspace, cells)
     return found
 
@@ -104,11 +112,15 @@ def dump_text(program: ir.Program, task: ir.Task, form: str, least_cells: int | 
     """The whole problem as ``dimacs`` or ``smt2``, satisfiable iff there is a plan.
 
     Raises:
-        UsageFault: the task is about motions that go on for ever, which are several problems.
+        UsageFault: the task is about motions that go on for ever, or has formulas about motions
+            that end at several times: these are several problems.
     """
     program, task = expanded(program, task)
     if task.repeat:
         raise UsageFault(f"the plans of task `{task.name}`, which repeats, are no single problem")
+    if task.at_most and task.demanded:
+        message = f"the plans of task `{task.name}`, which ends at several times, are no single"
+        raise UsageFault(f"{message} problem")
     (problem,) = _problems(_cells(program, task, least_cells), task)
     lines = dimacs(problem) if form == "dimacs" else smt2(problem)
     return "\n".join(lines) + "\n"
@@ -120,10 +132,16 @@ def _cells(program: ir.Program, task: ir.Task, least: int | None) -> Abstraction
 
 
 def _problems(cells: Abstraction, task: ir.Task) -> Iterator[PlanningProblem]:
-    """The problem of a task; of one that repeats, those of the shapes that a search looks at."""
+    """The problem of a task; of one that repeats, those of the shapes that a search looks at.
+
+    Without formulas a motion of more steps has more plans; with them, those of several numbers of
+    steps are looked for.
+    """
     recorded = recorded_effector(task) or 0
-    for part in round_tasks(task, recorded):
-        yield from closing(planning_problem(cells, part.task, recorded), part)
+    lengths = *tasks_by_length(task), *tasks_of_other_lengths(task)
+    for each in lengths if task.demanded else lengths[:1]:
+        for part in round_tasks(each, recorded):
+            yield from closing(planning_problem(cells, part.task, recorded), part)
 
 
 def _clear_problems(
@@ -150,6 +168,12 @@ def _clear_problems(
             yield clear_of_bodies(problem, numeric, cells, task)
 
 
+def _length(problem: PlanningProblem, task: ir.Task) -> Iterator[str]:
+    """For how many steps a plan is, where that is a choice and formulas tell times."""
+    if task.at_most and task.demanded:
+        yield f"{counted(problem.steps, 'step')}:"
+
+
 def _lines(plan: Plan, cells: Abstraction, task: ir.Task) -> Iterator[str]:
     for path in plan.paths:
         if len(plan.paths) > 1:
@@ -166,11 +190,13 @@ def _path_lines(path: EffectorPath, cells: Abstraction, task: ir.Task) -> Iterat
         yield f"{name}\tat sample {sample} ({float(sample * task.step):g} s)"
 
 
-def _why(ended: Exhausted, task: ir.Task) -> str:
+def _why(ended: Exhausted, steps: int, task: ir.Task) -> str:
     if ended.why is Exhaustion.TOO_FAR:
-        return f"every path has more changes of cell than the {task.steps + 1} samples allow"
+        return f"every path has more changes of cell than the {steps + 1} samples allow"
     if ended.why is Exhaustion.FORMULA and not ended.complete:
         return f"no path with at most {ended.changes} changes of cell satisfies the formula"
     if ended.why is Exhaustion.FORMULA:
-        return f"no path within the {task.steps + 1} samples satisfies the formula"
+        if task.at_most:
+            return "no path satisfies the formula, of any number of steps that was looked at"
+        return f"no path within the {steps + 1} samples satisfies the formula"
     return str(ended.why.value)

@@ -182,11 +182,14 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
         lines.append(f"         {p.module}.{p.name} = {shown} (symbol {p.symbol})")
     if change is not None:
         lines += change_lines(change)
+    steps = len(design.inputs)
+    if task.at_most:
+        lines.append(f"motion:  {float(steps * task.step):g} s, {steps_taken(steps, task)}")
     lines += _inputs(design, task)
     if robot_inputs(design.model):
         lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
     if design.loop is not None:
-        begins, ends = (float(k * task.step) for k in (design.loop.first, task.steps))
+        begins, ends = (float(k * task.step) for k in (design.loop.first, steps))
         winding = "".join(_winding(design.loop.turns or ()))
         again = f"from {begins:g} s to {ends:g} s again and again, for ever{winding}"
         lines.append(f"repeats: {again}")
@@ -201,6 +204,11 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
         gone = ", ".join(str(symbol) for symbol in design.model.removed)
         lines.append(f"removed: joints that move nothing (symbols {gone})")
     return lines
+
+
+def steps_taken(steps: int, task: ir.Task) -> str:
+    """How many steps a motion has, of those that a task allows."""
+    return f"{steps} of at most {counted(task.steps, 'step')}"
 
 
 def gap_text(gap: Fraction) -> str:
@@ -222,6 +230,11 @@ def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:
     yield f"bound:   {share_text(result.bound.share, result.bound.modules)}{shown}{ended}"
 
 
+def objectives_text(result: Synthesis) -> str:
+    """What is known of the objectives of a design, in words; "" without any."""
+    return "" if result.optimality is None else result.optimality.text
+
+
 def synthesis_text(
     result: Synthesis,
     task: ir.Task,
@@ -233,11 +246,14 @@ def synthesis_text(
 
     ``table`` is about all designs, ``change`` about what becomes of the existing robot.
     """
-    lines = [f"verdict: {result.verdict}" + (f" ({result.reason})" if result.reason else "")]
+    reason = result.reason or objectives_text(result)
+    lines = [f"verdict: {result.verdict}" + (f" ({reason})" if reason else "")]
     design = result.design
     if design is not None:
         lines += _design(design, task, change)
         lines += _bound(result, design, task)
+        if result.optimality is not None and result.ended and not table:
+            lines.append(f"ended:   {result.ended}")
     elif result.nearest is not None:
         lines += _nearest(result.nearest, task)
     refuted = sum(1 for r in result.records if r.verdict == "refuted")

@@ -11,6 +11,7 @@ from math import isfinite
 
 from grammar_lang.files.file_tree import visible
 from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.energy_used import ENERGY
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
 
@@ -77,7 +78,9 @@ def in_order(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition]:
 def _said(condition: CheckedCondition) -> str:
     """The margin of a condition, when and where it is, and that it is exact where it is."""
     parts = list[str]()
-    if isfinite(condition.margin):
+    if condition.name == ENERGY and isfinite(condition.most):
+        parts.append(f"{condition.least(6):.6g} to {condition.most:.6g} J")
+    elif isfinite(condition.margin):
         unit = "" if condition.unit == "1" else f" {condition.unit}"
         parts.append(f"margin {condition.least(6):.6g}{unit}")
     if condition.time is not None:

@@ -11,7 +11,7 @@ from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.diagnostics.render import marked_line
 from grammar_lang.source import Source
-from solvers.explanation.conflict import Conflict
+from solvers.explanation.conflict import Conflict, Conflicts
 from solvers.explanation.explanation import Explanation, foremost, quick_conflict
 from solvers.explanation.learnt_lines import Learnt, learnt
 from solvers.explanation.posed_task import PosedTask
@@ -180,22 +180,8 @@ def why_json(found: Explanation) -> str:
         "verdict": found.tried.verdict,
         "reason": found.tried.reason,
         "task": found.posed.task.name,
-        "lemmas": [
-            {
-                "says": lemma.says,
-                "condition": lemma.claim.condition,
-                "argument": lemma.claim.argument,
-                "lines": [_line(line, sources) for line in lemma.lines],
-            }
-            for lemma in found.tried.lemmas
-        ],
-        "conflicts": [
-            {
-                "lines": [_line(line, sources) for line in conflict.lines],
-                "robots": [list(word) for word in conflict.words],
-            }
-            for conflict in found.conflicts.found
-        ],
+        "lemmas": lemma_entries(found.posed, found.tried.lemmas),
+        "conflicts": conflict_entries(found.posed, found.conflicts),
         "unexplained": found.conflicts.left,
         "modules": None if found.bound is None else _line(found.bound, sources),
         "beyond": list(found.beyond),
@@ -212,6 +198,32 @@ def why_json(found: Explanation) -> str:
         "ended": found.ended,
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def lemma_entries(posed: PosedTask, lemmas: Sequence[Learnt]) -> list[dict[str, Any]]:
+    """What lemmas say, and the lines that they rest on."""
+    sources = posed.program.sources
+    return [
+        {
+            "says": lemma.says,
+            "condition": lemma.claim.condition,
+            "argument": lemma.claim.argument,
+            "lines": [_line(line, sources) for line in lemma.lines],
+        }
+        for lemma in lemmas
+    ]
+
+
+def conflict_entries(posed: PosedTask, conflicts: Conflicts) -> list[dict[str, Any]]:
+    """The conflicts, each with its lines and the robots that it rules out."""
+    sources = posed.program.sources
+    return [
+        {
+            "lines": [_line(line, sources) for line in conflict.lines],
+            "robots": [list(word) for word in conflict.words],
+        }
+        for conflict in conflicts.found
+    ]
 
 
 def _line(line: TaskLine, sources: Sequence[Source]) -> dict[str, Any]:

@@ -169,3 +169,63 @@ def test_in_many_examples(data: st.DataObject) -> None:
     formula = data.draw(formulas(seconds, 1, deep=8))
     holds_of_all(formula, seconds, (1,))
     holds_of_all(ir.Always(formula, ir.Window(Fraction(0), None)), seconds, (1,))
+
+
+# --- Motions that may end at several times --------------------------------------------------------
+
+
+def agrees_with_each_end(found: ir.Task) -> None:
+    """What any number of steps makes necessary is necessary for each number of them."""
+    each = [found.lasting(steps) for steps in range(1, found.steps + 1)]
+    visits = [set(task_visits(one)) for one in each]
+    assert set(task_visits(found)) == set.intersection(*visits)
+    for effector in (1, 2):
+        avoided = [set(task_avoidance(one, effector)) for one in each]
+        assert set(task_avoidance(found, effector)) == set.intersection(*avoided)
+
+
+@settings(max_examples=examples(60, 600), deadline=None)
+@given(st.data())
+def test_motions_of_any_number_of_steps(data: st.DataObject) -> None:
+    seconds = data.draw(st.integers(1, 3))
+    parts = data.draw(st.sampled_from([1, 2, 3]))
+    asked = data.draw(st.lists(formulas(seconds, 2, deep=6), min_size=1, max_size=2))
+    found = replace(
+        task("reach S;"), satisfy=tuple(map(ir.Satisfy, asked)), at_most=True,
+        step=Fraction(1, parts), steps=seconds * parts,
+    )  # fmt: skip
+    agrees_with_each_end(found)
+    agrees_with_each_end(replace(found, repeat=True))
+
+
+@settings(max_examples=examples(10, 40), deadline=None)
+@given(st.data())
+def test_every_signal_of_any_length(data: st.DataObject) -> None:
+    """Whatever its end, a signal that satisfies a formula does what is said to be necessary."""
+    formula = data.draw(formulas(2, 1, deep=5))
+    found = replace(
+        task("reach S;"), satisfy=(ir.Satisfy(formula),), at_most=True, step=SECOND, steps=2
+    )
+    kinds = [frozenset(kind) for kind in KINDS["disjoint"]]
+    for seconds in (1, 2):
+        for signal in signals(kinds, 4 * seconds + 1, (1,)):
+            if Meaning(signal, HALF, SECOND).holds(formula):
+                for place in task_visits(found):
+                    assert any(place.region in part[place.effector] for part in signal)
+                for region in task_avoidance(found, 1):
+                    assert not any(region in part[1] for part in signal)
+
+
+def test_the_end_of_a_window_may_lie_after_that_of_the_motion() -> None:
+    clauses = {
+        "satisfy always[4 s, 9 s] A by effector 1;": ("A1", "", ""),
+        "satisfy eventually[3 s, 4 s] A by effector 1;": ("A1", "A1", ""),
+        "satisfy last[3 s] not A by effector 1;": ("", "", ""),
+        "satisfy last[4 s] not A by effector 1;": ("", "", "A"),
+    }
+    for clause, (fixed, open_ended, avoided) in clauses.items():
+        found = task(clause)
+        assert found.steps * found.step == 4
+        shorter = replace(found, at_most=True)
+        assert (places(task_visits(found)), places(task_visits(shorter))) == (fixed, open_ended)
+        assert " ".join(task_avoidance(shorter, 1)) == avoided

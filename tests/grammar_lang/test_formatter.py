@@ -87,6 +87,8 @@ STATEMENTS = [
     ("task", "effort <= 10 N*m norm 2;"),
     ("task", "horizon 81 steps of 0.125 s;"),
     ("task", "horizon (80 + 1) steps of (1) s;"),
+    ("task", "horizon at most 81 steps of 0.125 s;"),
+    ("task", "horizon at most (80 + 1) steps of (1) s;"),
     ("task", "slack 1e-6;"),
     ("task", "gravity (0, -9.81) m/s^2;"),
     ("task", "modules <= 6;"),
@@ -101,6 +103,9 @@ STATEMENTS = [
     ("task", "control open loop;"),
     ("task", "control feedback;"),
     ("task", "repeat;"),
+    ("task", "minimize modules;"),
+    ("task", "minimize sum(price) within 5 % then modules;"),
+    ("task", "minimize mass within (2 + 3) * 2 % then sum(sum) within -k % then effort;"),
     ("task", "satisfy eventually[0 s, 5 s] (A or B by effector 2);"),
     ("task", "satisfy not (not A) and always (A implies next B) until last[1 s] C;"),
 ]  # fmt: skip
@@ -150,6 +155,10 @@ SQUEEZED = [
     ("task", "robust effort 5%;", "robust effort 5 %;"),
     ("task", "robust effort 5%of bound;", "robust effort 5 % of bound;"),
     ("task", "control open\n loop;", "control open loop;"),
+    ("task", "minimize sum (a)within 5%then mass;", "minimize sum(a) within 5 % then mass;"),
+    ("task", "minimize   time\nthen mass;", "minimize time then mass;"),
+    ("task", "horizon at  most\t3\nsteps of 2s;", "horizon at most 3 steps of 2 s;"),
+    ("task", "horizon at most(3)steps of(2)s;", "horizon at most (3) steps of (2) s;"),
 ]
 
 
@@ -348,6 +357,10 @@ COMMENTS = [
     ("edge a;\n// b\n\nmodule A { // c\n}", "edge a;\n// b\n\nmodule A {  // c\n}\n"),
     ("task T { reach /* a */ R /* b */ at rest; }",
      "task T {\n  reach /* a */ R /* b */ at rest;\n}\n"),
+    ("task T { horizon at /* a */ most 3 steps of 2 s; }",
+     "task T {\n  horizon at /* a */ most 3 steps of 2 s;\n}\n"),
+    ("task T { horizon at // a\nmost 3 steps of 2 s; }",
+     "task T {\n  horizon at  // a\n      most 3 steps of 2 s;\n}\n"),
     ("task T { start at (/* a */ 1 /* b */, /* c */ 2 /* d */); }",
      "task T {\n  start at (/* a */ 1 /* b */, /* c */ 2 /* d */);\n}\n"),
     ("workspace W { region R polytope { x <= 1; } /* a */ m; }",

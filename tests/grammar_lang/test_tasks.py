@@ -78,12 +78,22 @@ def test_clauses(task: Callable[..., ir.Task]) -> None:
         ir.Effort("revolute", Fraction(6), norm2=True),
     )
     horizon = task(horizon="horizon 3*27 steps of 10/81;")
-    assert (horizon.steps, horizon.step) == (81, Fraction(10, 81))
+    assert (horizon.steps, horizon.step, horizon.at_most) == (81, Fraction(10, 81), False)
     more = task(more="slack 1e-3; gravity (0, -981) cm/s^2; modules <= 5; bounds with body;")
     assert more.slack == Fraction(1, 1000)
     assert more.gravity == (Fraction(0), Fraction(-981, 100))
     assert more.modules == 5
     assert more.bounds_body
+
+
+def test_any_number_of_steps(task: Callable[..., ir.Task]) -> None:
+    short = task(horizon="horizon at most 2 + 1 steps of 250 ms;")
+    assert (short.steps, short.step, short.at_most) == (3, Fraction(1, 4), True)
+    assert short.fewest_steps == 1
+    fixed = short.lasting(2)
+    assert (fixed.steps, fixed.at_most, fixed.fewest_steps) == (2, False, 2)
+    stays = task(horizon="horizon at most 9 steps of 250 ms;", reach="reach T at rest for 1.1 s;")
+    assert stays.fewest_steps == 5
 
 
 @pytest.mark.parametrize(
@@ -111,6 +121,18 @@ def test_clauses(task: Callable[..., ir.Task]) -> None:
         ({"horizon": "horizon 1.5 steps of 1 s;"}, [("BAD_VALUE", "1.5")]),
         ({"horizon": "horizon 5 steps of 0 s;"}, [("BAD_VALUE", "0 s")]),
         ({"horizon": "horizon 5 steps of 1 m;"}, [("UNIT_MISMATCH", "1 m")]),
+        ({"horizon": "horizon at most 0 steps of 1 s;"}, [("BAD_VALUE", "0")]),
+        ({"horizon": "horizon at most 1.5 steps of 1 s;"}, [("BAD_VALUE", "1.5")]),
+        (
+            {"more": "horizon at most 5 steps of 1 s;"},
+            [("REPEATED_CLAUSE", "horizon at most 5 steps of 1 s;")],
+        ),
+        # An end must fit in the longest of motions.
+        ({"horizon": "horizon at most 5 steps of 1 s;", "reach": "reach T at rest for 5 s;"}, []),
+        (
+            {"horizon": "horizon at most 5 steps of 1 s;", "reach": "reach T at rest for 6 s;"},
+            [("BAD_VALUE", "6 s")],
+        ),
         ({"reach": "reach T by effector 0;"}, [("BAD_VALUE", "0")]),
         ({"start": "start in S rates <= 1 m/s;"}, [("UNIT_MISMATCH", "1 m/s")]),
         ({"start": "start in S rates <= -1;"}, [("BAD_VALUE", "-1")]),

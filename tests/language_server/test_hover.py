@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from grammar_lang.elaboration.typecheck import EMISSIONS
+from srgc.language_server.completions.call_forms import EMISSIONS as FORMS
 from srgc.language_server.completions.completion import EMISSION_SNIPPETS
-from srgc.language_server.completions.completion_names import EMISSIONS as FORMS
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.hovers.hover import hover, hover_number
 from srgc.language_server.hovers.production_physics import AddedPhysics, added_physics
@@ -92,6 +92,15 @@ def test_the_control_of_a_task(loop: str, means: str) -> None:
     analysis = analyse("untitled:x", f"{text[:place]} control {loop};{text[place:]}", {})
     assert f"- control: {loop}" in told(analysis, "task ", name)
     assert means in told(analysis, "control ", loop)
+
+
+def test_a_task_of_any_number_of_steps() -> None:
+    text = (ROOT / "specs" / "planar_arm.srg").read_text(encoding="utf-8")
+    name = text.partition("\ntask ")[2].partition(" ")[0]
+    text = text.replace("horizon 81 steps of 0.125 s", "horizon at most 60 steps of 0.05 s")
+    analysis = analyse("untitled:x", text, {})
+    assert "- horizon: at most 60 steps of 0.05 s, 3 s" in told(analysis, "task ", name)
+    assert "any number of steps" in told(analysis, "horizon at ", "most")
 
 
 def test_a_task_for_ever() -> None:

@@ -23,6 +23,7 @@ from solvers.explanation.change import (
 )
 from solvers.explanation.explanation import Asked, Tried, explain
 from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.relaxation import without
 from solvers.explanation.run import Runs
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, control_line, modules_line, task_lines
@@ -82,6 +83,49 @@ def test_an_effort_and_a_horizon_grow() -> None:
     assert horizon.at(Fraction(13)).posed.task.steps == 13
     long = posed(replaced(TURNER, "horizon 10", "horizon 201"))
     assert scale(long, "horizon").values[-1] == 302
+
+
+def test_changes_keep_that_a_motion_may_be_shorter() -> None:
+    asked = posed(replaced(TURNER, "horizon 10", "horizon at most 10"))
+    about = line(asked, "horizon")
+    assert about.says == "the motion ends after at most 10 steps"
+    assert line(posed(TURNER), "horizon").says == "the motion ends after 10 steps"
+    longer = scale(asked, "horizon").at(Fraction(13))
+    assert longer.says == "with at most 13 steps"
+    finer = with_shorter_steps(asked, about, 2)
+    assert finer.says == "with `horizon at most 20 steps of 0.1 s`"
+    relaxed = without(asked, [about]).task
+    for task in (longer.posed.task, finer.posed.task, relaxed):
+        assert task.at_most
+    assert relaxed.steps >= 1000 * 10
+
+
+def test_fewer_steps_are_no_change_where_they_do_the_task(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = list[str]()
+    monkeypatch.setattr(Runs, "run", lambda _, change: tried.append(change.says))
+    for most, fewer in (("", True), ("at most ", False)):
+        tried.clear()
+        asked = posed(replaced(TURNER, "horizon 10", f"horizon {most}10"))
+        runs = Runs(RunContext())
+        SuggestionSearch(asked, runs).otherwise(line(asked, "horizon"))
+        assert ("with 7 steps" in tried) == fewer
+        assert f"with `horizon {most}20 steps of 0.1 s`" in tried
+
+
+def test_runs_do_not_look_for_the_least_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = posed(
+        replaced(TURNER, "horizon 10", "minimize modules then time then mass; horizon at most 10")
+    )
+    kinds = list[str]()
+
+    def synthesised(_: object, task: ir.Task, __: object) -> object:
+        kinds.extend(each.kind for each in task.minimize)
+        raise OutOfTimeError
+
+    monkeypatch.setattr(run_module, "synthesise", synthesised)
+    with pytest.raises(OutOfTimeError):
+        Runs(RunContext()).run(scale(asked, "effort").at(Fraction(12)))
+    assert kinds == ["modules", "mass"]
 
 
 def test_bounds_grow_on_every_side() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers.verifier import verification
+from solvers.verifier import found_check
 from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.scene import Motion, Scene, Watch
@@ -167,7 +167,7 @@ def pair(
             proofs[motion] = prove_motion(scene, motion, watch, refute=refute)
         return proofs[motion]
 
-    monkeypatch.setattr(verification, "prove_motion", proved)
+    monkeypatch.setattr(found_check, "prove_motion", proved)
     found = result("pair")
     (found / "design.json").unlink()
     return found

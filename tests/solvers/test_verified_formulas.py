@@ -184,7 +184,7 @@ def test_robots_without_a_named_effector_are_refused(tmp_path: Path) -> None:
 
 def test_the_proof_itself_refuses_them_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Points of bodies follow the effectors in the robot's graph: one of them must not stand in."""
-    monkeypatch.setattr("solvers.verifier.verification.missing_effector", lambda *_: None)
+    monkeypatch.setattr("solvers.verifier.found_check.missing_effector", lambda *_: None)
     clauses = "satisfy eventually Half by effector 1 or A by effector 2;"
     report = judged(tmp_path / "out", clauses, by="by effector 1")
     assert report.outcome is Outcome.REFUTED

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import ast
 import inspect
+from collections.abc import Iterable
+from fractions import Fraction
+from functools import partial
 from itertools import product
 
 import pytest
@@ -11,9 +14,18 @@ from hypothesis import given, settings
 
 from grammar_lang import ir
 from solvers.verifier.refutations import word_coverage
-from solvers.verifier.refutations.word_coverage import listed, reader, within, word_left
+from solvers.verifier.refutations.word_coverage import (
+    Reader,
+    State,
+    listed,
+    reader,
+    weighing,
+    within,
+    word_left,
+)
 from tests.oracles import brute_force_grammar
 from tests.oracles.grammars import ALPHABET, TRAPS, accepts, grammar
+from tests.oracles.limits import asked_by
 from tests.oracles.some_cases import examples
 
 WORDS = [word for n in range(6) for word in product("ab", repeat=n)]
@@ -28,6 +40,54 @@ def test_readers_decide_conditions(condition: ir.Accept) -> None:
         for symbol in word:
             state = read.step(state, symbol)
         assert read.accepts(state) == brute_force_grammar.satisfies(condition, word)
+
+
+def _after(read: Reader, word: Iterable[str]) -> State:
+    state = read.first
+    for symbol in word:
+        state = read.step(state, symbol)
+    return state
+
+
+def check_settled(read: Reader) -> None:
+    """What is settled of a word is so of all that it begins."""
+    for word in WORDS:
+        settled = read.settled(_after(read, word))
+        if settled is not None:
+            longer = [w for w in WORDS if w[: len(word)] == word]
+            assert all(read.accepts(_after(read, w)) is settled for w in longer), word
+
+
+@settings(deadline=None, max_examples=examples(60, 300))
+@given(accepts(("a", "b")))
+def test_what_is_settled(condition: ir.Accept) -> None:
+    check_settled(reader(condition))
+
+
+def test_what_is_settled_of_lists_and_weights() -> None:
+    weights = {"a": Fraction(1, 3), "b": Fraction(0)}
+    readers = [
+        listed([("a",), ("a", "b", "a")]),
+        within(["a"], 2),
+        weighing(weights, Fraction(1), strict=True),
+        weighing(weights, Fraction(2, 3), strict=False),
+        weighing(weights, Fraction(0), strict=True),
+    ]
+    for read in readers:
+        check_settled(read)
+        assert any(read.settled(_after(read, word)) is False for word in WORDS)
+
+
+def test_words_that_no_condition_can_accept_any_more_cost_nothing() -> None:
+    """Sums of ten weights have millions of values; those of words that are asked for have few."""
+    symbols = tuple("abcdefghij")
+    made = grammar("N -> " + " | ".join([*symbols, *(f"N {x}" for x in symbols)]), symbols)
+    weights = {symbol: Fraction(1, n + 11) for n, symbol in enumerate(symbols)}
+    few = ir.Matches(ir.RSequence((ir.RSymbol("a"), ir.RRepeat(ir.RSymbol("b"), "*"))))
+    asked = [reader(few), weighing(weights, Fraction(3), strict=True)]
+    for covered, left in [(ir.StartsWith(("a",)), False), (ir.Count("b", "<=", 30), True)]:
+        stage = partial(word_left, made, asked, [reader(covered)])
+        assert asked_by(stage, 5000)[1] is left
 
 
 @pytest.mark.parametrize("name", TRAPS)

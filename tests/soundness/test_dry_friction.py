@@ -24,6 +24,7 @@ from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.certified_tube import certified_tube
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.spec_copy import claimed_task, read_claim
+from solvers.verifier.found_check import claimed_robot
 from solvers.verifier.proofs.checked_condition import decisive
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.sticking_field import sticking_field
@@ -31,7 +32,7 @@ from solvers.verifier.proofs.trajectory_proof import prove_motion, scene_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet
-from solvers.verifier.verification import Outcome, claimed_robot, verify_directory
+from solvers.verifier.verification import Outcome, verify_directory
 from tests.oracles import geared_arm, result_files
 from tests.oracles.command_line import quiet, synthesised
 from tests.oracles.planar_chain import chain_dynamics

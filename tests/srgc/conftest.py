@@ -11,6 +11,7 @@ import pytest
 
 from srgc.cli import run
 from tests.oracles.extended_arm import extended_arm
+from tests.oracles.priced_slides import priced_slides
 
 ROOT = Path(__file__).parents[2]
 
@@ -78,16 +79,20 @@ def spec(tmp_path: Path) -> Callable[[str | bytes], Path]:
     return write
 
 
+def _all_designs(place: Path, name: str, text: str) -> Path:
+    """A folder with a spec, with ``out`` of ``synth --all`` on it, and with what that printed."""
+    (place / name).write_text(text, encoding="utf-8")
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
+        assert run(["synth", str(place / name), "--all", "-o", str(place / "out")]) == 0
+    (place / "stdout").write_text(printed.getvalue(), encoding="utf-8")
+    return place
+
+
 @pytest.fixture(scope="session")
 def designs_made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """``out`` of ``synth --all`` on an arm that can be extended; beside it spec and stdout."""
-    place = tmp_path_factory.mktemp("all-designs")
-    (place / "arm.srg").write_text(extended_arm("[0.5, 1]"), encoding="utf-8")
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
-        assert run(["synth", str(place / "arm.srg"), "--all", "-o", str(place / "out")]) == 0
-    (place / "stdout").write_text(printed.getvalue(), encoding="utf-8")
-    return place
+    return _all_designs(tmp_path_factory.mktemp("all-designs"), "arm.srg", extended_arm("[0.5, 1]"))
 
 
 @pytest.fixture
@@ -95,4 +100,18 @@ def designs(designs_made: Path, tmp_path: Path) -> Path:
     """A fresh copy of that result folder."""
     target = tmp_path / "designs-made"
     shutil.copytree(designs_made / "out", target)
+    return target
+
+
+@pytest.fixture(scope="session")
+def priced_made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same of slides that are to be cheap, and then light."""
+    return _all_designs(tmp_path_factory.mktemp("priced"), "slides.srg", priced_slides())
+
+
+@pytest.fixture
+def priced(priced_made: Path, tmp_path: Path) -> Path:
+    """A fresh copy of that result folder."""
+    target = tmp_path / "priced-made"
+    shutil.copytree(priced_made / "out", target)
     return target

@@ -13,7 +13,13 @@ from pathlib import Path
 import pytest
 
 from solvers.search.search_state import StructureState
-from srgc.results.pareto_table import ParetoRow, judged
+from srgc.results.pareto_front import (
+    Figure,
+    ParetoRow,
+    judged,
+    rounded_figure,
+    whole_figure,
+)
 from tests.oracles import result_files
 from tests.oracles.extended_arm import extended_arm
 from tests.oracles.small_specs import TURNER, replaced
@@ -178,15 +184,17 @@ def test_impossible_has_no_table(srgc: Srgc, spec, tmp_path: Path) -> None:
     assert json.loads((tmp_path / "out" / "design.json").read_text())["all_designs"] is True
 
 
+def usual(modules: int, length: float, robustness: float) -> tuple[Figure, ...]:
+    return (
+        whole_figure(modules), rounded_figure(length), rounded_figure(robustness, large=True),
+    )  # fmt: skip
+
+
 def test_dominance_is_that_of_all_pairs() -> None:
     """Against the definition, on all points of a grid; equals do not dominate each other."""
     grid = list(product((4, 5), (1.0, 1.5, 2.0), (0.1, 0.2)))
-    blank = ParetoRow(0, ("B",), (), 0, 0.0, 0.0)
     points = [*grid, grid[0]]
-    rows = [
-        replace(blank, structure=i, modules=m, total_length=length, robustness=rho)
-        for i, (m, length, rho) in enumerate(points)
-    ]
+    rows = [ParetoRow(i, ("B",), (), usual(*point)) for i, point in enumerate(points)]
     for row, (m, length, rho) in zip(judged(rows), points, strict=True):
         better = [
             i
@@ -197,6 +205,6 @@ def test_dominance_is_that_of_all_pairs() -> None:
 
 
 def test_what_is_below_the_digits_shown_decides_nothing() -> None:
-    one = ParetoRow(0, ("B",), (), 4, 1.2384, 0.65661)
-    more = replace(one, structure=1, modules=5, robustness=0.65663)
+    one = ParetoRow(0, ("B",), (), usual(4, 1.2384, 0.65661))
+    more = replace(one, structure=1, figures=usual(5, 1.2384, 0.65663))
     assert [row.dominated_by for row in judged([one, more])] == [None, 0]

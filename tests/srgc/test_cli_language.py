@@ -259,11 +259,11 @@ def test_different_words(srgc, file_of):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["Pairs"], "SECOND"),
-        ([], "FIRST"),
+        (["Pairs"], "name both"),
+        ([], "GRAMMAR"),
         (["Pairs", "Wrong"], "`Wrong`"),
         (["Pairs", "Sums", "--max-length", "-1"], "--max-length"),
-        (["Pairs", "Sums", "Right"], "Right"),
+        (["Pairs", "Sums", "Right"], "name both"),
     ],
 )
 def test_a_comparison_that_cannot_be(srgc, file_of, arguments, word):

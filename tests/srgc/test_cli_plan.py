@@ -224,3 +224,50 @@ def test_effectors_on_bodies_keep_out_of_what_bodies_avoid(
     ran = srgc("plan", spec)
     assert (ran.status, ran.err) == (0, "")
     assert any(line.startswith("Mud") for line in ran.out.splitlines()) is through
+
+
+def test_motions_that_end_at_several_times(srgc: Srgc, spec: Spec) -> None:
+    """Back in S from 3 s on is no demand on a motion of two seconds; A is out of reach by then."""
+    clauses = "start in S; satisfy eventually A; satisfy always[3 s, 4 s] C;"
+    for horizon, steps in [("4 steps of 1 s", None), ("at most 4 steps of 1 s", "2 steps:")]:
+        ran = srgc("plan", spec(written(clauses, REGIONS, horizon=horizon)))
+        if steps is None:
+            assert (ran.status, ran.out.splitlines()[0]) == (
+                3, "no path: no path within the 5 samples satisfies the formula"
+            )  # fmt: skip
+            continue
+        first, *rest = ran.out.splitlines()
+        assert (ran.status, first) == (0, steps)
+        assert lines("\n".join(rest))[-1][1] <= 2
+
+
+def test_a_number_of_steps_that_is_no_part_of_the_horizon(srgc: Srgc, spec: Spec) -> None:
+    """In A at the end after 2 s, and from 4 s on in S: of 8 steps at most, only 3 will do."""
+    clauses = "start in S; satisfy last[0 s] A; satisfy always[4 s, 9 s] S; "
+    clauses += "satisfy always[0 s, 2 s] not A;"
+    ran = srgc("plan", spec(written(clauses, REGIONS, horizon="at most 8 steps of 1 s")))
+    assert (ran.status, ran.out.splitlines()[0]) == (0, "3 steps:")
+
+
+def test_that_some_ends_have_no_plan_refutes_nothing(srgc: Srgc, spec: Spec) -> None:
+    clauses = "start in S; satisfy always not S;"
+    ran = srgc("plan", spec(written(clauses, REGIONS, horizon="at most 8 steps of 1 s")))
+    assert ran.status == 4
+    assert "no path satisfies the formula, of any number of steps that was looked at" in ran.out
+    dumped = srgc("plan", spec(written(clauses, REGIONS, horizon="at most 8 steps of 1 s")),
+                  "--dump", "smt2")  # fmt: skip
+    assert dumped.status == 2
+    assert "no single problem" in dumped.err
+
+
+def test_without_formulas_the_longest_motion_has_all_plans(srgc: Srgc, spec: Spec) -> None:
+    plain = written("start in S; reach A;", REGIONS, horizon="8 steps of 1 s")
+    most = written("start in S; reach A;", REGIONS, horizon="at most 8 steps of 1 s")
+    assert srgc("plan", spec(plain)).out == srgc("plan", spec(most)).out
+    few = written("start in S; reach C;", REGIONS, horizon="at most 1 steps of 1 s")
+    ran = srgc("plan", spec(few))
+    assert (ran.status, ran.out) == (
+        3, "no path: every path has more changes of cell than the 2 samples allow\n"
+    )  # fmt: skip
+    dumps = [srgc("plan", spec(text), "--dump", "smt2").out for text in (plain, most)]
+    assert dumps[0] == dumps[1]

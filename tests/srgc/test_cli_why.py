@@ -15,6 +15,7 @@ import pytest
 from srgc.cli import run
 from tests.oracles import result_files
 from tests.oracles.extended_arm import best_robustness
+from tests.oracles.priced_slides import KINDS, priced_slides, word
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 from tests.srgc.conftest import Ran
 
@@ -308,3 +309,86 @@ def test_a_bound_below_every_robot_is_named(srgc, spec, tmp_path):
     ran = srgc("why", tmp_path / "out", "-q", "--no-runs")
     assert ran.status == 0
     assert f"Longer robots are ruled out by the bound, as {word}" in ran.out
+
+
+# --- A design of a task that says what is to be least ---------------------------------------------
+
+
+def test_what_the_next_cheaper_robot_lacks(srgc: Srgc, priced: Path) -> None:
+    """The one that is cheaper is too heavy for the force, in that time; there is no other one."""
+    found = explained(srgc, priced)
+    assert (found["verdict"], found["objective"], found["value"]) == ("found", "sum(price)", 10)
+    assert found["refuted"] == [{"word": word("Block").split(), "value": KINDS["Block"][1]}]
+    (conflict,) = found["conflicts"]
+    assert {line["kind"] for line in conflict["lines"]} == {"start", "reach", "effort", "horizon"}
+    assert conflict["robots"] == [word("Block").split()]
+    assert (found["undecided"], found["found"], found["unexplained"]) == ([], [], 0)
+    ran = srgc("why", priced)
+    assert ran.status == 0
+    assert ran.out.startswith("verdict: found (price 10)\n\nNearest below the design, and refuted:")
+    assert "rule out the robot Base e Block e Hand:" in ran.out
+
+
+@pytest.fixture
+def lighter(srgc: Srgc, spec: Callable[[str], Path], tmp_path: Path) -> Path:
+    """A light slide instead of the cheapest that is found."""
+    text = priced_slides("minimize sum(price) within 250 % then mass;")
+    assert srgc("synth", spec(text), "-o", tmp_path / "out", "--quiet").status == 0
+    return tmp_path / "out"
+
+
+def test_a_cheaper_robot_that_was_found(srgc: Srgc, lighter: Path) -> None:
+    assert result_files.read(lighter, "design.json")["word"] == word("Light").split()
+    found = explained(srgc, lighter)
+    assert found["value"] == KINDS["Light"][1]
+    assert [one["word"] for one in found["refuted"]] == [word("Block").split()]
+    assert found["found"] == [{"word": word("Heavy").split(), "value": KINDS["Heavy"][1]}]
+    assert "Found, but with more of what comes behind:\n  Base e Heavy e Hand, price 10" in (
+        srgc("why", lighter).out
+    )
+
+
+def test_undecided_robots_are_named_with_their_reason(srgc: Srgc, priced: Path) -> None:
+    """What the folder says of them, whatever that is."""
+    design = result_files.read(priced, "design.json")
+    (block,) = [one for one in design["structures_tried"] if "Block" in one["word"]]
+    block |= {"verdict": "unresolved", "reason": "no motion was found", "boxes": None}
+    (priced / "design.json").write_text(json.dumps(design), encoding="utf-8")
+    found = explained(srgc, priced)
+    assert (found["refuted"], found["conflicts"]) == ([], [])
+    (one,) = found["undecided"]
+    assert (one["word"], one["value"], one["reason"]) == (
+        word("Block").split(), 5, "no motion was found",
+    )  # fmt: skip
+    ran = srgc("why", priced)
+    assert "No robot with less price is refuted." in ran.out
+    assert "  Base e Block e Hand, price 5\n    no motion was found" in ran.out
+
+
+def test_a_lemma_says_what_it_lacks(srgc: Srgc, made: Callable[[str], Path]) -> None:
+    """By hand: 174 is the largest sum below 177, of two servos and two stubs."""
+    found = explained(srgc, made("cheapest_arm") / "out")
+    (one,) = found["refuted"]
+    assert one["value"] == 2 * 48 + 2 * 9 + 60
+    (lemma,) = found["lemmas"]
+    assert lemma["argument"] == "too far"
+    assert [line["kind"] for line in lemma["lines"]] == ["reach"]
+    assert found["conflicts"] == []
+
+
+def test_nothing_is_less_than_the_least_of_a_family(
+    srgc: Srgc, spec: Callable[[str], Path], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    text = priced_slides("minimize mass;")
+    assert srgc("synth", spec(text), "-o", out, "--quiet").status == 0
+    assert "There is no robot with less mass in the family." in srgc("why", out).out
+
+
+def test_of_motions_there_is_nothing_to_explain(
+    srgc: Srgc, spec: Callable[[str], Path], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    text = priced_slides("minimize effort;")
+    assert srgc("synth", spec(text), "-o", out, "--quiet").status == 0
+    assert "nothing to explain" in srgc("why", out).out

@@ -86,6 +86,7 @@ def test_specs(complete, place):
 def test_result_folders(complete, place):
     assert complete("verify", "") == ["out/cut", "out/demo"]
     assert complete("why", "out/d") == ["out/demo"]
+    assert complete("compare", "out/demo", "") == ["out/cut", "out/demo"]
     assert complete("verify", "specs/") == ["specs/"]
 
 

@@ -25,6 +25,7 @@ COMMANDS = {
     "report": ("report", "DIR", "-q", "--no-verify"),
     "landscape": ("landscape", "DIR", "-q", "--points", "2"),
     "why": ("why", "DIR", "-q"),
+    "compare": ("compare", "DIR", "DIR"),
     "export": ("export", "DIR", "--to", "csv", "-o", "ELSEWHERE"),
     "replay": ("replay", "DIR", "--in", "python"),
 }

@@ -112,12 +112,15 @@ task Turn {
     0) m within 1 rates <= 2; payload 2 kg; payload (1 + 1) kg by effector 1;
   carry 2 kg from A to B; carry (1 + 1) kg from from to to by effector 1 rates <= 0.1 rad/s;
   carry 1 from to to from rates <= 2;
+  minimize modules; minimize sum ( then ) within 5 % then sum(within) within (1 + a) * 2 % /* then
+    */ then effort then within within within % then mass then time;
   avoid with, with with body, margin 2 cm;
   avoid O with effector margin (1 + 2) cm;
   avoid self with body; avoid self with body, except except except, margin Tube;
   avoid self, O with body margin 2 mm except Tube Tube;
   effort <= 10 N*m norm 2;
-  horizon 40 steps of 50 ms; gravity (0, -9.81) m/s^2; modules <= 6; bounds with body; slack 1e-6;
+  horizon 40 steps of 50 ms; horizon at /* */ most (2 + 1) steps of 2;
+  gravity (0, -9.81) m/s^2; modules <= 6; bounds with body; slack 1e-6;
   from fixed eps '[' fixed L.length = 2 m, L2.fixed = 3 m;
   satisfy until until not (always until)
     implies eventually[0 s, 5 s] m by effector 2 and last[2 s] s or next R;

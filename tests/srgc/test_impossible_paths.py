@@ -63,6 +63,7 @@ FOLDERS: dict[str, list[str]] = {
     "verify --json": [],
     "why --no-runs": [],
     "report --no-verify": [],
+    "compare found": [],
     "landscape": [],
     "export": ["--to", "urdf"],
     "replay": ["--in", "python"],

@@ -25,6 +25,7 @@ RUNS = [
     "graph none --of lemmas",
     "report out --quiet",
     "report none -o written/none.html --quiet",
+    "compare out none",
     "landscape out --points 2 --jobs 2 --quiet",
     "why none --no-runs --quiet",
     "words turner.srg --limit 3",

@@ -393,6 +393,34 @@ def test_all_designs(designs):
     assert all(one.verdict == "found" and one.verify().valid for one in result.designs[:2])
 
 
+def test_objectives(priced):
+    """Of the cheapest slide and the next one; the value of a design alone is all that it claims."""
+    result = srgc.open_result(priced)
+    price, mass = result.objectives
+    assert (price.objective, price.value, price.least, price.unit) == ("sum(price)", 10, 10, "")
+    assert (mass.objective, mass.value, mass.least, mass.unit) == ("mass", 4, 4, "kg")
+    assert (price.undecided, price.all_tried, price.is_least, price.gap) == (0, True, True, 0)
+    shown = str(result)
+    assert "10; no robot has less" in shown
+    assert "4 kg; no robot within what the objectives before it leave has less" in shown
+    light = next(one for one in result.designs if "Light" in one.word)
+    assert [(each.value, each.least) for each in light.objectives] == [(30, 0), (2, 0)]
+    assert "30; nothing is proved of other robots" in str(light)
+
+
+def test_without_minimize_there_are_no_objectives(turned):
+    assert turned.objectives == ()
+
+
+@pytest.mark.parametrize("entry", [1, {}, {"objective": "mass", "value": "2"}])
+def test_altered_objectives(entry, priced):
+    design = json.loads((priced / "design.json").read_text(encoding="utf-8"))
+    design["objectives"] = [entry]
+    (priced / "design.json").write_text(json.dumps(design), encoding="utf-8")
+    with pytest.raises(srgc.SrgcError, match="not what `srgc synth` writes"):
+        _ = srgc.open_result(priced).objectives
+
+
 def test_an_impossible_result(made):
     result = srgc.open_result(made("beyond_reach") / "out")
     assert (result.verdict, result.word, result.robustness) == ("impossible", None, None)

@@ -46,7 +46,9 @@ def test_nothing_but_click_and_the_table(bare, arguments):
     assert "importlib.metadata" not in loaded(arguments, bare)
 
 
-@pytest.mark.parametrize("name", ["check", "synth", "verify", "words", "landscape", "export"])
+@pytest.mark.parametrize(
+    "name", ["check", "synth", "verify", "words", "landscape", "export", "compare"]
+)
 def test_the_help_of_a_command_loads_its_options_alone(bare, name):
     found = loaded([name, "--help"], bare)
     heavy = {n.partition(".")[0] for n in found} & {

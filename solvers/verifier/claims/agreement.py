@@ -8,6 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from compiler.objectives.objective_text import objective_unit
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import reconfiguration
 from compiler.robots.robot import RobotModel
@@ -23,6 +24,7 @@ from solvers.verifier.claims.certificate import (
     control_of,
     exact,
 )
+from solvers.verifier.claims.objective_claims import ObjectivesClaim, objective_entries
 from solvers.verifier.claims.spec_copy import bounded_bytes
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 
@@ -62,19 +64,45 @@ def disagreement(
         return "design.json is no JSON object"
     expected = _expected(claim, model) | {"cells": cells.describe()}
     expected["reconfiguration"] = _reconfiguration(claim, program, task)
-    if isinstance(claim, FoundClaim) and "control" in design:
-        expected["control"] = control_of(claim)
-    if isinstance(claim, FoundClaim) and (claim.loop is not None or "loop" in design):
-        expected["loop"] = None if claim.loop is None else claim.loop.first
-    if isinstance(claim, FoundClaim) and (claim.bound is not None or "bound" in design):
-        share = design.get("robustness_share")
-        expected["bound"] = None if claim.bound is None else bound_entry(claim.bound, share)
+    if isinstance(claim, FoundClaim):
+        expected |= _further(claim, design, task)
+        design["objectives"] = _without_counts(design.get("objectives"))
     for key, value in expected.items():
         if not _says(design.get(key), value):
             return f"design.json and certificate.json differ in `{key}`"
     if isinstance(claim, ImpossibleClaim) and not _says(_tried(design), _claimed(claim)):
         return "design.json and certificate.json differ in `structures_tried`"
     return None
+
+
+def _further(claim: FoundClaim, design: Mapping[str, Any], task: ir.Task) -> dict[str, Any]:
+    """What a claim determines of fields that not every ``design.json`` has."""
+    found: dict[str, Any] = {}
+    if "control" in design:
+        found["control"] = control_of(claim)
+    if claim.loop is not None or "loop" in design:
+        found["loop"] = None if claim.loop is None else claim.loop.first
+    if claim.bound is not None or "bound" in design:
+        share = design.get("robustness_share")
+        found["bound"] = None if claim.bound is None else bound_entry(claim.bound, share)
+    if claim.objectives is not None or "objectives" in design:
+        found["objectives"] = _objectives(claim.objectives, task)
+    return found
+
+
+def _objectives(claim: ObjectivesClaim | None, task: ir.Task) -> list[dict[str, Any]] | None:
+    """What ``design.json`` says of the objectives that a claim states."""
+    if claim is None:
+        return None
+    return objective_entries(claim.values, [objective_unit(each) for each in task.minimize])
+
+
+def _without_counts(stated: object) -> object:
+    """What it says without how many robots are undecided, which no certificate claims."""
+    if not isinstance(stated, list) or not all(isinstance(each, dict) for each in stated):
+        return stated
+    counts = ("undecided", "all_tried")
+    return [{k: value for k, value in each.items() if k not in counts} for each in stated]
 
 
 def _says(stated: object, meant: object) -> bool:

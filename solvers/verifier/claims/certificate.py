@@ -36,6 +36,7 @@ from solvers.verifier.claims.lemma_claims import (
     VariantClaim,
     WeightsClaim,
 )
+from solvers.verifier.claims.objective_claims import ObjectivesClaim
 from solvers.verifier.claims.structure_claims import StructureClaim, structure_claims
 
 FORMAT, WITH_CLAIMS = 3, 4
@@ -103,6 +104,12 @@ class FoundClaim:
     def bound(self) -> BoundClaim | None:
         """What no robot of the family exceeds; None where nothing is claimed."""
         found = [claim for claim in self.claims if isinstance(claim, BoundClaim)]
+        return found[0] if found else None
+
+    @property
+    def objectives(self) -> ObjectivesClaim | None:
+        """What it has of the objectives of its task; None where nothing is claimed."""
+        found = [claim for claim in self.claims if isinstance(claim, ObjectivesClaim)]
         return found[0] if found else None
 
 
@@ -364,8 +371,8 @@ def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
         number(fields["modules"])
     fields["separation"] = _separation(fields["separation"])
     fields["claims"] = further_claims(fields["claims"])
-    if any(isinstance(claim, BoundClaim) for claim in fields["claims"]):
-        raise ValueError("a bound is claimed of a task that no robot does")
+    if any(isinstance(claim, BoundClaim | ObjectivesClaim) for claim in fields["claims"]):
+        raise ValueError("bounds or objectives are claimed of a task that no robot does")
     return ImpossibleClaim(**fields)
 
 

@@ -1,4 +1,4 @@
-"""What a certificate of format 4 claims besides: a controller, a loop, lemmas, a bound, others."""
+"""What a certificate of format 4 claims besides: controllers, loops, lemmas, bounds, objectives."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from compiler.expressions.exact_numbers import exact_number
 from solvers.verifier.claims.bound_claims import BoundClaim, bound_claim
 from solvers.verifier.claims.json_fields import number, objects, rows, text, texts
 from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
+from solvers.verifier.claims.objective_claims import ObjectivesClaim, objectives_claim
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
 from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.loop_set import Loop
@@ -83,7 +84,9 @@ def exact_loop(claim: LoopClaim) -> Loop:
     )
 
 
-FurtherClaim: TypeAlias = ControllerClaim | LoopClaim | LemmaClaim | BoundClaim | UnknownClaim
+FurtherClaim: TypeAlias = (
+    ControllerClaim | LoopClaim | LemmaClaim | BoundClaim | ObjectivesClaim | UnknownClaim
+)
 
 
 def further_claims(items: object) -> tuple[FurtherClaim, ...]:
@@ -105,9 +108,11 @@ def further_claims(items: object) -> tuple[FurtherClaim, ...]:
                 found.append(lemma_claim(item))
             case "bound":
                 found.append(bound_claim(item))
+            case "objectives":
+                found.append(objectives_claim(item))
             case kind:
                 found.append(UnknownClaim(kind, item))
-    for kind in ("controller", "loop", "bound"):
+    for kind in ("controller", "loop", "bound", "objectives"):
         if sum(claim.kind == kind for claim in found) > 1:
             raise ValueError(f"more than one {kind} is claimed")
     return tuple(found)

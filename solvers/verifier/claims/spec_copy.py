@@ -137,12 +137,17 @@ def difference(files: Mapping[str, bytes], others: Mapping[str, bytes]) -> str |
 
 @dataclass(frozen=True, slots=True)
 class ClaimedTask:
-    """A claim with the program and the task that it is about; ``cells`` are cut as it says."""
+    """A claim with the program and the task that it is about; ``cells`` are cut as it says.
+
+    ``task`` is that of the motion that a robot is claimed with, of its number of steps; ``asked``
+    is the task as it is stated.
+    """
 
     claim: Claim
     program: ir.Program
     task: ir.Task
     cells: Abstraction
+    asked: ir.Task
 
 
 def read_claim(folder: Path) -> Claim:
@@ -177,9 +182,24 @@ def claimed_task(folder: Path, claim: Claim, spec: Path | None = None) -> Claime
     except MapFault as fault:
         raise Refused(f"the spec has errors: {fault.message}") from None
     cells = _cells(program.workspaces[task.workspace])
+    asked = task
     if isinstance(claim, FoundClaim):
-        cells = _cut(cells, claim)
-    return ClaimedTask(claim, program, task, cells)
+        cells, task = _cut(cells, claim), task_of_motion(claim, asked)
+    return ClaimedTask(claim, program, task, cells, asked)
+
+
+def task_of_motion(claim: FoundClaim, task: ir.Task) -> ir.Task:
+    """The task of motions of as many steps as a claim has, where the task leaves their number open.
+
+    Raises:
+        Refused: they are too many, or none.
+    """
+    if not task.at_most:
+        return task
+    if not task.fewest_steps <= claim.steps <= task.steps:
+        allowed = f"{task.fewest_steps} to {task.steps}"
+        raise Refused(f"the motion has {claim.steps} steps, and {allowed} are allowed")
+    return task.lasting(claim.steps)
 
 
 def _spec_of(folder: Path, claim: Claim, other: Path | None) -> ir.Program:

@@ -43,7 +43,7 @@ class StateLimit:
 
     def polynomials(self, segment: TubeSegment) -> Sequence[Coefficients]:
         """What is limited as polynomials of time during a segment, with ball coefficients."""
-        return [_sum(row, segment.states) for row in self.sums(len(segment.states))]
+        return [weighted_sum(row, segment.states) for row in self.sums(len(segment.states))]
 
     def gap(self, state: Sequence[arb]) -> arb:
         """The distance to the nearer end, for a state given as balls."""
@@ -89,7 +89,7 @@ class AccelerationLimit(StateLimit):
 
     def polynomials(self, segment: TubeSegment) -> Sequence[Coefficients]:
         """The acceleration."""
-        return [_sum(self.weights, segment.accelerations)]
+        return [weighted_sum(self.weights, segment.accelerations)]
 
     def gap_in(self, spread: Spread, time: arb) -> arb:
         """Nothing more than what the segment says."""
@@ -97,7 +97,7 @@ class AccelerationLimit(StateLimit):
         return arb("-inf")
 
 
-def _sum(weights: Sequence[int], parts: Sequence[Coefficients]) -> Coefficients:
+def weighted_sum(weights: Sequence[int], parts: Sequence[Coefficients]) -> Coefficients:
     """A weighted sum of polynomials."""
     pairs = [(w, x) for w, x in zip(weights, parts, strict=True) if w]
     length = max((len(x) for _, x in pairs), default=0)

@@ -29,6 +29,7 @@ from solvers.verifier.proofs.defined import Defined
 from solvers.verifier.proofs.enclosure import Accuracy, EnclosureFailure, TubeSegment, tube
 from solvers.verifier.proofs.end_conditions import EndConditions
 from solvers.verifier.proofs.endless_conditions import endless_conditions, reached_some_time
+from solvers.verifier.proofs.energy_used import EnergyUsed
 from solvers.verifier.proofs.formula_proof import FormulaProof
 from solvers.verifier.proofs.instant_conditions import (
     acceleration_limits,
@@ -169,6 +170,7 @@ class Followed:
     reached: list[Zonotope] = field(default_factory=list[Zonotope])
     time: float = 0.0
     ended: str = ""
+    energy: EnergyUsed | None = None
 
     @property
     def fails(self) -> bool:
@@ -193,6 +195,7 @@ class Followed:
         else:
             found += self.end.conditions(self.robot.point_map, self.samples[-1], self.reached[-1])
         found += self.carried.conditions(self.robot.point_map, self.samples)
+        found += [] if self.energy is None else [self.energy.condition()]
         found += [self.satisfied(*each) for each in enumerate(task.satisfy)]
         return found
 
@@ -247,6 +250,7 @@ def follow(
         EndConditions(scene, robot.motion.effector),
         TransferConditions(scene, robot.motion),
         [],
+        energy=EnergyUsed.of(scene),
     )
     ends: dict[int, Sequence[arb]] = {0: box_of(initial)}
     try:
@@ -304,6 +308,10 @@ def _check(found: Followed, segment: TubeSegment) -> None:
     found.formulas.add(segment, inputs)
     if found.defined.is_needed:
         found.defined.check(segment, inputs)
+    if found.energy is not None:
+        # What a law holds is in the states, and added to what is in force besides.
+        held = [arb(0)] * len(inputs) if robot.law is None else segment.commanded
+        found.energy.add(segment, [a + b for a, b in zip(held, inputs, strict=True)])
     found.time = float((segment.start + segment.length).mid())
     if robot.law is not None and segment.number == len(found.commanded):
         found.commanded.append(segment.commanded)

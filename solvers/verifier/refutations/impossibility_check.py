@@ -71,7 +71,7 @@ def check_impossible(
             for number, lemma in enumerate(claim.lemmas, 1)
         ]
         due = _due(claim, family, task, [lemma.condition for lemma in lemmas])
-        proved = _structures(evidence, claim, due, watch)
+        proved = refuted_structures(evidence, claim, due, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         return str(error)
     proved += [lemma.by_boxes for lemma in lemmas if lemma.by_boxes is not None]
@@ -120,13 +120,14 @@ def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
     return len(family.language.count_words()) - 1
 
 
-def _structures(
-    evidence: Evidence,
-    claim: ImpossibleClaim,
-    due: Iterator[Candidate],
-    watch: Watch,
+def refuted_structures(
+    evidence: Evidence, claim: ImpossibleClaim, due: Iterator[Candidate], watch: Watch
 ) -> list[bool]:
-    """For each structure whether it is refuted by boxes."""
+    """For each structure of a claim whether it is refuted by boxes; they are those that are due.
+
+    Raises:
+        FalseClaim: they are others, or one has no evidence that refutes it.
+    """
     listed = _Listed(evidence, claim, due)
     proved: list[bool] = []
 

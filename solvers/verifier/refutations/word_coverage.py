@@ -8,8 +8,9 @@ demand, not minimal automata; one table of what each nonterminal derives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TypeAlias, assert_never
 
 from compiler.time_limits.time_limit import check_time
@@ -20,11 +21,15 @@ State: TypeAlias = Hashable
 
 @dataclass(frozen=True, slots=True)
 class Reader:
-    """Reads words symbol by symbol: the first state, the next one, and whether one accepts."""
+    """Reads words symbol by symbol: the first state, the next one, and whether one accepts.
+
+    ``settled``: what becomes of all words that lead on from a state; None where that may differ.
+    """
 
     first: State
     step: Callable[[State, str], State]
     accepts: Callable[[State], bool]
+    settled: Callable[[State], bool | None] = lambda _: None
 
 
 def reader(condition: ir.Accept) -> Reader:
@@ -41,12 +46,11 @@ def reader(condition: ir.Accept) -> Reader:
         case ir.Matches(regex):
             return _matching(regex)
         case ir.NotAccept(part):
-            inner = reader(part)
-            return Reader(inner.first, inner.step, lambda state: not inner.accepts(state))
+            return _opposite(reader(part))
         case ir.AllOf(parts):
-            return _together([reader(part) for part in parts], all)
+            return _together([reader(part) for part in parts], every=True)
         case ir.AnyOf(parts):
-            return _together([reader(part) for part in parts], any)
+            return _together([reader(part) for part in parts], every=False)
         case _:
             assert_never(condition)
 
@@ -61,7 +65,10 @@ def _with_factor(word: Sequence[str], *, kept: bool) -> Reader:
         read = (*_tuple(state), symbol)
         return next(read[i:] for i in range(len(read) + 1) if whole[: len(read) - i] == read[i:])
 
-    return Reader((), step, lambda state: state == whole)
+    def settled(state: State) -> bool | None:
+        return True if kept and state == whole else None
+
+    return Reader((), step, lambda state: state == whole, settled)
 
 
 def _with_prefix(word: Sequence[str]) -> Reader:
@@ -73,7 +80,10 @@ def _with_prefix(word: Sequence[str]) -> Reader:
         read = (*_tuple(state), symbol)
         return read if whole[: len(read)] == read else None
 
-    return Reader((), step, lambda state: state == whole)
+    def settled(state: State) -> bool | None:
+        return state == whole if state == whole or state is None else None
+
+    return Reader((), step, lambda state: state == whole, settled)
 
 
 def _tuple(state: State) -> tuple[str, ...]:
@@ -98,21 +108,41 @@ def _counting(counted: Callable[[str], bool], comparison: ir.Comparison, bound: 
             case "==":
                 return count == bound
 
-    return Reader(0, step, accepts)
+    def settled(state: State) -> bool | None:
+        return accepts(state) if _number(state) > bound else None
+
+    return Reader(0, step, accepts, settled)
 
 
 def _number(state: State) -> int:
     return state if isinstance(state, int) else 0
 
 
-def _together(parts: Sequence[Reader], whether: Callable[[Iterable[bool]], bool]) -> Reader:
+def _opposite(inner: Reader) -> Reader:
+    def settled(state: State) -> bool | None:
+        known = inner.settled(state)
+        return None if known is None else not known
+
+    return Reader(inner.first, inner.step, lambda state: not inner.accepts(state), settled)
+
+
+def _together(parts: Sequence[Reader], *, every: bool) -> Reader:
+    """The reader of what all of some accept; not ``every``: any of them."""
+    whether = all if every else any
+
     def step(state: State, symbol: str) -> State:
         return tuple(part.step(s, symbol) for part, s in zip(parts, _states(state), strict=True))
 
     def accepts(state: State) -> bool:
         return whether(part.accepts(s) for part, s in zip(parts, _states(state), strict=True))
 
-    return Reader(tuple(part.first for part in parts), step, accepts)
+    def settled(state: State) -> bool | None:
+        known = [part.settled(s) for part, s in zip(parts, _states(state), strict=True)]
+        if (not every) in known:
+            return not every
+        return None if None in known else every
+
+    return Reader(tuple(part.first for part in parts), step, accepts, settled)
 
 
 def _states(state: State) -> tuple[State, ...]:
@@ -182,7 +212,10 @@ def _matching(regex: ir.Regex) -> Reader:
         reached = (p for at in _set(state) for p in positions.follow[at])
         return frozenset(p for p in reached if positions.symbols[p] == symbol)
 
-    return Reader(frozenset((0,)), step, lambda state: not final.isdisjoint(_set(state)))
+    def settled(state: State) -> bool | None:
+        return None if _set(state) else False
+
+    return Reader(frozenset((0,)), step, lambda state: not final.isdisjoint(_set(state)), settled)
 
 
 def _set(state: State) -> frozenset[int]:
@@ -208,13 +241,34 @@ def listed(words: Iterable[Sequence[str]]) -> Reader:
     def step(state: State, symbol: str) -> State:
         return tree[state].get(symbol) if isinstance(state, int) else None
 
-    return Reader(0, step, lambda state: state in ends)
+    return Reader(0, step, lambda state: state in ends, _lost)
 
 
 def within(modules: Iterable[str], bound: int) -> Reader:
     """The reader of the words with at most so many modules."""
     counted = frozenset(modules)
     return _counting(counted.__contains__, "<=", bound)
+
+
+def weighing(weights: Mapping[str, Fraction], bound: Fraction, *, strict: bool) -> Reader:
+    """The reader of the words whose symbols weigh at most ``bound`` together; ``strict``: less.
+
+    A state is the weight of what was read, None once it is too much; none is negative.
+    """
+
+    def kept(weight: Fraction) -> Fraction | None:
+        return weight if weight < bound or (weight == bound and not strict) else None
+
+    def step(state: State, symbol: str) -> State:
+        if not isinstance(state, Fraction):
+            return None
+        return kept(state + weights.get(symbol, Fraction(0)))
+
+    return Reader(kept(Fraction(0)), step, lambda state: state is not None, _lost)
+
+
+def _lost(state: State) -> bool | None:
+    return False if state is None else None
 
 
 def word_left(grammar: ir.Grammar, asked: Sequence[Reader], covered: Sequence[Reader]) -> bool:
@@ -231,13 +285,17 @@ _Item: TypeAlias = tuple[_Call, int, int, int]
 
 @dataclass(slots=True)
 class _Search:
-    """For each nonterminal and each state before it the states after the words that it derives."""
+    """For each nonterminal and each state before it the states after the words that it derives.
+
+    States that lead to no word that is left are not looked at.
+    """
 
     grammar: ir.Grammar
     asked: Sequence[Reader]
     covered: Sequence[Reader]
     states: list[tuple[State, ...]] = field(default_factory=list[tuple[State, ...]])
     numbers: dict[tuple[State, ...], int] = field(default_factory=dict[tuple[State, ...], int])
+    hopeless: list[bool] = field(default_factory=list[bool])
     moves: dict[tuple[int, str], int] = field(default_factory=dict[tuple[int, str], int])
 
     def finds(self) -> bool:
@@ -252,6 +310,8 @@ class _Search:
         while todo:
             check_time()
             call, rule, place, state = todo.pop()
+            if self.hopeless[state]:
+                continue
             right = self.grammar.productions[rule].right
             if place < len(right) and right[place].kind != "nonterminal":
                 todo.append((call, rule, place + 1, self._step(state, right[place].name)))
@@ -276,6 +336,7 @@ class _Search:
         if state not in self.numbers:
             self.numbers[state] = len(self.states)
             self.states.append(state)
+            self.hopeless.append(self._leads_nowhere(state))
         return self.numbers[state]
 
     def _step(self, state: int, symbol: str) -> int:
@@ -284,6 +345,12 @@ class _Search:
             parts = zip(self._readers(), self.states[state], strict=True)
             self.moves[key] = self._number(tuple(r.step(s, symbol) for r, s in parts))
         return self.moves[key]
+
+    def _leads_nowhere(self, state: tuple[State, ...]) -> bool:
+        """Whether no word that leads on from a state is left."""
+        known = [r.settled(s) for r, s in zip(self._readers(), state, strict=True)]
+        count = len(self.asked)
+        return False in known[:count] or True in known[count:]
 
     def _is_left(self, state: int) -> bool:
         accepted = [r.accepts(s) for r, s in zip(self._readers(), self.states[state], strict=True)]

@@ -12,7 +12,8 @@ from lsprotocol import types as lsp
 from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.source import Span
 from grammar_lang.units import UNIT_NAMES
-from srgc.language_server.completions.completion_names import EMISSIONS, FUNCTIONS, NamesDue, Offer
+from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
+from srgc.language_server.completions.completion_names import NamesDue, Offer
 from srgc.language_server.completions.cursor import Cursor, cursor_at, open_call
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.keywords import explained
@@ -30,6 +31,8 @@ _MOST_PATHS = 200
 def _keywords(cursor: Cursor) -> Iterator[Offer]:
     for word in sorted(cursor.expected):
         if word.isidentifier() and not word.isupper():
+            if word == "at" and cursor.statement == ("horizon",):
+                word = "at most"  # noqa: PLW2901
             means = explained(word, cursor.item[0]) or "keyword"
             yield Offer(word, _KINDS.Keyword, means)
 
@@ -222,6 +225,7 @@ STATEMENTS = MappingProxyType(
             "repeat": "repeat;",
             "payload": "payload ${1:0.5} kg;",
             "carry": "carry ${1:0.5} kg from ${2:A} to ${3:B};",
+            "minimize": "minimize ${1|modules,mass,time,energy,effort|};",
             "control": "control ${1|open loop,feedback|};",
         },
     }

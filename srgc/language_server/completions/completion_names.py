@@ -1,4 +1,4 @@
-"""Which names may stand at a cursor, and the arguments of emissions and functions."""
+"""Which names may stand at a cursor."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
 from grammar_lang.elaboration.modules import INPUT
+from grammar_lang.names.clause_names import symbols_of
 from grammar_lang.names.declarations import (
     REGIONS,
     Kind,
@@ -19,6 +20,7 @@ from grammar_lang.names.declarations import (
     productions,
 )
 from grammar_lang.syntax import tasks as t
+from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.completions.cursor import Cursor, open_call
 from srgc.language_server.documents.analysis import Analysis
 
@@ -239,6 +241,8 @@ class NamesDue:
             yield from self._origin()
         elif head == ("carry",) and self._last in {"from", "to"}:
             yield from self._regions(maps=False)
+        elif head == ("minimize",) and not self._value:
+            yield from self._objectives()
         elif head == ("avoid",) and "except" in self._said:
             yield from _named(declared.modules, _KINDS.Class, "module")
         elif head in {("start",), ("reach",), ("avoid",), ("satisfy",)} and not self._value:
@@ -248,14 +252,27 @@ class NamesDue:
         elif self._value:
             yield Offer("pi", _KINDS.Constant, "3.14159…")
 
-    def _regions(self, *, maps: bool) -> Iterator[Offer]:
-        said = self._cursor.before
-        pairs = pairwise(said)
-        named = next((name for word, name in pairs if word == "workspace"), "")
+    def _objectives(self) -> Iterator[Offer]:
+        """What can be minimized, or inside of ``sum(…)`` what the modules have."""
+        if self._last != "(":
+            yield from OBJECTIVES
+        elif self._said[-2:] == ("sum", "("):
+            grammar = self._declared.grammars.get(self._chosen("robot", t.Robot))
+            symbols = {} if grammar is None else dict.fromkeys(symbols_of(grammar))
+            for offer in (o for name in symbols for o in self._members(name, semantics=True)):
+                if offer.detail in {"constant", "parameter"}:
+                    yield offer
+
+    def _chosen(self, word: str, kind: type[t.Robot | t.TaskWorkspace]) -> str:
+        """The robot or the workspace of the task; nothing where none is chosen."""
+        named = next((name for each, name in pairwise(self._cursor.before) if each == word), "")
         task = self._declared.tasks.get(self._cursor.item[1])
         if not named and task is not None:
-            items = (i for i in task.items if isinstance(i, t.TaskWorkspace))
-            named = next((item.name.text for item in items), "")
+            named = next((item.name.text for item in task.items if isinstance(item, kind)), "")
+        return named
+
+    def _regions(self, *, maps: bool) -> Iterator[Offer]:
+        named = self._chosen("workspace", t.TaskWorkspace)
         for name, place in self._declared.places.get(named, {}).items():
             kind = "region" if place.kind in REGIONS else "map"
             if maps or kind == "region":
@@ -279,97 +296,11 @@ class NamesDue:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place]}")
 
 
-# --- The arguments of emissions and functions, for signatures and completion ----------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Form:
-    """How something is called: parameters with what each is, and what comes of it.
-
-    ``named`` says whether arguments are written ``name: value``.
-    """
-
-    parameters: tuple[tuple[str, str], ...]
-    means: str
-    named: bool = True
-
-    def label(self, name: str) -> str:
-        """The call as one line."""
-        return f"{name}({', '.join(parameter for parameter, _ in self.parameters)})"
-
-
-_ALONG = (
-    ("frame", "where its axis begins"),
-    ("axis", "the axis of the frame along which it lies: x, y, z, -x, -y or -z"),
-    ("length", "how far it leads, m"),
-    ("radius", "its radius, m"),
+OBJECTIVES = (
+    Offer("modules", _KINDS.EnumMember, "the number of modules"),
+    Offer("mass", _KINDS.EnumMember, "the mass of all bodies, without loads"),
+    Offer("time", _KINDS.EnumMember, "how long the motion takes"),
+    Offer("energy", _KINDS.EnumMember, "what the drives turn over"),
+    Offer("effort", _KINDS.EnumMember, "the largest share of its bound that an input uses"),
+    Offer("sum", _KINDS.Function, "the sum of an attribute over the modules", "sum($0)"),
 )
-EMISSIONS: dict[str, Form] = {
-    "rod": Form(
-        (
-            ("frame", "where it begins"),
-            ("axis", "the axis of the frame along which it lies: x, y, z, -x, -y or -z"),
-            ("length", "its length, m"),
-            ("density", "its mass per length, kg/m"),
-            ("radius", "may be left out: makes it a capsule for `avoid … with body`, m"),
-        ),
-        "a uniform rod from the origin of a frame",
-    ),
-    "point": Form(
-        (("frame", "where it is"), ("mass", "its mass, kg")),
-        "a point mass at the origin of a frame",
-    ),
-    "solid": Form(
-        (
-            ("frame", "the frame in which the others are given"),
-            ("mass", "its mass, kg"),
-            ("com", "its centre of mass in the frame, m"),
-            (
-                "inertia",
-                "about `com`, kg*m^2: one number, in space (xx, yy, zz, xy, xz, yz)",
-            ),
-        ),
-        "a rigid body",
-    ),
-    "effector": Form((("frame", "where it is"),), "an effector at the origin of a frame"),
-    "sphere": Form(
-        (("frame", "where its centre is"), ("radius", "its radius, m")),
-        "a ball that collides, without mass",
-    ),
-    "capsule": Form(_ALONG, "all that is nearer than the radius to a segment, without mass"),
-    "cylinder": Form(_ALONG, "a cylinder that collides, without mass"),
-    "box": Form(
-        (("frame", "where its middle is"), ("size", "its edges (a, b, c), in the plane (a, b), m")),
-        "a box along the axes of the frame that collides, without mass",
-    ),
-    "hull": Form(
-        (
-            ("frame", "the frame of the mesh"),
-            ("file", "the path of a mesh in quotes: STL or OBJ"),
-            ("scale", "the unit of the mesh, such as 1 mm"),
-        ),
-        "the convex hull of a mesh that collides, without mass",
-    ),
-}
-FUNCTIONS: dict[str, Form] = {
-    "rot": Form(
-        (("axis", "x, y, z, -x, -y or -z"), ("angle", "a revolute degree of freedom, or rad")),
-        "the frame turned about an axis",
-        named=False,
-    ),
-    "move": Form(
-        (("axis", "x, y, z, -x, -y or -z"), ("distance", "a prismatic one, or m")),
-        "the frame moved along an axis; also `move((x, y, z))`",
-        named=False,
-    ),
-    "sin": Form((("angle", "rad"),), "the sine", named=False),
-    "cos": Form((("angle", "rad"),), "the cosine", named=False),
-    "tan": Form((("angle", "rad"),), "the tangent", named=False),
-    "sqrt": Form((("value", "not negative"),), "the square root", named=False),
-    "abs": Form((("value", "any number"),), "the absolute value", named=False),
-    "rate": Form(
-        (("dof", "a degree of freedom of this module"),),
-        "the rate of a degree of freedom, in rad/s or m/s",
-        named=False,
-    ),
-}

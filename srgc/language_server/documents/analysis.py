@@ -106,6 +106,11 @@ class Analysis:
         """The name at a place."""
         return self.names.at(number, offset)
 
+    def named_together(self, number: int, offset: int) -> Sequence[Mention]:
+        """All that the name at a place stands for; nothing where there is no name."""
+        mention = self.names.at(number, offset)
+        return () if mention is None else self.names.together(mention)
+
     def block(self, number: int, offset: int) -> s.Block | None:
         """The block of a production's semantics about a place."""
         for item in self.items(number):

@@ -21,10 +21,11 @@ def location(analysis: Analysis, span: Span, uri_of: UriOf) -> lsp.Location:
 
 def definition(analysis: Analysis, number: int, offset: int, uri_of: UriOf) -> list[lsp.Location]:
     """The declarations of the name at a place; of a nonterminal, all its productions."""
-    mention = analysis.mention(number, offset)
-    if mention is None:
-        return []
-    found = analysis.names.declarations(mention.entity)
+    found = (
+        declared
+        for each in analysis.named_together(number, offset)
+        for declared in analysis.names.declarations(each.entity)
+    )
     return [location(analysis, each.span, uri_of) for each in found]
 
 
@@ -35,8 +36,8 @@ def references(
     found: dict[tuple[str, int, int], lsp.Location] = {}
     for analysis in analyses:
         number = analysis.number(place)
-        mention = None if number is None else analysis.mention(number, offset)
-        for each in () if mention is None else analysis.names.mentions_of(mention.entity):
+        together = () if number is None else analysis.named_together(number, offset)
+        for each in (m for one in together for m in analysis.names.mentions_of(one.entity)):
             if declarations or not each.declares:
                 key = (analysis.place(each.span.file), each.span.start, each.span.end)
                 found.setdefault(key, location(analysis, each.span, uri_of))
@@ -45,15 +46,17 @@ def references(
 
 def highlights(analysis: Analysis, number: int, offset: int) -> list[lsp.DocumentHighlight]:
     """The places of the name at a place, in the same file."""
-    mention = analysis.mention(number, offset)
-    if mention is None:
-        return []
     kinds = {True: lsp.DocumentHighlightKind.Write, False: lsp.DocumentHighlightKind.Read}
     lines = analysis.lines(number)
-    return [
-        lsp.DocumentHighlight(lines.range(each.span), kinds[each.declares])
-        for each in analysis.names.mentions_of(mention.entity)
+    found = {
+        each.span: each.declares
+        for one in analysis.named_together(number, offset)
+        for each in analysis.names.mentions_of(one.entity)
         if each.span.file == number
+    }
+    return [
+        lsp.DocumentHighlight(lines.range(span), kinds[declares])
+        for span, declares in found.items()
     ]
 
 

@@ -102,13 +102,27 @@ def _replacement(analysis: Analysis, mention: Mention, new: str) -> str:
     return new
 
 
-def _edits(analysis: Analysis, entity: Entity, new: str) -> dict[int, list[tuple[Span, str]]]:
+def _renamed_together(analysis: Analysis, entity: Entity) -> list[Entity]:
+    """An entity and all that one word names with it: what ``sum(NAME)`` adds up."""
+    found, todo = {entity: None}, [entity]
+    while todo:
+        for mention in analysis.names.mentions_of(todo.pop()):
+            others = (each.entity for each in analysis.names.together(mention))
+            fresh = [other for other in others if other not in found]
+            found |= dict.fromkeys(fresh)
+            todo += fresh
+    return list(found)
+
+
+def _edits(
+    analysis: Analysis, entities: Iterable[Entity], new: str
+) -> dict[int, list[tuple[Span, str]]]:
     """The edits of each file, in order."""
-    found: dict[int, list[tuple[Span, str]]] = {}
-    for mention in analysis.names.mentions_of(entity):
+    found: dict[int, dict[Span, str]] = {}
+    for mention in (m for entity in entities for m in analysis.names.mentions_of(entity)):
         text = _replacement(analysis, mention, new)
-        found.setdefault(mention.span.file, []).append((mention.span, text))
-    return found
+        found.setdefault(mention.span.file, {})[mention.span] = text
+    return {file: sorted(edits.items()) for file, edits in found.items()}
 
 
 def _edited(text: str, edits: Sequence[tuple[Span, str]]) -> str:
@@ -205,8 +219,10 @@ def rename(
         mention = None if number is None else analysis.mention(number, offset)
         if found is None or mention is None or found.name == new:
             continue
-        _checked_name(analysis, mention.entity, new)
-        edits = _edits(analysis, mention.entity, new)
+        together = _renamed_together(analysis, mention.entity)
+        for entity in together:
+            _checked_name(analysis, entity, new)
+        edits = _edits(analysis, together, new)
         _refuse_library(analysis, edits, found.name)
         after = _again(analysis, edits, open_files)
         _refuse_other_meaning(analysis, after, found.name, new)

@@ -14,7 +14,7 @@ from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import UNIT_NAMES, describe, unit
 from srgc.language_server.documents.analysis import Analysis
-from srgc.language_server.hovers.hover_names import hover_name
+from srgc.language_server.hovers.hover_names import hover_mention
 from srgc.language_server.hovers.production_physics import in_si
 from srgc.language_server.keywords import explained
 
@@ -85,7 +85,7 @@ def hover(analysis: Analysis, number: int, offset: int) -> lsp.Hover | None:
     parts: list[str] = []
     mention = analysis.mention(number, offset)
     if mention is not None:
-        parts.append(hover_name(analysis, mention.entity))
+        parts.append(hover_mention(analysis, mention))
         place = mention.whole
     elif not _silent(text, offset):
         found = hover_number(text, offset) or _keyword(analysis, number, offset)

@@ -9,6 +9,7 @@ from grammar_lang import syntax as s
 from grammar_lang.ir.constants import to_float
 from grammar_lang.ir.expression_text import number_text
 from grammar_lang.names.declarations import REGIONS, Entity, Kind
+from grammar_lang.names.table import Mention
 from grammar_lang.source import written
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.places import described
@@ -22,6 +23,8 @@ from srgc.language_server.hovers.production_physics import (
 
 _MOST_PRODUCTIONS = 24
 """So many productions of a grammar from ports are shown."""
+_MOST_MODULES = 24
+"""So many modules are shown of a sum over them."""
 
 
 def _code(text: str) -> str:
@@ -38,7 +41,12 @@ def _statement(analysis: Analysis, entity: Entity) -> str:
     return _code(written(entity.statement, analysis.sources) or entity.name)
 
 
-def hover_name(analysis: Analysis, entity: Entity) -> str:
+def hover_mention(analysis: Analysis, mention: Mention) -> str:
+    """The text about a name at its place."""
+    return _sum(analysis, mention) if mention.summed_up else _name(analysis, mention.entity)
+
+
+def _name(analysis: Analysis, entity: Entity) -> str:
     """The text about an entity."""
     makers: dict[Kind, Callable[[Analysis, Entity], str]] = {
         "module": _module,
@@ -60,6 +68,19 @@ def hover_name(analysis: Analysis, entity: Entity) -> str:
 
 
 # --- modules -----------------------------------------------------------------------------------
+
+
+def _sum(analysis: Analysis, mention: Mention) -> str:
+    """What an objective adds up, by module."""
+    found = [each.entity for each in analysis.names.together(mention)]
+    lines = [
+        f"{each.scope[0]}: {written(each.statement, analysis.sources)}"
+        for each in found[:_MOST_MODULES]
+    ]
+    if len(found) > len(lines):
+        lines.append(f"// {len(found) - len(lines)} more")
+    about = "Summed up over the modules of a robot; those that have none count as 0."
+    return f"{_code(chr(10).join(lines))}\n\n{about}"
 
 
 def _edge(analysis: Analysis, entity: Entity) -> str:
@@ -292,8 +313,12 @@ def _task(analysis: Analysis, entity: Entity) -> str:
     lines = [
         f"A task for robots of `{task.grammar}` in `{task.workspace}`.",
         "",
-        f"- horizon: {task.steps} steps of {step} s, T = {end} s",
+        f"- horizon: at most {task.steps} steps of {step} s, {end} s"
+        if task.at_most
+        else f"- horizon: {task.steps} steps of {step} s, T = {end} s",
     ]
+    if task.minimize:
+        lines.append(f"- minimizes {' then '.join(map(_objective, task.minimize))}")
     for effort in task.effort:
         unit = "N*m" if effort.kind == "revolute" else "N"
         norm = " (Euclidean norm)" if effort.norm2 else ""
@@ -309,6 +334,14 @@ def _task(analysis: Analysis, entity: Entity) -> str:
     if task.repeat:
         lines.append("- goes on for ever")
     return "\n".join(lines)
+
+
+def _objective(objective: ir.Objective) -> str:
+    name = f"`{objective.kind}`"
+    if objective.attribute is not None:
+        name = f"`sum({objective.attribute})`"
+    within = objective.within
+    return f"{name} within {number_text(100 * within)} %" if within else name
 
 
 # --- The box, the area or volume and the corners of a region --------------------------------------

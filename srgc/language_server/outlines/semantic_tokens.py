@@ -8,7 +8,7 @@ from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.names.declarations import Kind
 from grammar_lang.parsing.parse import parse_tokens
 from grammar_lang.parsing.tokens import SKIPPED, Tokens
-from srgc.language_server.completions.completion_names import EMISSIONS, FUNCTIONS
+from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.documents.analysis import Analysis
 
 _KEYWORD, _NUMBER, _STRING, _UNIT = "keyword", "number", "string", "type"

@@ -1,7 +1,8 @@
-// The motion of a report: moves the marks that the page already shows. The projection and the marks
-// are those of view.py and scene_marks.py.
+// The motion of a report: moves the marks that the page already shows.
 (function () {
   "use strict";
+  const drawn = srgcDrawing, line = drawn.line, outline = drawn.outline, text = drawn.text;
+  const before = drawn.before, between = drawn.between;
   const root = document.getElementById("motion");
   const source = document.getElementById("motion-data");
   if (!root || !source) return;
@@ -23,24 +24,6 @@
       y += axes[1][i] * row[at + i];
     }
     return [data.width / 2 + zoom * grid * x, data.height / 2 - zoom * grid * y];
-  }
-
-  const text = (p) => p[0].toFixed(1) + " " + p[1].toFixed(1);
-  const line = (points) => (points.length ? "M" + points.map(text).join("L") : "");
-
-  function outline(points) {
-    const sorted = points.slice().sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-    const turn = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    const half = (list) => {
-      const chain = [];
-      for (const p of list) {
-        while (chain.length > 1 && turn(chain[chain.length - 2], chain[chain.length - 1], p) <= 0) chain.pop();
-        chain.push(p);
-      }
-      chain.pop();
-      return chain;
-    };
-    return sorted.length < 3 ? sorted : half(sorted).concat(half(sorted.reverse()));
   }
 
   function box(low, high, at) {
@@ -92,9 +75,7 @@
   function preparedMotion() {
     const times = motion.times, end = motion.steps * motion.step;
     const marks = {
-      foot: all(".robot .foot")[0], bones: all(".robot .bone"), rods: all(".robot .rod"), capsules: all(".robot .capsule"), solids: all(".robot .solid"),
-      axes: all(".robot .axis"), joints: all(".robot .joint"), masses: all(".robot .mass"),
-      effectors: all(".robot .effector"), trails: all(".trail"), traces: all(".trace"),
+      ...drawn.marksOf(picture.querySelector(".robot")), trails: all(".trail"), traces: all(".trace"),
       cells: all(".cell"), tube: all(".tube")[0], ribbon: all(".ribbon")[0],
       now: all(".tube-now")[0], instant: all(".instant")[0],
     };
@@ -106,53 +87,7 @@
     };
     let tips = [], now = 0;
 
-    function before(list, t) {
-      let low = 0, high = list.length - 2;
-      while (low < high) {
-        const middle = (low + high + 1) >> 1;
-        if (list[middle] <= t) low = middle; else high = middle - 1;
-      }
-      return Math.max(low, 0);
-    }
-
-    function between(list, rows, t) {
-      const i = before(list, t), a = rows[i], b = rows[Math.min(i + 1, rows.length - 1)];
-      const width = list[i + 1] - list[i];
-      const s = width > 0 ? Math.min(Math.max((t - list[i]) / width, 0), 1) : 0;
-      return a.map((value, k) => value + s * (b[k] - value));
-    }
-
-    function ends(mark, a, b) {
-      mark.setAttribute("x1", a[0].toFixed(1));
-      mark.setAttribute("y1", a[1].toFixed(1));
-      mark.setAttribute("x2", b[0].toFixed(1));
-      mark.setAttribute("y2", b[1].toFixed(1));
-    }
-
-    const put = (mark, p) => mark.setAttribute("transform", "translate(" + text(p) + ")");
-
-    function drawRobot(row) {
-      const at = (point) => seen(row, point * d);
-      put(marks.foot, at(0));
-      motion.bones.forEach(([a, b], i) => ends(marks.bones[i], at(a), at(b)));
-      motion.solids.forEach((corners, i) => marks.solids[i].setAttribute("d", line(outline(corners.map(at))) + "Z"));
-      let capsule = 0;
-      motion.rods.forEach(([a, b, thick], i) => {
-        ends(marks.rods[i], at(a), at(b));
-        if (thick) ends(marks.capsules[capsule++], at(a), at(b));
-      });
-      let axis = 0;
-      motion.joints.forEach(([point, tip], i) => {
-        const foot = at(point);
-        put(marks.joints[i], foot);
-        if (tip < 0) return;
-        const end = at(tip), x = end[0] - foot[0], y = end[1] - foot[1];
-        const part = Math.min(17 / Math.max(Math.hypot(x, y), 1e-9), 1);
-        ends(marks.axes[axis++], [foot[0] - part * x, foot[1] - part * y], [foot[0] + part * x, foot[1] + part * y]);
-      });
-      motion.masses.forEach((point, i) => put(marks.masses[i], at(point)));
-      motion.effectors.forEach((point, i) => put(marks.effectors[i], at(point)));
-    }
+    const drawRobot = (row) => drawn.robot(marks, motion, (point) => seen(row, point * d));
 
     function drawTraces(row, t) {
       const i = before(times, t);

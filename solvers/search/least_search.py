@@ -1,0 +1,104 @@
+"""The search for a robot that has the least of what a task asks to be least.
+
+Objectives come in turn.  For each, structures are tried in the order of the least that they can
+have of it, among those that are within what the objectives before leave; once there is a design,
+only structures that may have less are searched on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import partial
+
+from compiler.objectives.least_values import Amount
+from compiler.objectives.ordered_structures import Limit, structures_by
+from compiler.robots.candidate import Candidate
+from compiler.robots.normal_form import RobotFamily
+from compiler.words.free_cycles import has_free_cycle
+from grammar_lang import ir
+from solvers.conclusion import module_bound
+from solvers.search.design_values import limits_of
+from solvers.search.family_search import FamilySearch
+from solvers.search.search_queue import StructureUnderWay
+from solvers.search.structures_left import StructuresLeft
+
+
+@dataclass(slots=True)
+class LeastSearch:
+    """The search of a family for what a task asks to be least, objective by objective."""
+
+    run: FamilySearch
+    amounts: tuple[Amount, ...]
+    place: int = 0
+    """The objective that is the present one."""
+    tried: set[tuple[str, ...]] = field(default_factory=set[tuple[str, ...]])
+
+    def search(self) -> None:
+        """Try structures until no other one may have less, as far as the limits of the run go."""
+        run = self.run
+        for place in range(len(self.amounts)):
+            self.place = place
+            left = StructuresLeft(
+                run.program, run.task, run.context, run.whole, run.lemmas, self.tried, self.order
+            )
+            for _ in run.turns(left, partial(self.prepare, left)):
+                pass
+            run.family = left.family
+            if not run.every_design:
+                return
+
+    @property
+    def amount(self) -> Amount:
+        """The present objective."""
+        return self.amounts[self.place]
+
+    def modules(self, family: RobotFamily) -> int | None:
+        """The bound on modules of what is tried; None where the objectives bound it."""
+        return searched_modules(family, self.run.task, self.amounts)
+
+    def order(self, family: RobotFamily) -> Iterator[Candidate]:
+        """The structures of a family within the limits, in the order of the present objective."""
+        limits, _ = self.limits()
+        bound, origin = self.modules(family), self.run.task.origin
+        return structures_by(self.amount, family, bound, limits[: self.place], origin)
+
+    def limits(self) -> tuple[tuple[Limit, ...], int | None]:
+        """What the designs so far leave, and which of them is the best."""
+        return limits_of(self.run.all_values, self.amounts)
+
+    def prepare(self, left: StructuresLeft) -> None:
+        """Let those structures alone be searched that may have less than the best design."""
+        limits, best = self.limits()
+        if best is None:
+            return
+        least = limits[self.place].least
+        before = limits[: self.place]
+        self.run.queue.give_turns(lambda each: self.may_be_less(each, before, least))
+        following = left.following
+        if following is not None and not self.run.every:
+            word = following.derivation.word
+            if self.amount.of_robot(word, following.model) >= least:
+                left.stop()
+
+    def may_be_less(
+        self, structure: StructureUnderWay, before: Sequence[Limit], least: Fraction
+    ) -> bool:
+        """Whether a structure that is under way may have less than so much, within limits."""
+        if self.run.every:
+            return True
+        candidate, word = structure.candidate, structure.derivation.word
+        if not all(limit.allows(word, candidate) for limit in before):
+            return False
+        return self.amount.of_robot(word, candidate.model) < least
+
+
+def searched_modules(family: RobotFamily, task: ir.Task, amounts: Sequence[Amount]) -> int | None:
+    """The number of modules up to which structures are tried; None where objectives bound it."""
+    if task.modules is not None:
+        return task.modules
+    weights = [amounts[0].weights.get(name, Fraction(0)) for name in family.language.srg.terminals]
+    if has_free_cycle(family.language.product, weights):
+        return module_bound(family, task)
+    return None

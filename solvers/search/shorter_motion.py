@@ -1,0 +1,201 @@
+"""A motion of fewer steps along the way of a proved design, as fast as drives allow at first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.workspaces.abstraction import Abstraction
+from grammar_lang import ir
+from solvers.search.calm_motion import calmer
+from solvers.search.cell_timing import settled
+from solvers.search.closed_loop import needs_feedback
+from solvers.search.configuration_search import Configuration
+from solvers.search.evaluation import Evaluator, SolveRequest, free_parameters
+from solvers.search.first_motion import followed
+from solvers.search.path_search import PathSearch, blocked_by
+from solvers.search.path_task import Design, entered
+from solvers.search.search_state import PathAttempt
+from solvers.trajectory.control import as_it_is
+from solvers.trajectory.control_problem import FULL, ControlOutcome
+from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.path_timing import Entries
+from solvers.trajectory.time_optimal import Timing, fastest_timing
+from solvers.trajectory.trajectory import Trajectory
+
+
+def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
+    """The way of a design in joint space, gone along as fast as the drives allow; None: unknown."""
+    motion, numeric = best.configuration.outcome.trajectory, paths.structure.numeric
+    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    if path_problem is None:
+        return None
+    return fastest_timing(
+        numeric, path_problem.limits, path_problem.groups, motion.theta,
+        motion.x[:, : numeric.n],
+    )  # fmt: skip
+
+
+def shorter_motion(
+    paths: PathSearch,
+    cells: Abstraction,
+    best: Design,
+    way: Timing | None,
+    box: tuple[Array, Array] | None = None,
+    price: float = 0.0,
+) -> PathAttempt:
+    """The attempt at a motion of as many steps as the task of ``paths`` has.
+
+    Args:
+        paths: the search of paths of such motions.
+        cells: the cells of the workspace, where the design has no others.
+        best: the design of which the way is followed.
+        way: its way with the fastest timing; None: its own timing, stretched.
+        box: bounds (p,) of the parameters; None: their ranges.
+        price: that on rates, relative to that of calm motions; 0: what feedback asks for.
+    """
+    steps = paths.shape.task.steps
+    cells = best.abstraction if best.abstraction.cuts else cells
+    path_problem = _problem(paths, cells, best, steps)
+    if path_problem is None:
+        return PathAttempt(blocked_by(best.configuration.outcome))
+    if price:
+        path_problem = calmer(path_problem)
+        path_problem = replace(path_problem, rates=price * path_problem.rates)
+    entries = path_problem.waypoints()[1]
+    start = _seed(path_problem, best, way, entries)
+    label = f"{paths.structure.label}|shorter{price or ''}"
+    return _solved(paths, path_problem, start, box or free_parameters(path_problem, start), label)
+
+
+def attempt_along(
+    paths: PathSearch, best: Design, start: Trajectory, box: tuple[Array, Array], name: str
+) -> PathAttempt:
+    """The attempt at a motion of as many steps along the cells of a design, from another start.
+
+    Args:
+        paths: the search of paths of such motions.
+        best: the design.
+        start: the motion to begin with.
+        box: bounds (p,) of the parameters.
+        name: what it is for, as journals call it.
+    """
+    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    if path_problem is None:
+        return PathAttempt(blocked_by(best.configuration.outcome))
+    return _solved(paths, path_problem, start, box, f"{paths.structure.label}|{name}")
+
+
+def _solved(
+    paths: PathSearch,
+    path_problem: PathProblem,
+    start: Trajectory,
+    box: tuple[Array, Array] | None,
+    label: str,
+) -> PathAttempt:
+    """The attempt at a motion from a start, with parameters within a box."""
+    context, entries = paths.structure.context, path_problem.waypoints()[1]
+    evaluator = Evaluator(path_problem, context.workers, context.journal, label)
+    (outcome,) = evaluator.solutions([SolveRequest(start, entries, box, FULL, released=True)])
+    at = settled(path_problem, outcome, entries, context) if outcome.feasible else None
+    if at is None:
+        return PathAttempt(blocked_by(outcome), outcome.robustness)
+    found = Configuration(
+        at.outcome, at.entries, at.path_problem.cells, bound=at.path_problem.bound
+    )
+    return paths.proved(path_problem, found, label)
+
+
+def _problem(paths: PathSearch, cells: Abstraction, best: Design, steps: int) -> PathProblem | None:
+    """The path problem along the cells of a design; None where its formula does not allow that."""
+    old, routes = len(best.inputs), []
+    for effector, names in enumerate(best.path):
+        route = entered(cells, effector, names)
+        if route is None:
+            return None
+        routes.append(route)
+    leader = routes[best.leader]
+    found = paths.place.path_problem(cells, best.effector, best.leader, leader.cells)
+    if found.formula is not None:
+        others = [route for route in routes if route is not leader]
+        timed = (
+            replace(
+                found,
+                timing=shorten(leader.entries or (0,), old, steps),
+                others=tuple(
+                    replace(route, entries=shorten(route.entries or (0,), old, steps))
+                    for route in others
+                ),
+            )
+            for shorten in (_scaled, _with_the_end, _cut_short)
+        )
+        allowed = (each for each in timed if each.allows(each.timing or (0,)))
+        first = next(allowed, None)
+        if first is None:
+            return None
+        found = first
+    elif len(leader.cells) > steps:
+        return None
+    return calmer(found) if best.controller is not None or needs_feedback(found) else found
+
+
+# --- Entries of a motion of fewer steps, each cell with a sample of its own -----------------------
+
+
+def _scaled(entries: Entries, old: int, steps: int) -> Entries:
+    """All of the motion goes on faster."""
+    found = list[int]()
+    for entry in entries:
+        found.append(max(round(entry * steps / old), found[-1] + 1 if found else 0))
+    return tuple(found)
+
+
+def _with_the_end(entries: Entries, old: int, steps: int) -> Entries:
+    """What comes before the last entry goes on faster, what comes after it takes as long."""
+    rest = old - entries[-1]
+    return _scaled(entries, max(1, entries[-1]), max(1, steps - rest))
+
+
+def _cut_short(entries: Entries, old: int, steps: int) -> Entries:
+    """Entries stay as they are as long as can be, and what comes after the last takes as long."""
+    last = steps - (old - entries[-1]) - len(entries) + 1
+    return tuple(min(entry, max(0, last) + index) for index, entry in enumerate(entries))
+
+
+def _seed(
+    path_problem: PathProblem, best: Design, way: Timing | None, entries: Entries
+) -> Trajectory:
+    """The motion along the way of a design, with the inputs that bring a robot along it."""
+    motion, n = best.configuration.outcome.trajectory, path_problem.numeric.n
+    steps = path_problem.task.steps
+    if way is None:
+        places = np.linspace(0.0, len(motion.u), steps + 1)
+        samples = np.arange(len(motion.x))
+        columns = [np.interp(places, samples, column) for column in motion.x[:, :n].T]
+        q: Array = np.stack(columns, axis=1)
+    else:
+        there = steps - _still(path_problem, way, entries)
+        q = way.sampled(max(1, there))
+        q = np.concatenate([q, np.repeat(q[-1:], steps + 1 - len(q), axis=0)])
+    problem = path_problem.problem(entries, released=True)
+    (found,) = followed(path_problem, q[None], motion.theta, problem.loads)
+    at: ControlOutcome | None = as_it_is(problem, found)
+    return found if at is None else at.trajectory
+
+
+def _still(path_problem: PathProblem, way: Timing, entries: Entries) -> int:
+    """For how many steps the end of a motion lasts, as far as its way leaves time for that."""
+    task = path_problem.task
+    lasts = steps_of_end(task)
+    if path_problem.formula is not None:
+        spare = task.steps - ceil(way.duration / float(task.step))
+        lasts = max(lasts, min(task.steps - entries[-1], spare))
+    return lasts
+
+
+def steps_of_end(task: ir.Task) -> int:
+    """The steps for which the end of a motion is to last."""
+    return ceil(task.stay / task.step)

@@ -1,0 +1,56 @@
+"""The search for a number of steps in which no robot of a family does its task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compiler.robots.normal_form import RobotFamily
+from compiler.tasks.tightened import shortened
+from grammar_lang import ir
+from solvers.impossibility.drive_search import AFTER_MOTIONS
+from solvers.run_context import RunContext
+from solvers.search.narrowed_family import NarrowedFamily, NoBoundError, Tried, narrowed_family
+
+
+@dataclass(frozen=True, slots=True)
+class TimeBound:
+    """No robot does the task in at most so many ``steps``, by ``evidence`` in that task."""
+
+    steps: int
+    evidence: NarrowedFamily
+
+
+@dataclass(frozen=True, slots=True)
+class _Horizons:
+    """There is time for one sample less a step, of ``longest``."""
+
+    longest: int
+    fewest: int
+    name: str = "time"
+    none: str = "no time is shown to be too short"
+    reason: str = "it cannot do the task in so few steps"
+
+    @property
+    def most(self) -> int:
+        """The step at which no motion may take less."""
+        return self.longest - self.fewest
+
+    def at(self, program: ir.Program, task: ir.Task, step: int) -> tuple[ir.Program, ir.Task]:
+        """The same program with the task in so many samples less at most."""
+        return program, shortened(task, self.longest - step)
+
+
+def time_bound(
+    family: RobotFamily, task: ir.Task, context: RunContext, tried: Tried, best: int
+) -> TimeBound:
+    """A number of steps, fewer than the ``best`` that a design takes, in which no robot does it.
+
+    Raises:
+        NoBoundError: none was found.
+    """
+    if best <= task.fewest_steps:
+        raise NoBoundError("no motion may take less")
+    horizons = _Horizons(task.steps, task.fewest_steps)
+    first = task.steps - (best - 1)
+    found = narrowed_family(family, task, context, tried, horizons, first, AFTER_MOTIONS)
+    return TimeBound(task.steps - found.step, found)

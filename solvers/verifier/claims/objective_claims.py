@@ -1,0 +1,119 @@
+"""What a certificate of *found* claims of the objectives of its task.
+
+Each has a value, and a least that no robot goes below that has of the objectives before what these
+leave.  The evidence is that all structures that might are refuted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from compiler.expressions.exact_numbers import exact_number
+from solvers.verifier.claims.json_fields import number, objects, text, texts
+from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
+from solvers.verifier.claims.structure_claims import StructureClaim, structure_claims
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectiveValue:
+    """What a design has of an ``objective``, written as in the task, and the ``least`` of robots.
+
+    Both are exact numbers in SI units, of ``effort`` a share.
+    """
+
+    objective: str
+    value: str
+    least: str
+
+
+@dataclass(frozen=True, slots=True)
+class TimeClaim:
+    """No robot with at most ``modules`` modules does the task in at most so many ``steps``.
+
+    ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, about the task with so
+    many steps at most; all are refuted by coverings.
+    """
+
+    steps: int
+    modules: int | None
+    structures: tuple[StructureClaim, ...]
+    lemmas: tuple[LemmaClaim, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectivesClaim:
+    """The objectives of a task, in their order, and what their least values rest on.
+
+    The robots that they are about have at most ``modules`` modules; None: any number.
+    ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, all with coverings; of the
+    words that are ``dearer`` no robot has less, whatever its parameters are.  What is claimed of
+    the least ``time`` has evidence of its own.
+    """
+
+    values: tuple[ObjectiveValue, ...]
+    modules: int | None
+    structures: tuple[StructureClaim, ...]
+    dearer: tuple[tuple[str, ...], ...]
+    lemmas: tuple[LemmaClaim, ...]
+    time: TimeClaim | None = None
+    kind: str = "objectives"
+
+
+def objectives_claim(item: dict[str, Any]) -> ObjectivesClaim:
+    """The objectives of a JSON object.
+
+    Raises:
+        TypeError, KeyError, ValueError: it is malformed.
+    """
+    (fields,) = objects([item], ObjectivesClaim)
+    dearer, time = fields["dearer"], fields["time"]
+    if not isinstance(dearer, list):
+        raise TypeError("a list of words is due")
+    return ObjectivesClaim(
+        tuple(_value(each) for each in objects(fields["values"], ObjectiveValue)),
+        None if fields["modules"] is None else number(fields["modules"]),
+        structure_claims(fields["structures"]),
+        tuple(texts(word) for word in dearer),
+        _lemmas(fields["lemmas"]),
+        None if time is None else _time(time),
+    )
+
+
+def _time(content: object) -> TimeClaim:
+    (fields,) = objects([content], TimeClaim)
+    return TimeClaim(
+        number(fields["steps"]),
+        None if fields["modules"] is None else number(fields["modules"]),
+        structure_claims(fields["structures"]),
+        _lemmas(fields["lemmas"]),
+    )
+
+
+def _lemmas(items: object) -> tuple[LemmaClaim, ...]:
+    if not isinstance(items, list) or not all(isinstance(each, dict) for each in items):
+        raise TypeError("a list of lemmas is due")
+    return tuple(lemma_claim(each) for each in items)
+
+
+def _value(fields: dict[str, Any]) -> ObjectiveValue:
+    found = ObjectiveValue(*(text(fields[key]) for key in ("objective", "value", "least")))
+    if exact_number(found.least) > exact_number(found.value):
+        raise ValueError(f"the least of `{found.objective}` is more than its value")
+    return found
+
+
+def objective_entries(
+    values: Sequence[ObjectiveValue], units: Sequence[str]
+) -> list[dict[str, Any]]:
+    """What ``design.json`` says of objectives whose values have these units."""
+    return [
+        {
+            "objective": each.objective,
+            "value": float(exact_number(each.value)),
+            "least": float(exact_number(each.least)),
+            "unit": unit,
+        }
+        for each, unit in zip(values, units, strict=True)
+    ]

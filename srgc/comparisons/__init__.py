@@ -1,0 +1,1 @@
+"""Results held against each other, and a design against the robots that would have less."""
