@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.conftest import srgc_process
+from tests.conftest import OPTIONS, srgc_process
 from tests.oracles.some_cases import some
 
 
@@ -12,7 +12,7 @@ from tests.oracles.some_cases import some
 def check(made, tmp_path, spec, hash_seed, jobs):
     place = made(spec)
     (tmp_path / f"{spec}.srg").write_bytes((place / f"{spec}.srg").read_bytes())
-    arguments = ["synth", f"{spec}.srg", "-o", "out", "--jobs", jobs]
+    arguments = ["synth", f"{spec}.srg", "-o", "out", "--jobs", jobs, *OPTIONS.get(spec, ())]
     with srgc_process(arguments, tmp_path, PYTHONHASHSEED=hash_seed) as process:
         _, err = process.communicate(timeout=900)
     assert process.returncode == int((place / "status").read_text()), err
