@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from compiler.objectives.word_weights import weights_of_modules
 from compiler.words.acceptance import accept_dfa
 from compiler.words.finite_automaton import AutomatonTooLargeError
 from compiler.words.free_cycles import free_terminals
@@ -30,7 +31,7 @@ def objective_diagnostics(program: ir.Program, sink: Sink) -> None:
             continue
         grammar = program.grammars[task.grammar]
         alphabet = alphabet_of(grammar, order)
-        weights = _least_weights(program, task.minimize[0], alphabet)
+        weights = weights_of_modules(program, task.minimize[0], _least)
         if weights is None:
             continue
         rules = srg(grammar, alphabet, program.modules)
@@ -38,38 +39,17 @@ def objective_diagnostics(program: ir.Program, sink: Sink) -> None:
             language = restrict(rules, accept_dfa(grammar.accept, alphabet), CHECKED_RULES)
         except (AutomatonTooLargeError, IntersectionTooLargeError):
             continue
-        free = free_terminals(language.product, weights)
+        free = free_terminals(
+            language.product, [weights.get(name, Fraction(0)) for name in alphabet]
+        )
         if free:
             _report(program, task, [alphabet[number] for number in sorted(free)], sink)
 
 
-def _least_weights(
-    program: ir.Program, objective: ir.Objective, alphabet: Sequence[str]
-) -> list[Fraction] | None:
-    """The least that each symbol adds to an objective; None where it is no such sum."""
-    match objective.kind:
-        case "modules":
-            return [Fraction(name in program.modules) for name in alphabet]
-        case "sum":
-            amounts = dict(objective.amounts)
-            return [
-                Fraction(0)
-                if name not in amounts
-                else amounts[name] or _least(program.modules[name], objective.attribute)
-                for name in alphabet
-            ]
-        case "mass" | "time" | "energy" | "effort":
-            return None
-
-
-def _least(module: ir.Module, name: str | None) -> Fraction:
-    """The least value of a parameter, rounded where it is irrational; zero where it is none."""
-    for parameter in module.parameters:
-        if parameter.name == name:
-            domain = parameter.domain
-            values = (domain.lower,) if isinstance(domain, ir.Interval) else domain.values
-            return min(map(_value, values))
-    return Fraction(0)
+def _least(domain: ir.Interval | ir.Choices) -> Fraction:
+    """The least value of a parameter, rounded where it is irrational."""
+    values = (domain.lower,) if isinstance(domain, ir.Interval) else domain.values
+    return min(map(_value, values))
 
 
 def _value(expr: ir.Expr) -> Fraction:

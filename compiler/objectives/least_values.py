@@ -7,11 +7,10 @@ below zero, so that no part of a sum takes away from another.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import prod
-from typing import TypeAlias
 
 from flint import arb
 
@@ -27,13 +26,13 @@ from compiler.expressions.exact_numbers import Bounds, outward, rational_bounds
 from compiler.expressions.scalars import MonomialEvaluator, evaluate_scalars
 from compiler.neutral_modules.neutral_parameters import inlined
 from compiler.objectives.objective_text import objective_text
+from compiler.objectives.word_weights import Weights, weights_of_modules
 from compiler.robots.parameter_values import ExactValue
 from compiler.robots.robot import PointBody, RobotModel, RodBody, SolidBody
 from grammar_lang import ir
 
 PRECISION = 128
 NONE = Fraction(0)
-Weights: TypeAlias = Mapping[str, Fraction]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,27 +75,13 @@ def amounts(program: ir.Program, task: ir.Task) -> tuple[Amount, ...]:
 
 
 def _amount(program: ir.Program, task: ir.Task, objective: ir.Objective) -> Amount:
-    grammar = program.grammars[task.grammar]
-    match objective.kind:
-        case "modules":
-            return Amount(objective, dict.fromkeys(program.modules, Fraction(1)), exact=True)
-        case "sum":
-            known = dict(objective.amounts)
-            weights = {
-                name: _least(program.modules[name], objective.attribute) if value is None else value
-                for name, value in known.items()
-            }
-            return Amount(objective, weights, exact=None not in known.values())
-        case "mass":
-            return Amount(objective, _masses(program, grammar), exact=False)
-        case "effort" | "energy" | "time":
-            return Amount(objective, {}, exact=False)
-
-
-def _least(module: ir.Module, attribute: str | None) -> Fraction:
-    """The least value of a parameter of a module."""
-    parameter = next(p for p in module.parameters if p.name == attribute)
-    return parameter_bounds(parameter.domain)[0]
+    weights = weights_of_modules(program, objective, lambda domain: parameter_bounds(domain)[0])
+    if weights is not None:
+        chosen = any(value is None for _, value in objective.amounts)
+        return Amount(objective, weights, exact=not chosen)
+    if objective.kind == "mass":
+        weights = _masses(program, program.grammars[task.grammar])
+    return Amount(objective, weights or {}, exact=False)
 
 
 def parameter_bounds(domain: ir.Interval | ir.Choices) -> Bounds:
