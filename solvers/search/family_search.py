@@ -29,8 +29,8 @@ from solvers.impossibility.structure_refutation import Refutation
 from solvers.lemma import Lemma
 from solvers.run_context import RunContext
 from solvers.search.design_values import design_values, limits_of
-from solvers.search.horizon_search import HorizonSearch
 from solvers.search.narrowed_family import NoBoundError, Tried
+from solvers.search.objective_search import ObjectiveSearch
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.prefetch import Prefetch
@@ -248,7 +248,7 @@ class FamilySearch:
             listener=entered,
         )
         effectors = self.effectors(candidate.model, answer)
-        search = HorizonSearch if self.task.at_most or self.amounts else StructureSearch
+        search = ObjectiveSearch if self.task.at_most or self.amounts else StructureSearch
         self.queue.enter(entered, search(given, self.abstraction).states(effectors))
 
     def leave(self, structure: StructureUnderWay) -> None:

@@ -1,9 +1,10 @@
-"""The search of a structure whose motion may take any number of steps up to a horizon.
+"""The search of a structure in a task with objectives, or with a horizon that is a bound.
 
-A motion is looked for that takes all of the horizon, then parts of it.  Where time is to be least,
-the way of a proved design is gone along as fast as its drives allow, and that is where the next,
-shorter motion begins.  Of a number of steps for which no motion was found nothing is concluded: a
-shorter one may exist, as well as a longer one.
+A motion is looked for that takes all of the horizon, then, where that is a bound, parts of it.  A
+proved design is then improved, one objective after another: the way of its motion is gone along as
+fast as its drives allow, its parameters are lessened, its efforts made smaller.  Of a number of
+steps for which no motion was found nothing is concluded: a shorter one may exist, as well as a
+longer one.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ ATTEMPTS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class HorizonSearch:
+class ObjectiveSearch:
     """The search of a structure in a workspace that is divided into ``cells``."""
 
     given: StructureTask
@@ -89,12 +90,14 @@ class HorizonSearch:
 
         Parameters get no farther from the ends of their ranges that are ``held``, (p,).
         """
-        for price in prices:
-            if longest == len(best.inputs) and not price:
-                continue
+        steps = len(best.inputs)
+        due = [price for price in prices if price or longest != steps]
+        if not due:
+            return
+        paths, box = self.paths(best, longest), self.box(best, held)
+        way = fastest_way(self.paths(best, steps), best)
+        for price in due:
             self.given.context.check_time()
-            paths, box = self.paths(best, longest), self.box(best, held)
-            way = fastest_way(self.paths(best, len(best.inputs)), best)
             yield shorter_motion(paths, self.cells, best, way, box, price)
 
     def box(self, best: Design, held: Array) -> tuple[Array, Array] | None:

@@ -12,11 +12,9 @@ from fractions import Fraction
 from compiler.robots.normal_form import RobotFamily
 from compiler.tasks.tightened import tightened
 from grammar_lang import ir
-from solvers.conclusion import StructureRecord
 from solvers.impossibility.drive_search import AFTER_MOTIONS, DriveEffort
-from solvers.lemma import Lemma
 from solvers.run_context import RunContext
-from solvers.search.narrowed_family import NoBoundError, Tried, narrowed_family
+from solvers.search.narrowed_family import NarrowedFamily, NoBoundError, Tried, narrowed_family
 
 GRID = 10_000
 """Shares are multiples of one part in so many: they are stated with four decimals."""
@@ -26,16 +24,10 @@ FINER = DriveEffort((1024,), 16)
 
 @dataclass(frozen=True, slots=True)
 class RobustnessBound:
-    """No robot of at most ``modules`` modules (None: of the family) keeps more than ``share``.
-
-    ``records`` are of the structures that no lemma is about, each with a covering, and those whose
-    variants or weights the ``lemmas`` are about.
-    """
+    """No robot keeps more than ``share``, by ``evidence`` in the task with such tighter bounds."""
 
     share: Fraction
-    modules: int | None
-    records: tuple[StructureRecord, ...]
-    lemmas: tuple[Lemma, ...]
+    evidence: NarrowedFamily
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,4 +70,4 @@ def robustness_bound(
     if not first < GRID:
         raise NoBoundError("the design leaves nothing to gain")
     found = narrowed_family(family, task, context, tried, _Shares(), first, effort)
-    return RobustnessBound(Fraction(found.step, GRID), found.modules, found.records, found.lemmas)
+    return RobustnessBound(Fraction(found.step, GRID), found)

@@ -98,14 +98,14 @@ class Evidence:
 
 def bound_evidence(bound: RobustnessBound) -> Evidence:
     """What a bound rests on."""
-    return Evidence(bound.records, bound.lemmas, BOUND)
+    return Evidence(bound.evidence.records, bound.evidence.lemmas, BOUND)
 
 
 def bound_claim_of(bound: RobustnessBound) -> BoundClaim:
     """A bound as a certificate states it."""
     rests_on = bound_evidence(bound)
     return BoundClaim(
-        exact_decimal(bound.share), bound.modules, rests_on.structure_claims(),
+        exact_decimal(bound.share), bound.evidence.modules, rests_on.structure_claims(),
         rests_on.lemma_claims(),
     )  # fmt: skip
 

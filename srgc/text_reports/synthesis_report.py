@@ -227,7 +227,17 @@ def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:
     gap = gap_above(result.bound.share, robustness_share(design, task))
     shown = "" if gap is None else f" (gap {gap_text(gap)})"
     ended = f"; {result.ended}" if result.ended else ""
-    yield f"bound:   {share_text(result.bound.share, result.bound.modules)}{shown}{ended}"
+    yield f"bound:   {share_text(result.bound.share, result.bound.evidence.modules)}{shown}{ended}"
+
+
+def _search_of_least(result: Synthesis, *, ended: bool) -> Iterator[str]:
+    """Why no time is proved to be too short, and, if asked, what ended the search for the least."""
+    if result.optimality is None:
+        return
+    if result.optimality.untimed is not None:
+        yield f"time:    no bound was proved: {result.optimality.untimed}"
+    if ended and result.ended:
+        yield f"ended:   {result.ended}"
 
 
 def objectives_text(result: Synthesis) -> str:
@@ -252,8 +262,7 @@ def synthesis_text(
     if design is not None:
         lines += _design(design, task, change)
         lines += _bound(result, design, task)
-        if result.optimality is not None and result.ended and not table:
-            lines.append(f"ended:   {result.ended}")
+        lines += _search_of_least(result, ended=not table)
     elif result.nearest is not None:
         lines += _nearest(result.nearest, task)
     refuted = sum(1 for r in result.records if r.verdict == "refuted")

@@ -69,7 +69,7 @@ def test_one_slide(
     assert result.bound is not None
     assert best <= float(result.bound.share) <= best + LOOSE
     assert share_of(result, text) <= best
-    assert result.bound.modules == 3
+    assert result.bound.evidence.modules == 3
 
 
 def test_bounds_of_modules_and_joints() -> None:
@@ -77,7 +77,7 @@ def test_bounds_of_modules_and_joints() -> None:
     own = slides("const mass = 2 kg", travel="[0, 2] m effort <= 10 N", effort="", modules="")
     result = searched(own)
     assert result.bound is not None
-    assert result.bound.modules is None
+    assert result.bound.evidence.modules is None
     assert result.bound.share >= 1 - Fraction("0.1601")
     assert result.bound.share <= 1 - Fraction("0.157")
     endless = replaced(own, "e (Slide) e", "(e Base)* e Slide e")
@@ -85,8 +85,8 @@ def test_bounds_of_modules_and_joints() -> None:
     endless = replaced(endless, "base { this", "more { this.at = P.at; } base { this")
     result = searched(endless, ANY)
     assert result.bound is not None
-    assert result.bound.modules == 12
-    assert len(result.bound.records) == 10
+    assert result.bound.evidence.modules == 12
+    assert len(result.bound.evidence.records) == 10
 
 
 def test_the_first_one_is_less_robust() -> None:
