@@ -105,9 +105,11 @@ class Optimality:
     time: TimeBound | None = None
     untimed: str | None = None
 
-    def with_time(self, bound: TimeBound, step: Fraction) -> Optimality:
-        """The same with a bound on the time of all robots, in steps of so many seconds."""
-        least = (bound.steps + 1) * step
+    def with_least_time(self, least: Fraction, bound: TimeBound | None = None) -> Optimality:
+        """The same with the time that no motion of any robot is below, in s.
+
+        It needs no ``bound`` where the task allows no motion of fewer steps.
+        """
         objectives = (
             replace(each, least=least, more=False) if each.amount.objective.kind == "time" else each
             for each in self.objectives

@@ -152,12 +152,15 @@ def _optimality(run: FamilySearch) -> Optimality | None:
     if not any(each.objective.kind == "time" for each in run.amounts) or not run.task.at_most:
         return found
     best = min(len(design.inputs) for each in run.all_searched for design in each.proved)
+    step = run.task.step
+    if best == run.task.fewest_steps:
+        return found.with_least_time(best * step)
     tried = Tried(records, tuple(run.lemmas))
     try:
         bound = time_bound(run.whole, run.task, run.context, tried, best)
     except NoBoundError as why:
         return replace(found, untimed=str(why))
-    return found.with_time(bound, run.task.step)
+    return found.with_least_time((bound.steps + 1) * step, bound)
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:

@@ -66,6 +66,23 @@ def test_least_times_of_slides(
     assert read(out)["steps"] == round(entry["value"] / 0.1)
 
 
+@pytest.mark.parametrize(
+    ("end", "fewest"),
+    [("", 1), ("at rest for 0.45 s", 5)],
+)
+def test_no_motion_is_shorter_than_the_task_allows(end: str, fewest: int, tmp_path: Path) -> None:
+    """A robot that stands in its target has the least time, which needs no evidence."""
+    out = found(timed("const mass = 2 kg", "time", goal="0.1, 0.3", end=end, steps=8), tmp_path)
+    shortest = Fraction(fewest, 10)
+    assert read(out)["steps"] == fewest
+    (claim,) = (each for each in read(out)["claims"] if each["kind"] == "objectives")
+    assert claim["time"] is None
+    assert [(Fraction(each["value"]), Fraction(each["least"])) for each in claim["values"]] == [
+        (shortest, shortest)
+    ]
+    assert not (out / "proofs" / "time").exists()
+
+
 def test_the_faster_of_two_drives_is_found(tmp_path: Path) -> None:
     out = found(timed("const mass = 8 kg; const mass = 2 kg", "time", kinds="Slow Fast"), tmp_path)
     assert read(out)["word"][2] == "Fast"
@@ -164,6 +181,21 @@ def test_a_smaller_least_is_true_too(timely: Path, tmp_path: Path) -> None:
     (folder / "design.json").unlink()
     outcome, reason = judged(folder, more("least", Fraction(-1, 10)))
     assert outcome is Outcome.VALID, reason
+
+
+@pytest.mark.parametrize(("least", "outcome"), [("1/10", Outcome.VALID), ("2/10", Outcome.REFUTED)])
+def test_without_evidence_the_least_is_what_the_task_allows(
+    least: str, outcome: Outcome, timely: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "out"
+    copytree(timely, folder)
+    (folder / "design.json").unlink()
+
+    def change(content: Content) -> None:
+        no_evidence(content)
+        value(content)["least"] = least
+
+    assert judged(folder, change)[0] is outcome
 
 
 def test_more_steps_than_are_allowed_are_refused(tmp_path: Path) -> None:

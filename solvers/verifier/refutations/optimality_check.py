@@ -96,8 +96,10 @@ def objective_conditions(
         _check_value(each, found, model, motion)
     try:
         _check_least(folder, found, claim, program, task, stated, watch)
+        # No motion has fewer steps than the task allows.
+        shortest = task.fewest_steps * task.step
         for each in stated:
-            if each.amount.objective.kind == "time" and each.least > 0:
+            if each.amount.objective.kind == "time" and each.least > shortest:
                 _check_time(folder, found, claim.time, program, task, each.least, watch)
     except (FalseClaim, InfiniteAmbiguityError) as error:
         raise Refused(f"it is not proved that no robot has less: {error}") from None
@@ -109,8 +111,8 @@ def _modules(claim: ObjectivesClaim, task: ir.Task, stated: _Stated) -> int | No
     """The bound on modules that a least is about where it is not the task's; None without one."""
     if task.modules is not None:
         return None
-    if stated.amount.objective.kind == "time" and claim.time is not None:
-        return claim.time.modules
+    if stated.amount.objective.kind == "time":
+        return None if claim.time is None else claim.time.modules
     return claim.modules
 
 
