@@ -18,7 +18,7 @@ from compiler.arrays import Array
 from compiler.time_limits.time_limit import check_time
 from solvers.trajectory.convex_set import ConvexSet
 from solvers.trajectory.inverse_kinematics import Pool, apart, solve_positions
-from solvers.trajectory.joint_ways import ClearSpace, joint_way
+from solvers.trajectory.joint_ways import ClearSpace, joint_way, positions_of
 from solvers.trajectory.monotone_cubic import monotone_cubic
 from solvers.trajectory.position_plan import Dwell
 
@@ -27,6 +27,11 @@ POSES = 16
 LOOKED = 6
 REACHED = 1e-5
 """The part of the extent up to which a point counts as brought to its target."""
+NEARER = 8
+"""Where no point gets to its target, so many times that in its set next to where it came."""
+INNER = 0.9
+"""The part of a set, about its middle, in which these targets are."""
+PROJECTIONS = 20
 SEARCHES = 12
 """Chains of poses whose ways are looked at."""
 
@@ -100,7 +105,15 @@ def _poses(space: ClearSpace, stop: Stop, drawn: Pool, rng: np.random.Generator)
         )
         points = [point for point, _ in stop.aims]
         q, left = solve_positions(space.numeric, starts, space.theta, points, targets, space.box)
-        q = q[left < REACHED * space.extent]
+        reached = left < REACHED * space.extent
+        for _ in range(0 if reached.any() else NEARER):
+            places = positions_of(space.numeric, q, space.theta)
+            targets = np.concatenate(
+                [_nearest(region, places[:, point]) for point, region in stop.aims], axis=1
+            )
+            q, left = solve_positions(space.numeric, q, space.theta, points, targets, space.box)
+            reached = left < REACHED * space.extent
+        q = q[reached]
     if not len(q):
         return q
     clearances = space.clearances(q)
@@ -120,6 +133,23 @@ def _places(region: ConvexSet, count: int, rng: np.random.Generator) -> Array:
     inside = weights @ region.vertices / weights.sum(axis=1, keepdims=True)
     found: Array = (inside + region.vertices.mean(axis=0)) / 2
     return found
+
+
+def _nearest(region: ConvexSet, points: Array) -> Array:
+    """The places in the inner part of a set next to points (K, d).
+
+    By alternating projections (Boyle & Dykstra, *A method for finding projections onto the
+    intersection of convex sets in Hilbert spaces*, 1986).
+    """
+    middle = region.vertices.mean(axis=0)
+    offsets = INNER * region.offsets + (1 - INNER) * (region.normals @ middle)
+    back = np.zeros((len(offsets), *points.shape))
+    for _ in range(PROJECTIONS):
+        for normal, offset, own in zip(region.normals, offsets, back, strict=True):
+            before = points + own
+            points = before - np.maximum(before @ normal - offset, 0.0)[:, None] * normal
+            own[:] = before - points
+    return points
 
 
 @dataclass(slots=True)

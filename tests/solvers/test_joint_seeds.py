@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
-from math import cos, sin
+from math import cos, sin, sqrt
 
 import numpy as np
 import pytest
 import shapely
 
-from solvers.trajectory.convex_set import region_set
+from solvers.trajectory.body_clearance import BodyClearance
+from solvers.trajectory.convex_set import ConvexSet, region_set
 from solvers.trajectory.joint_seeds import joint_seeds, stops_of
 from solvers.trajectory.joint_ways import ClearSpace, joint_way
 from solvers.trajectory.path_following import PathProblem
@@ -122,3 +123,26 @@ def test_no_pose_at_a_stop_means_no_seed(problem: PathProblem, space: ClearSpace
                   vertices=far.vertices + np.array([50.0, 0.0]))  # fmt: skip
     stops = stops_of([Dwell(0, 0, 0, far)], 10)
     assert joint_seeds(space, stops, drawn, None, 4, 0) == []
+
+
+@pytest.mark.parametrize(("turned", "middle"), [(0.3, 5.6), (2.0, 5.5), (-2.5, 5.65)])
+def test_a_set_is_reached_whose_middle_is_too_far(
+    problem: PathProblem, space: ClearSpace, turned: float, middle: float
+) -> None:
+    """The arm is 5.4 m long; a tilted square of 1 m across begins before that."""
+    drawn = problem.corridor(THETA).drawn(np.random.default_rng(0))
+    towards = np.array([cos(turned), sin(turned)])
+    corners = [
+        middle * towards
+        + 0.5 * np.array([cos(turned + k * np.pi / 2), sin(turned + k * np.pi / 2)])
+        for k in range(4)
+    ]
+    sides = [turned + np.pi / 4 + k * np.pi / 2 for k in range(4)]
+    normals = np.array([[cos(side), sin(side)] for side in sides])
+    place = ConvexSet(normals, normals @ (middle * towards) + 0.5 / sqrt(2), np.array(corners))
+    anywhere = replace(space, clearance=BodyClearance((), ()))
+    found = joint_seeds(anywhere, stops_of([Dwell(0, 4, 4, place)], 4), drawn, None, 4, 0)
+    assert found
+    for q in found:
+        tip = np.array(outline(q[-1]).coords[-1])
+        assert np.all(normals @ tip <= place.offsets)
