@@ -24,8 +24,14 @@ from solvers.search.path_search import PathSearch, StructureTask
 from solvers.search.path_task import Design
 from solvers.search.round_task import round_tasks, tasks_by_length, tasks_of_other_lengths
 from solvers.search.search_state import PathAttempt, StructureState
-from solvers.search.shorter_motion import fastest_way, shorter_motion, steps_of_end
+from solvers.search.shorter_motion import (
+    faster_ways,
+    fastest_way,
+    shorter_motion,
+    steps_of_end,
+)
 from solvers.search.structure_search import StructureSearch
+from solvers.trajectory.time_optimal import Timing
 
 FEWEST = 0.5
 """The fewest steps that are tried, relative to what the fastest timing of a known way takes."""
@@ -114,31 +120,74 @@ class ObjectiveSearch:
         return replace(self.given, task=task, name=name)
 
     def shorter(self, best: Design, held: Array) -> Improved:
-        """Attempts at motions along the way of the best design so far, of ever fewer steps.
+        """Attempts at motions of ever fewer steps, along the fastest way that is known.
+
+        That is the way of the best design so far, or another one between poses of the task.
 
         Parameters get no farther from the ends of their ranges that are ``held``, (p,).
         """
-        failed, step = self.given.task.fewest_steps - 1, float(self.given.task.step)
-        for _ in range(ATTEMPTS):
+        counts, others = _StepCounts(self.given.task.fewest_steps - 1), list[Timing]()
+        stuck: Design | None = None
+        for number in range(ATTEMPTS):
             most = len(best.inputs)
-            way = fastest_way(self.paths(best, most), best)
-            rest = steps_of_end(self.given.task)
-            fewest = most if way is None else max(1, ceil(way.duration / step)) + rest
-            failed = max(failed, min(most, int(FEWEST * fewest)))
-            if most - failed <= 1:
+            way = own = fastest_way(self.paths(best, most), best)
+            if not number:
+                others = faster_ways(self.paths(best, most), best, own)
+            if others and (own is None or others[0].duration < own.duration):
+                way = others[0]
+            steps = counts.following(most, most if way is None else self.fewest(way))
+            if steps is None and best is not stuck and most - 1 > counts.hopeless:
+                # What one way did not lead to, that of the newest design may.
+                way, steps = own, most - 1
+            if steps is None:
                 break
-            steps = fewest if failed < fewest < most else (failed + most) // 2
+            if way is own and steps == most - 1:
+                stuck = best
             self.given.context.check_time()
-            paths, box = self.paths(best, steps), self.box(best, held)
-            attempt = shorter_motion(paths, self.cells, best, way, box)
+            attempt = shorter_motion(
+                self.paths(best, steps), self.cells, best, way, self.box(best, held)
+            )
             yield attempt
             if attempt.design is None:
-                failed = steps
+                counts.fail(steps)
             else:
                 best = attempt.design
+                counts.failed = min(counts.failed, steps - 1)
         return best
+
+    def fewest(self, way: Timing) -> int:
+        """The steps that the fastest timing of a way takes, with those of the end of a motion."""
+        task = self.given.task
+        return max(1, ceil(way.duration / float(task.step))) + steps_of_end(task)
 
     def paths(self, best: Design, steps: int) -> PathSearch:
         """The search of paths of motions of so many steps, which the effector of a design ends."""
         given = self.lasting(steps)
         return PathSearch(given, round_tasks(given.task, best.effector)[0], best.effector)
+
+
+@dataclass(slots=True)
+class _StepCounts:
+    """Which numbers of steps to try: the fewest of a way, then a few more each time, then between.
+
+    ``hopeless`` is the largest number that is not worth a try, ``failed`` the largest for which no
+    motion was found.
+    """
+
+    hopeless: int
+    failed: int = 0
+    stride: int = 1
+
+    def following(self, most: int, fewest: int) -> int | None:
+        """What to try where a motion has ``most`` and its way takes ``fewest``; None: nothing."""
+        self.hopeless = max(self.hopeless, min(most, int(FEWEST * fewest)))
+        self.failed = max(self.failed, self.hopeless)
+        if most - self.failed <= 1:
+            return None
+        if self.failed < fewest < most:
+            return fewest
+        return self.failed + min(self.stride, (most - self.failed) // 2)
+
+    def fail(self, steps: int) -> None:
+        """No motion of so many steps was found."""
+        self.failed, self.stride = steps, 2 * self.stride

@@ -26,17 +26,46 @@ from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.time_optimal import Timing, fastest_timing
 from solvers.trajectory.trajectory import Trajectory
 
+WAYS = 8
+"""Other ways that are timed, from poses where the task begins to poses where it ends."""
+
 
 def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
     """The way of a design in joint space, gone along as fast as the drives allow; None: unknown."""
-    motion, numeric = best.configuration.outcome.trajectory, paths.structure.numeric
     path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None:
         return None
-    return fastest_timing(
-        numeric, path_problem.limits, path_problem.groups, motion.theta,
-        motion.x[:, : numeric.n],
-    )  # fmt: skip
+    motion = best.configuration.outcome.trajectory
+    return _timed(path_problem, motion.theta, motion.x[:, : path_problem.numeric.n])
+
+
+def faster_ways(paths: PathSearch, best: Design, than: Timing | None) -> list[Timing]:
+    """Other ways between poses that a task asks for, the fastest first, with what a design has.
+
+    Straight ones and, where bodies have to keep clear, ways around obstacles, as long as they take
+    less time ``than`` a known one.  Where a formula says what happens in between there are none.
+    """
+    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    if path_problem is None or path_problem.formula is not None:
+        return []
+    many, theta = (
+        replace(path_problem, branch_count=WAYS),
+        best.configuration.outcome.trajectory.theta,
+    )
+    timed = [
+        _timed(path_problem, theta, way)
+        for straight in ((True, False) if path_problem.binds_bodies else (True,))
+        for way in many.joint_ways(theta, straight=straight)
+    ]
+    limit = np.inf if than is None else than.duration
+    known = [each for each in timed if each is not None and each.duration < limit]
+    return sorted(known, key=lambda each: each.duration)
+
+
+def _timed(path_problem: PathProblem, theta: Array, motion: Array) -> Timing | None:
+    """The fastest timing along the way of a motion (k + 1, n), None where none is known."""
+    numeric, limits = path_problem.numeric, path_problem.limits
+    return fastest_timing(numeric, limits, path_problem.groups, theta, motion)
 
 
 def shorter_motion(

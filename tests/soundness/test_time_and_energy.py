@@ -224,6 +224,69 @@ def table(folder: Path) -> list[dict[str, float]]:
         return [{key: float(text) for key, text in row.items() if text} for row in rows]
 
 
+REACHER = """
+module Base { role base; }
+module Drive { role joint; dof q: revolute z in [-180, 180] deg rate in [-1, 1] rad/s; }
+module Upper { role link; const length = 0.5 m; const mass = 0.2 kg; }
+module Lower { role link; const length = 0.4 m; const mass = 0.2 kg; }
+module Hand { role effector; }
+edge e;
+grammar Arm {
+  start A; base: A -> Base; drive: A -> A e Drive; upper: A -> A e Upper; lower: A -> A e Lower;
+  hand: A -> A e Hand;
+  accept matches Base e Drive e Upper e Drive e Lower e Hand;
+}
+semantics Arm {
+  base { this.at = world; }
+  drive { this.at = A.at * rot(z, Drive.q); }
+  upper { this.at = A.at * move(x, Upper.length); point(frame: this.at, mass: Upper.mass); }
+  lower { this.at = A.at * move(x, Lower.length); point(frame: this.at, mass: Lower.mass); }
+  hand { this.at = A.at; effector(frame: A.at); }
+}
+workspace W {
+  plane xy; bounds box [-1, 1] x [-1, 1] m;
+  region From box FROM m; target To box TO m;
+}
+task Go {
+  robot Arm; workspace W; start in From at rest; reach To at rest;
+  effort <= 50 N*m; horizon at most 60 steps of 0.1 s; minimize time;
+}
+"""
+
+
+def branches(box: tuple[float, float, float, float]) -> np.ndarray:
+    """Joint angles (m, 2) that put the hand of the reacher on a grid in a box, both elbows."""
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(*box[:2], 9), np.linspace(*box[2:], 9)))
+    c = (x**2 + y**2 - 0.5**2 - 0.4**2) / (2 * 0.5 * 0.4)
+    x, y, c = x[np.abs(c) <= 1], y[np.abs(c) <= 1], c[np.abs(c) <= 1]
+    angles = []
+    for elbow in (np.arccos(c), -np.arccos(c)):
+        q = np.arctan2(y, x) - np.arctan2(0.4 * np.sin(elbow), 0.5 + 0.4 * np.cos(elbow))
+        angles.append(np.stack([(q + np.pi) % (2 * np.pi) - np.pi, elbow], axis=1))
+    return np.concatenate(angles)
+
+
+@pytest.mark.parametrize(
+    ("start", "goal"),
+    [
+        ((0.5, 0.55, 0.4, 0.45), (-0.6, -0.55, 0.4, 0.45)),
+        ((0.3, 0.35, -0.65, -0.6), (0.1, 0.2, 0.6, 0.7)),
+        ((0.62, 0.7, 0.6, 0.68), (-0.72, -0.66, 0.56, 0.62)),
+    ],
+)
+def test_least_times_of_an_arm_whose_rates_are_limited(
+    start: tuple[float, float, float, float],
+    goal: tuple[float, float, float, float],
+    tmp_path: Path,
+) -> None:
+    """Strong drives: no joint turns faster than it may, and the best pair of poses is near that."""
+    from_text, to_text = (f"[{box[0]}, {box[1]}] x [{box[2]}, {box[3]}]" for box in (start, goal))
+    out = found(REACHER.replace("FROM", from_text).replace("TO", to_text), tmp_path)
+    turns = np.abs(branches(start)[:, None] - branches(goal)[None]).max(axis=2)
+    least = float(turns.min())
+    assert least - 0.1 <= objective(out, "time")["value"] <= least + 0.4
+
+
 def test_the_energy_of_a_slide(tmp_path: Path) -> None:
     """The force is held within a step, and the mass does not turn back."""
     out = found(timed("const mass = 2 kg", "energy"), tmp_path)
