@@ -10,6 +10,7 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
+from solvers.planner import EffectorPath
 from solvers.search.calm_motion import calmer
 from solvers.search.cell_timing import settled
 from solvers.search.closed_loop import needs_feedback
@@ -140,35 +141,57 @@ def _solved(
 
 def _problem(paths: PathSearch, cells: Abstraction, best: Design, steps: int) -> PathProblem | None:
     """The path problem along the cells of a design; None where its formula does not allow that."""
-    old, routes = len(best.inputs), []
-    for effector, names in enumerate(best.path):
-        route = entered(cells, effector, names)
-        if route is None:
-            return None
-        routes.append(route)
-    leader = routes[best.leader]
+    leader = _route(cells, best)
+    if paths.place.on_samples(best.effector) is None:
+        leader = replace(leader, cells=_thinned(leader.cells, steps), entries=None)
     found = paths.place.path_problem(cells, best.effector, best.leader, leader.cells)
     if found.formula is not None:
-        others = [route for route in routes if route is not leader]
-        timed = (
-            replace(
-                found,
-                timing=shorten(leader.entries or (0,), old, steps),
-                others=tuple(
-                    replace(route, entries=shorten(route.entries or (0,), old, steps))
-                    for route in others
-                ),
-            )
-            for shorten in (_scaled, _with_the_end, _cut_short)
-        )
-        allowed = (each for each in timed if each.allows(each.timing or (0,)))
-        first = next(allowed, None)
-        if first is None:
+        timed = _timed_for_formula(found, best, leader)
+        if timed is None:
             return None
-        found = first
-    elif len(leader.cells) > steps:
-        return None
+        found = timed
     return calmer(found) if best.controller is not None or needs_feedback(found) else found
+
+
+def _route(cells: Abstraction, best: Design) -> EffectorPath:
+    """The cells of the leader of a design; those that led to it where its samples pass some by."""
+    known = entered(cells, best.leader, best.path[best.leader])
+    own = best.configuration
+    return EffectorPath(best.leader, own.cells, own.entries) if known is None else known
+
+
+def _thinned(route: tuple[int, ...], steps: int) -> tuple[int, ...]:
+    """As many cells of a route as a motion of so many steps may have, evenly, with both ends."""
+    if len(route) <= max(2, steps):
+        return route
+    places = np.linspace(0, len(route) - 1, max(2, steps)).round().astype(int)
+    return tuple(route[place] for place in places)
+
+
+def _timed_for_formula(
+    found: PathProblem, best: Design, leader: EffectorPath
+) -> PathProblem | None:
+    """The path problem entered as the design enters it, faster; None where that is not allowed."""
+    old, steps = len(best.inputs), found.task.steps
+    others = []
+    for effector, names in enumerate(best.path):
+        route = entered(found.abstraction, effector, names)
+        if effector != best.leader:
+            if route is None:
+                return None
+            others.append(route)
+    timed = (
+        replace(
+            found,
+            timing=shorten(leader.entries or (0,), old, steps),
+            others=tuple(
+                replace(route, entries=shorten(route.entries or (0,), old, steps))
+                for route in others
+            ),
+        )
+        for shorten in (_scaled, _with_the_end, _cut_short)
+    )
+    return next((each for each in timed if each.allows(each.timing or (0,))), None)
 
 
 # --- Entries of a motion of fewer steps, each cell with a sample of its own -----------------------

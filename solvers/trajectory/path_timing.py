@@ -60,9 +60,16 @@ def polyline(abstraction: Abstraction, cells: tuple[int, ...]) -> Polyline:
         if number >= 2 and cells[number - 2] == cell:
             points.append(_centre(abstraction, before))
         gates.append(len(points))
-        points.append(abstraction.facet_centre(before, cell))
+        points.append(_gate(abstraction, before, cell))
     points.append(_centre(abstraction, cells[-1]))
     return Polyline(np.array(points), tuple(gates))
+
+
+def _gate(abstraction: Abstraction, before: int, cell: int) -> Array:
+    """The centre of the facet between two cells; of those that have none, half way."""
+    if cell in abstraction.neighbours[before]:
+        return abstraction.facet_centre(before, cell)
+    return (_centre(abstraction, before) + _centre(abstraction, cell)) / 2
 
 
 def _centre(abstraction: Abstraction, cell: int) -> Array:

@@ -83,6 +83,25 @@ def test_no_motion_is_shorter_than_the_task_allows(end: str, fewest: int, tmp_pa
     assert not (out / "proofs" / "time").exists()
 
 
+def test_a_motion_may_have_fewer_steps_than_its_way_has_cells(tmp_path: Path) -> None:
+    """320 N are enough for one step of 0.1 s, and the way leads through three cells."""
+    strong = timed("const mass = 2 kg", "time", steps=12, effort="effort <= 2000 N;", end="")
+    out = found(strong, tmp_path)
+    assert read(out)["steps"] == 1
+    assert objective(out, "time")["least"] == objective(out, "time")["value"] == 0.1
+
+
+def test_samples_may_pass_cells_by(tmp_path: Path) -> None:
+    """Between two samples the mass crosses a strip of 2 cm, which divides the way."""
+    text = timed("const mass = 2 kg", "time")
+    strip = "region Strip box [0.6, 0.62] x [-1, 1] m;"
+    divided = text.replace("target Goal", f"{strip} target Goal")
+    assert strip in divided
+    out = found(divided, tmp_path)
+    assert any("Strip" not in path for path in read(out)["path"])
+    assert read(out)["steps"] <= ceil(2 * sqrt(2 * 0.8 / 20) / 0.1) + 1
+
+
 def test_the_faster_of_two_drives_is_found(tmp_path: Path) -> None:
     out = found(timed("const mass = 8 kg; const mass = 2 kg", "time", kinds="Slow Fast"), tmp_path)
     assert read(out)["word"][2] == "Fast"
