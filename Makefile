@@ -119,17 +119,26 @@ hooks: .venv/installed
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/bench.lock
 	touch $@
 
-bench: .venv/compared
+# Timor, a toolbox for modular robots, wants other versions of what srgc is built on.
+.venv/timor/installed: .venv/installed requirements/timor.lock
+	$(PYTHON) -m venv --clear .venv/timor
+	.venv/timor/bin/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/timor.lock
+	touch $@
+
+bench: .venv/compared .venv/timor/installed
 	$(BIN)/python benchmarks/record.py -o out/bench
 
 # Needs uv and the network; every other target uses what it wrote.
 COMPILE := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
   --no-emit-index-url --no-emit-find-links
 
+TIMOR := timor-python==1.1.1 pygad==3.9.2 ompl==2.0.1 toppra==0.6.10
+
 lock:
 	$(COMPILE) --extra test -o requirements/dev.lock pyproject.toml
 	$(COMPILE) --extra bench -c requirements/dev.lock -o requirements/bench.lock pyproject.toml
 	$(COMPILE) --extra oracles -c requirements/dev.lock -o requirements/slow.lock pyproject.toml
+	printf '%s\n' $(TIMOR) | $(COMPILE) -o requirements/timor.lock -
 
 clean:
 	rm -rf .venv out build .coverage .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info editors/vscode/node_modules editors/vscode/dist

@@ -124,6 +124,16 @@ BENCHMARKS = {
         "Paths that cannot be followed, explained by cores, by an IIS as in SMC-LTL, or not.",
         "benchmarks/path_cores.py",
     ),
+    "modular_search": Benchmark(
+        "Fewest modules, then the least time",
+        "Arms of Timor's modules for two goals, against a lexicographic genetic search.",
+        "benchmarks/modular_search.py",
+    ),
+    "base_placement": Benchmark(
+        "Modules, place and motion at once",
+        "The same with a base that may stand elsewhere.",
+        "benchmarks/modular_search.py --placed --tasks 3",
+    ),
     "smt_agreement": Benchmark(
         "Scripts by two solvers",
         "All scripts of refutations of shipped, small and random families, by z3 and by cvc5.",
