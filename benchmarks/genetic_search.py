@@ -99,9 +99,10 @@ class Placed:
         names = assembly.original_module_ids if hasattr(assembly, "original_module_ids") else ()
         self.names = tuple(names) or tuple(m.id for m in assembly.module_instances)
         number = next(int(n.removesuffix("base")) for n in self.names if n.endswith("base"))
+        turn = np.deg2rad(task["turn"])
         place = np.eye(4)
-        place[:2, 3] = task["placements"][number]
-        self.place = place[:3, 3]
+        place[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+        place[:3, 3] = self.place = np.array(task["placements"][number])
         self.robot.set_base_placement(place)
         self.low, self.high = self.robot.joint_limits
         self.low = np.maximum(self.low, -HALF_TURN)

@@ -1,9 +1,10 @@
 """Robots of the fewest modules, then the least time: `srgc synth` beside a lexicographic search.
 
 The peer is ``genetic_search.py``, Timor's genetic search on Timor's modules, in an environment of
-its own (``make .venv/timor/installed``).  Random tasks have two goals of 2 cm, pillars and a floor;
-robots are of Timor's revolute joints and tubes.  With ``--placed`` the base may stand anywhere on a
-square of 80 cm; the genetic search chooses between 25 places of it.
+its own (``make .venv/timor/installed``).  The first task is that of Timor's tutorial; others are
+random: two goals of 2 cm, pillars and a floor.  Robots are of Timor's revolute joints and tubes.
+With ``--placed`` tasks are random and the base may stand anywhere on a square of 80 cm; the genetic
+search chooses between 25 places of it.
 
 Each task is given to ours once, found results to `srgc verify`, and to the peer with some seeds;
 times are processor times of whole processes.  An answer of the peer with fewer modules than ours
@@ -37,22 +38,28 @@ Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 @dataclass(frozen=True)
 class Scene:
-    """Two goals and pillars; metres, the base at the origin or within ``free`` of it."""
+    """Two goals, and boxes to keep clear of, in metres.
 
-    seed: int
+    The base stands ``height`` above the origin, turned about z by ``turn`` degrees, or up to
+    ``free`` to either side of that.
+    """
+
+    name: str
     goals: tuple[Box, Box]
-    pillars: tuple[Box, ...]
+    walls: tuple[Box, ...]
     modules: int
-    free: float
+    free: float = 0.0
+    height: float = 0.0
+    turn: float = 0.0
 
     @property
     def spec(self) -> str:
         """The task in the language; the floor module puts the base where the peer has it."""
+        names = [f"Wall{number}" for number in range(len(self.walls))]
         walls = "".join(
-            f"  obstacle Pillar{number} box {sides(box)};\n"
-            for number, box in enumerate(self.pillars)
+            f"  obstacle {name} box {sides(box)};\n"
+            for name, box in zip(names, self.walls, strict=True)
         )
-        names = ", ".join(["Ground", *(f"Pillar{number}" for number in range(len(self.pillars)))])
         value = f"in [-{self.free}, {self.free}] m" if self.free else "= 0 m"
         kind = "param" if self.free else "const"
         place = f"{kind} east {value}; {kind} north {value};"
@@ -60,7 +67,7 @@ class Scene:
 module Floor {{
   role base; {place}
   port out: Std_Timor_Ground male;
-  frame out = in * move((east, north, 0 m));
+  frame out = in * move((east, north, {self.height} m)) * rot(z, {self.turn} deg);
 }}
 grammar Arms from ports {{
   start Floor;
@@ -71,7 +78,6 @@ workspace Hall {{
   bounds box [-3, 3] x [-3, 3] x [-1, 3] m;
   region Pick box {sides(self.goals[0])};
   target Place box {sides(self.goals[1])};
-  obstacle Ground box {sides(GROUND)};
 {walls}}}
 task Move {{
   robot Arms;
@@ -79,7 +85,7 @@ task Move {{
   start in Pick at rest;
   reach Place at rest;
   avoid self with body, margin 1 mm;
-  avoid {names} with body;
+  avoid {", ".join(names)} with body;
   gravity (0, 0, -9.81) m/s^2;
   horizon at most {STEPS} steps of {STEP};
   modules <= {self.modules + 1};
@@ -93,8 +99,9 @@ task Move {{
         return {
             "seed": seed,
             "goals": self.goals,
-            "obstacles": [GROUND, *self.pillars],
-            "placements": [[float(x), float(y)] for x, y in product(along, repeat=2)],
+            "obstacles": self.walls,
+            "placements": [[float(x), float(y), self.height] for x, y in product(along, repeat=2)],
+            "turn": self.turn,
             "modules": self.modules,
             "minimize": ["modules", "time"],
             "hyperparameters": {"num_genes": self.modules, "num_generations": generations},
@@ -133,7 +140,21 @@ def scene(seed: int, modules: int, free: float) -> Scene:
                 ((round(low[0], 3), round(low[1], 3), 0.0),
                  (round(high[0], 3), round(high[1], 3), height))
             )  # fmt: skip
-    return Scene(seed, goals, tuple(pillars), modules, free)  # type: ignore[arg-type]
+    return Scene(str(seed), goals, (GROUND, *pillars), modules, free)  # type: ignore[arg-type]
+
+
+def desk(modules: int) -> Scene:
+    """The task of Timor's tutorial ``solve_a_task.ipynb``; its legs are boxes around cylinders."""
+    goals = [
+        around(np.array([x, 0.2, z]), np.full(3, 0.001)) for x, z in ((0.55, 0.49), (-0.55, 0.45))
+    ]
+    top: Box = ((-0.8, -0.4, 0.375), (0.8, 0.4, 0.425))
+    plateau: Box = ((0.33, 0.06, 0.425), (0.63, 0.26, 0.465))
+    legs = [
+        around(np.array([x * 0.75, y * 0.35, 0.2]), np.array([0.05, 0.05, 0.2]))
+        for x, y in product((-1, 1), repeat=2)
+    ]
+    return Scene("desk", (goals[0], goals[1]), (top, plateau, *legs), modules, 0.0, 0.426, 90.0)
 
 
 def around(middle: np.ndarray, half: np.ndarray) -> Box:
@@ -159,7 +180,7 @@ def ours(given: Scene, folder: Path) -> dict[str, Any]:
     spec.write_text(given.spec, encoding="utf-8")
     status, _, cpu = timed([*SRGC, "synth", str(spec), "--force", "-q", "-o", str(out)])
     if status not in VERDICTS:
-        raise SystemExit(f"scene {given.seed}: exit status {status}")
+        raise SystemExit(f"scene {given.name}: exit status {status}")
     found: dict[str, Any] = {"verdict": VERDICTS[status], "cpu": cpu}
     design = json.loads((out / "design.json").read_text(encoding="utf-8"))
     found["looked at"] = design["iterations"]["structures"]
@@ -174,7 +195,7 @@ def ours(given: Scene, folder: Path) -> dict[str, Any]:
     if status != UNKNOWN:
         status, _, found["verify"] = timed([*SRGC, "verify", str(out), "-q"])
         if status:
-            raise SystemExit(f"scene {given.seed}: verify ended with {status}")
+            raise SystemExit(f"scene {given.name}: verify ended with {status}")
     return found
 
 
@@ -187,7 +208,7 @@ def peers(given: Scene, python: Path, seeds: int, generations: int, folder: Path
         script = str(ROOT / "benchmarks" / "genetic_search.py")
         status, printed, cpu = timed([str(python), script, str(task)])
         if status:
-            raise SystemExit(f"scene {given.seed}: the genetic search ended with {status}")
+            raise SystemExit(f"scene {given.name}: the genetic search ended with {status}")
         found.append({**json.loads(printed.splitlines()[-1]), "cpu": cpu})
     return found
 
@@ -197,14 +218,14 @@ def line(given: Scene, own: dict[str, Any], theirs: list[Any]) -> str:
     good = [each for each in theirs if each["found"]]
     fewest = min((len(each["modules"]) for each in good), default=None)
     if fewest is not None and (own["verdict"] == "impossible" or fewest < own.get("least", 0)):
-        raise SystemExit(f"scene {given.seed}: a robot of {fewest} modules contradicts the proof")
+        raise SystemExit(f"scene {given.name}: a robot of {fewest} modules contradicts the proof")
     times = [each["time"] for each in good if len(each["modules"]) == fewest]
     least = ""
     if own["verdict"] == "found":
         known = own["least"] == own["modules"]
         least = "proved" if known else f"{own['undecided']} open"
     left = [
-        f"{given.seed:5}  {own['verdict']:<10}{own.get('modules', ''):>8} {least:<8}",
+        f"{given.name:>5}  {own['verdict']:<10}{own.get('modules', ''):>8} {least:<8}",
         f"{own.get('time', ''):>6}{own['looked at']:>7}{own['cpu']:>8.0f}",
         f"{own.get('verify', 0):>8.1f}   {len(good):>2}/{len(theirs)}{fewest or '':>8}",
         f"{f'{min(times):.2f}' if times else '':>7}{f'{median(times):.2f}' if times else '':>7}",
@@ -227,18 +248,23 @@ def main() -> None:
     options = parser.parse_args()
     if not options.timor.exists():
         raise SystemExit(f"{options.timor}: no such file; make .venv/timor/installed makes it")
+    scenes = [
+        scene(seed, options.modules, 0.4 if options.placed else 0.0)
+        for seed in range(options.first, options.first + options.tasks)
+    ]
+    if not options.placed:
+        scenes.insert(0, desk(options.modules))
     print(machine())
     print(f"{'':52}srgc   {'genetic search':>39}")
     print(" scene  verdict   modules           time looked   cpu s  verify"
           "   found modules   best median looked   cpu s")  # fmt: skip
     lines = []
     with tempfile.TemporaryDirectory() as scratch:
-        for seed in range(options.first, options.first + options.tasks):
-            given = scene(seed, options.modules, 0.4 if options.placed else 0.0)
+        for given in scenes:
             own = ours(given, Path(scratch))
             theirs = peers(given, options.timor, options.seeds, options.generations, Path(scratch))
             print(line(given, own, theirs), flush=True)
-            lines.append({"scene": seed, "ours": own, "peer": theirs})
+            lines.append({"scene": given.name, "ours": own, "peer": theirs})
     if options.json is not None:
         options.json.parent.mkdir(parents=True, exist_ok=True)
         content = {"machine": machine(), "placed": options.placed, "scenes": lines}
