@@ -132,7 +132,9 @@ bench: .venv/compared .venv/timor/installed
 COMPILE := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
   --no-emit-index-url --no-emit-find-links
 
-TIMOR := timor-python==1.1.1 pygad==3.9.2 ompl==2.0.1 toppra==0.6.10
+# Its Pinocchio was built against these; their own bounds on each other are too wide.
+TIMOR := timor-python==1.1.1 pygad==3.9.2 ompl==2.0.1 toppra==0.6.10 tqdm==4.67.1 \
+  pin==2.7.0 hpp-fcl==2.4.4 eigenpy==3.5.1 cmeel-boost==1.83.0 numpy==1.26.4
 
 lock:
 	$(COMPILE) --extra test -o requirements/dev.lock pyproject.toml

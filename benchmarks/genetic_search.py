@@ -282,7 +282,10 @@ def main() -> None:
     np.random.seed(task["seed"])  # noqa: NPY002 - Timor's selection draws from it
     fitness = Fitness(task)
     search = GA(modules(task), task["hyperparameters"], rng=np.random.default_rng(task["seed"]))
-    search.optimize(fitness, progress_bar=False, timeout=task["seconds"], save_best_solutions=False)
+    search.optimize(
+        fitness, progress_bar=False, timeout=task["seconds"], save_best_solutions=False,
+        selection_type="rank",
+    )  # fmt: skip
     spent = time.process_time() - fitness.began
     print(json.dumps({**fitness.answer, "looked at": fitness.looked_at, "cpu": spent}))
 
