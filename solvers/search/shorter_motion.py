@@ -56,7 +56,7 @@ def faster_ways(paths: PathSearch, best: Design, than: Timing | None) -> list[Ti
     timed = [
         _timed(path_problem, theta, way)
         for straight in ((True, False) if path_problem.binds_bodies else (True,))
-        for way in many.joint_ways(theta, straight=straight)
+        for way in many.joint_ways(theta, straight=straight, to_edges=True)
     ]
     limit = np.inf if than is None else than.duration
     known = [each for each in timed if each is not None and each.duration < limit]

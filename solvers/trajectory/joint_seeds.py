@@ -66,11 +66,13 @@ def joint_seeds(
     seed: int,
     *,
     straight: bool = False,
+    to_edges: bool = False,
 ) -> list[Array]:
     """Motions (k + 1, n) through all stops, at most ``count``, the shortest first.
 
     ``drawn`` are random poses; ``first`` (n,) is the only pose to start from, None: any.  Ways that
-    have to be ``straight`` between stops are not led around obstacles.
+    have to be ``straight`` between stops are not led around obstacles.  Sets whose middle is out of
+    reach are only looked at again where their edges count, too (``to_edges``).
     """
     rng = np.random.default_rng(seed)
     known: dict[tuple[tuple[int, int], ...], Array] = {}
@@ -79,7 +81,7 @@ def joint_seeds(
         check_time()
         key = tuple((point, id(region)) for point, region in stop.aims)
         if key not in known:
-            known[key] = _poses(space, stop, drawn, rng)
+            known[key] = _poses(space, stop, drawn, rng, NEARER if to_edges else 0)
         poses.append(known[key])
     if first is not None:
         poses[0] = first[None]
@@ -89,8 +91,13 @@ def joint_seeds(
     return chains.motions(count)
 
 
-def _poses(space: ClearSpace, stop: Stop, drawn: Pool, rng: np.random.Generator) -> Array:
-    """Clear poses (K, n) with the points of a stop in their sets, far from each other."""
+def _poses(
+    space: ClearSpace, stop: Stop, drawn: Pool, rng: np.random.Generator, nearer: int
+) -> Array:
+    """Clear poses (K, n) with the points of a stop in their sets, far from each other.
+
+    Where no point gets to its target, there are new ones up to ``nearer`` times.
+    """
     if not stop.aims:
         q = drawn.q[: POSES * LOOKED]
     else:
@@ -106,7 +113,7 @@ def _poses(space: ClearSpace, stop: Stop, drawn: Pool, rng: np.random.Generator)
         points = [point for point, _ in stop.aims]
         q, left = solve_positions(space.numeric, starts, space.theta, points, targets, space.box)
         reached = left < REACHED * space.extent
-        for _ in range(0 if reached.any() else NEARER):
+        for _ in range(0 if reached.any() else nearer):
             places = positions_of(space.numeric, q, space.theta)
             targets = np.concatenate(
                 [_nearest(region, places[:, point]) for point, region in stop.aims], axis=1

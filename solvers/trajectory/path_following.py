@@ -260,21 +260,21 @@ class PathProblem:
         u = resting_inputs(input_groups(self.model, self.task), self.task.steps, self.numeric.m)
         return Trajectory(np.concatenate([q, v, own], axis=1), u, theta)
 
-    def joint_ways(self, theta: Array, *, straight: bool) -> list[Array]:
-        """Coordinates (k + 1, n) of ways in joint space through the places that bind points."""
-        corridor, entries = self.corridor(theta), self.waypoints()[1]
+    def joint_ways(self, theta: Array, *, straight: bool, to_edges: bool = False) -> list[Array]:
+        """Coordinates (k + 1, n) of ways through the places that bind points (``joint_seeds``)."""
+        corridor, entries, numeric = self.corridor(theta), self.waypoints()[1], self.numeric
         drawn = corridor.drawn(np.random.default_rng(self.seed))
-        numeric = self.numeric
+        far = float(np.max(np.abs(drawn.positions)))
         space = ClearSpace(
-            numeric, theta, corridor.clearance,
-            sampled_box(numeric, corridor.box, float(np.max(np.abs(drawn.positions)))),
-            corridor.levers, float(np.max(np.abs(drawn.positions))), self.margin,
+            numeric, theta, corridor.clearance, sampled_box(numeric, corridor.box, far),
+            corridor.levers, far, self.margin,
         )  # fmt: skip
         stops = stops_of(self.plan(entries, released=True).dwells, self.task.steps)
         first = self.limits.start_values
         return joint_seeds(
-            space, stops, drawn, first, self.branch_count, self.seed, straight=straight
-        )
+            space, stops, drawn, first, self.branch_count, self.seed,
+            straight=straight, to_edges=to_edges,
+        )  # fmt: skip
 
     @property
     def binds_bodies(self) -> bool:

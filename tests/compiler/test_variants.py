@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import islice
 
 import numpy as np
@@ -13,7 +14,9 @@ from compiler.lemmas.neutral_productions import neutral_productions
 from compiler.lemmas.variants import holds_of_variants
 from compiler.robots.candidate import candidates
 from compiler.robots.normal_form import RobotFamily, family_of
+from compiler.words.acceptance import accept_dfa
 from compiler.words.derivation import Derivation
+from compiler.words.finite_automaton import Dfa
 from grammar_lang.conditions import condition_of
 from tests.oracles.formulas import program
 
@@ -143,21 +146,22 @@ def test_variants_by_brute_force(text: str) -> None:
     (task,) = of.program.tasks.values()
     base = of.replay(("tool", "link", "knee", "link", "joint", "base"))
     condition = condition_of(text, of.language.srg.terminals)
-    read = [
-        candidate.derivation
-        for candidate in candidates(of, 7, None)
-        if holds(text, candidate.derivation.word)
-    ]
+    read = [each for each in short_derivations() if accepted(text).accepts(each.word)]
     assert read
     expected = all(is_variant(chain(each), chain(base)) for each in read)
     assert holds_of_variants(of, task, base, condition) == expected
 
 
-def holds(text: str, word: tuple[str, ...]) -> bool:
-    from compiler.words.acceptance import accept_dfa
+@cache
+def short_derivations() -> tuple[Derivation, ...]:
+    """Those of all robots of up to seven modules."""
+    return tuple(candidate.derivation for candidate in candidates(family(), 7, None))
 
+
+@cache
+def accepted(text: str) -> Dfa:
     alphabet = ("B", "J", "K", "L", "W", "E", "eps")
-    return accept_dfa(condition_of(text, alphabet), alphabet).accepts(word)
+    return accept_dfa(condition_of(text, alphabet), alphabet)
 
 
 def test_a_variant_has_no_pose_that_the_other_has_not() -> None:

@@ -141,7 +141,8 @@ def test_a_set_is_reached_whose_middle_is_too_far(
     normals = np.array([[cos(side), sin(side)] for side in sides])
     place = ConvexSet(normals, normals @ (middle * towards) + 0.5 / sqrt(2), np.array(corners))
     anywhere = replace(space, clearance=BodyClearance((), ()))
-    found = joint_seeds(anywhere, stops_of([Dwell(0, 4, 4, place)], 4), drawn, None, 4, 0)
+    stops = stops_of([Dwell(0, 4, 4, place)], 4)
+    found = joint_seeds(anywhere, stops, drawn, None, 4, 0, to_edges=True)
     assert found
     for q in found:
         tip = np.array(outline(q[-1]).coords[-1])

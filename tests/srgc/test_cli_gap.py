@@ -9,7 +9,7 @@ import pytest
 
 import srgc
 from compiler.time_limits.time_limit import OutOfTimeError
-from solvers.search import robustness_bound
+from solvers.search import narrowed_family
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.results.folder_writer import JOURNAL
 from tests.oracles.result_files import read
@@ -91,7 +91,7 @@ def test_not_with_all(srgc, spec, tmp_path):
 def test_out_of_time_and_resumed(srgc, spec, tmp_path, monkeypatch):
     """What was found out about the bound is not found out again, and the end is the same."""
     file, whole, parts = spec(TWO), tmp_path / "whole", tmp_path / "parts"
-    asked = robustness_bound.drive_refutation
+    asked = narrowed_family.drive_refutation
     counts = {"made": 0, "most": 10**9}
 
     def counted(*given):
@@ -100,7 +100,7 @@ def test_out_of_time_and_resumed(srgc, spec, tmp_path, monkeypatch):
             raise OutOfTimeError
         return asked(*given)
 
-    monkeypatch.setattr(robustness_bound, "drive_refutation", counted)
+    monkeypatch.setattr(narrowed_family, "drive_refutation", counted)
     assert srgc("synth", file, "-o", whole, "--gap", "20").status == 0
     all_of_them, counts["made"], counts["most"] = counts["made"], 0, 4
     ran = srgc("synth", file, "-o", parts, "--gap", "20")
