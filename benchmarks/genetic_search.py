@@ -51,6 +51,7 @@ RESTARTS = 30  # of inverse kinematics, for each goal
 CHOICES = 4  # configurations of each goal between which paths are sought
 PATH_SECONDS = 1.0
 HALF_TURN = np.pi
+IDENTIFIERS = {"ID", "name", "parent", "child"}
 
 
 # --- the modules ---------------------------------------------------------------------------------
@@ -80,7 +81,7 @@ def renamed(module: Any, name: str) -> Any:
     """A copy of a module whose identifiers begin with another name."""
     if isinstance(module, dict):
         return {
-            key: name + value if key in {"ID", "parent", "child"} else renamed(value, name)
+            key: name + value if key in IDENTIFIERS else renamed(value, name)
             for key, value in module.items()
         }
     return [renamed(part, name) for part in module] if isinstance(module, list) else module

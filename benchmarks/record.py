@@ -132,7 +132,7 @@ BENCHMARKS = {
     "base_placement": Benchmark(
         "Modules, place and motion at once",
         "The same with a base that may stand elsewhere.",
-        "benchmarks/modular_search.py --placed --tasks 3",
+        "benchmarks/modular_search.py --placed",
     ),
     "smt_agreement": Benchmark(
         "Scripts by two solvers",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 
 from compiler.objectives.least_values import Amount
@@ -74,7 +75,7 @@ class ObjectiveResult:
         if self.gap is None:
             return best
         least = value_text(self.amount.objective, self.least)
-        return f"{best}; no robot has less than {least} (gap {float(100 * self.gap):.2g} %)"
+        return f"{best}; no robot has less than {least} (gap {gap_text(self.gap)})"
 
     def _others(self) -> str:
         """The robots that may have less, and do it."""
@@ -324,3 +325,10 @@ class _Used:
         copied = replace(first, word=record.word, derivation=record.derivation, script=None)
         boxes, first_place = (first.boxes, None) if same == place else (None, same)
         self.records.append(replace(copied, lemma=None, boxes=boxes, same_robot_as=first_place))
+
+
+def gap_text(gap: Fraction) -> str:
+    """A gap in percent, in two digits that say no less than it is."""
+    percent = 100 * gap
+    digits = Context(prec=2, rounding=ROUND_CEILING)
+    return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"

@@ -43,8 +43,8 @@ def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
 def faster_ways(paths: PathSearch, best: Design, than: Timing | None) -> list[Timing]:
     """Other ways between poses that a task asks for, the fastest first, with what a design has.
 
-    Straight ones and, where bodies have to keep clear, ways around obstacles, as long as they take
-    less time ``than`` a known one.  Where a formula says what happens in between there are none.
+    Straight ones or, where none is clear, ways around obstacles, as long as they take less time
+    ``than`` a known one.  Where a formula says what happens in between there are none.
     """
     path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None or path_problem.formula is not None:
@@ -53,11 +53,10 @@ def faster_ways(paths: PathSearch, best: Design, than: Timing | None) -> list[Ti
         replace(path_problem, branch_count=WAYS),
         best.configuration.outcome.trajectory.theta,
     )
-    timed = [
-        _timed(path_problem, theta, way)
-        for straight in ((True, False) if path_problem.binds_bodies else (True,))
-        for way in many.joint_ways(theta, straight=straight, to_edges=True)
-    ]
+    ways = many.joint_ways(theta, straight=True, to_edges=True)
+    if not ways and path_problem.binds_bodies:
+        ways = many.joint_ways(theta, straight=False, to_edges=True)
+    timed = [_timed(path_problem, theta, way) for way in ways]
     limit = np.inf if than is None else than.duration
     known = [each for each in timed if each is not None and each.duration < limit]
     return sorted(known, key=lambda each: each.duration)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, Context, Decimal
-from fractions import Fraction
 
 import numpy as np
 
@@ -15,6 +13,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import dry_friction, input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
+from solvers.search.optimality import gap_text
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
@@ -209,13 +208,6 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
 def steps_taken(steps: int, task: ir.Task) -> str:
     """How many steps a motion has, of those that a task allows."""
     return f"{steps} of at most {counted(task.steps, 'step')}"
-
-
-def gap_text(gap: Fraction) -> str:
-    """A gap in percent, in two digits that say no less than it is."""
-    percent = 100 * gap
-    digits = Context(prec=2, rounding=ROUND_CEILING)
-    return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"
 
 
 def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:

@@ -32,6 +32,7 @@ SAID = {
     "least price 100": result("100", "100"),
     "least price 0": result("0", "0"),
     "price 100; no robot has less than 80 (gap 25 %)": result("100", "80"),
+    "price 100; no robot has less than 8 (gap 1200 %)": result("100", "8"),
     "price 110 (least price 100)": result("110", "100", "100"),
     "price 100": result("100", "0"),
     "least price 100, unless the undecided robot does it for less": result(
