@@ -97,8 +97,7 @@ class Placed:
         self.robot = assembly.robot
         self.task = task
         self.rng = rng
-        names = assembly.original_module_ids if hasattr(assembly, "original_module_ids") else ()
-        self.names = tuple(names) or tuple(m.id for m in assembly.module_instances)
+        self.names = tuple(assembly.original_module_ids)
         number = next(int(n.removesuffix("base")) for n in self.names if n.endswith("base"))
         turn = np.deg2rad(task["turn"])
         place = np.eye(4)
@@ -255,9 +254,9 @@ class Fitness:
     def values(self, placed: Placed) -> tuple[tuple[float, ...], float | None]:
         count = len(placed.names)
         within = count <= self.task["modules"]
-        missing = (-sum(self.too_short(placed, goal) for goal in self.task["goals"]), -count)
-        if not within or missing[0] < 0 or placed.robot.dof == 0:
-            return (float(within), missing[0], 0, 0, 0, -count, 0), None
+        lacking = sum(self.too_short(placed, goal) for goal in self.task["goals"])
+        if not within or lacking > 0 or placed.robot.dof == 0:
+            return (float(within), -lacking, 0, 0, 0, -count, 0), None
         reached = [placed.reached(goal) for goal in self.task["goals"]]
         kinematic = sum(bool(found) for found in reached)
         good = [[q for q in found if placed.held(q) and placed.free(q)] for found in reached]

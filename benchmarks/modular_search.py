@@ -140,7 +140,7 @@ def scene(seed: int, modules: int, free: float) -> Scene:
                 ((round(low[0], 3), round(low[1], 3), 0.0),
                  (round(high[0], 3), round(high[1], 3), height))
             )  # fmt: skip
-    return Scene(str(seed), goals, (GROUND, *pillars), modules, free)  # type: ignore[arg-type]
+    return Scene(str(seed), goals, (GROUND, *pillars), modules, free)
 
 
 def desk(modules: int) -> Scene:
@@ -162,7 +162,7 @@ def around(middle: np.ndarray, half: np.ndarray) -> Box:
     return (
         tuple(round(float(x), 3) for x in middle - half),
         tuple(round(float(x), 3) for x in middle + half),
-    )  # type: ignore[return-value]
+    )
 
 
 def timed(command: list[str]) -> tuple[int, str, float]:

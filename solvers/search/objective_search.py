@@ -25,7 +25,7 @@ from solvers.search.path_task import Design
 from solvers.search.round_task import round_tasks, tasks_by_length, tasks_of_other_lengths
 from solvers.search.search_state import PathAttempt, StructureState
 from solvers.search.shorter_motion import (
-    faster_ways,
+    faster_way,
     fastest_way,
     shorter_motion,
     steps_of_end,
@@ -100,8 +100,7 @@ class ObjectiveSearch:
         due = [price for price in prices if price or longest != steps]
         if not due:
             return
-        paths, box = self.paths(best, longest), self.box(best, held)
-        way = fastest_way(self.paths(best, steps), best)
+        paths, box, way = self.paths(best, longest), self.box(best, held), self.own_way(best)
         for price in due:
             self.given.context.check_time()
             yield shorter_motion(paths, self.cells, best, way, box, price)
@@ -126,23 +125,18 @@ class ObjectiveSearch:
 
         Parameters get no farther from the ends of their ranges that are ``held``, (p,).
         """
-        counts, others = _StepCounts(self.given.task.fewest_steps - 1), list[Timing]()
-        stuck: Design | None = None
-        for number in range(ATTEMPTS):
+        counts, own = _StepCounts(self.given.task.fewest_steps - 1), self.own_way(best)
+        other = faster_way(self.paths(best, len(best.inputs)), best, own)
+        stuck = False
+        for _ in range(ATTEMPTS):
             most = len(best.inputs)
-            way = own = fastest_way(self.paths(best, most), best)
-            if not number:
-                others = faster_ways(self.paths(best, most), best, own)
-            if others and (own is None or others[0].duration < own.duration):
-                way = others[0]
+            way = own if other is None or (own and own.duration <= other.duration) else other
             steps = counts.following(most, most if way is None else self.fewest(way))
-            if steps is None and best is not stuck and most - 1 > counts.hopeless:
+            if steps is None and not stuck and most - 1 > counts.hopeless:
                 # What one way did not lead to, that of the newest design may.
                 way, steps = own, most - 1
             if steps is None:
                 break
-            if way is own and steps == most - 1:
-                stuck = best
             self.given.context.check_time()
             attempt = shorter_motion(
                 self.paths(best, steps), self.cells, best, way, self.box(best, held)
@@ -150,10 +144,15 @@ class ObjectiveSearch:
             yield attempt
             if attempt.design is None:
                 counts.fail(steps)
+                stuck = stuck or (way is own and steps == most - 1)
             else:
-                best = attempt.design
-                counts.failed = min(counts.failed, steps - 1)
+                best, stuck = attempt.design, False
+                counts.failed, own = min(counts.failed, steps - 1), self.own_way(best)
         return best
+
+    def own_way(self, best: Design) -> Timing | None:
+        """The way of a design with its fastest timing; None: unknown."""
+        return fastest_way(self.paths(best, len(best.inputs)), best)
 
     def fewest(self, way: Timing) -> int:
         """The steps that the fastest timing of a way takes, with those of the end of a motion."""

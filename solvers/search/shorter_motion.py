@@ -40,26 +40,24 @@ def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
     return _timed(path_problem, motion.theta, motion.x[:, : path_problem.numeric.n])
 
 
-def faster_ways(paths: PathSearch, best: Design, than: Timing | None) -> list[Timing]:
-    """Other ways between poses that a task asks for, the fastest first, with what a design has.
+def faster_way(paths: PathSearch, best: Design, than: Timing | None) -> Timing | None:
+    """The fastest way between poses that a task asks for at its ends, with what a design has.
 
-    Straight ones or, where none is clear, ways around obstacles, as long as they take less time
-    ``than`` a known one.  Where a formula says what happens in between there are none.
+    Straight ones are timed or, where none is clear, ways around obstacles.  None where they are not
+    faster ``than`` a known one, or a formula says what happens in between.
     """
     path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None or path_problem.formula is not None:
-        return []
-    many, theta = (
-        replace(path_problem, branch_count=WAYS),
-        best.configuration.outcome.trajectory.theta,
-    )
+        return None
+    theta = best.configuration.outcome.trajectory.theta
+    many = replace(path_problem, branch_count=WAYS)
     ways = many.joint_ways(theta, straight=True, to_edges=True)
     if not ways and path_problem.binds_bodies:
         ways = many.joint_ways(theta, straight=False, to_edges=True)
     timed = [_timed(path_problem, theta, way) for way in ways]
-    limit = np.inf if than is None else than.duration
-    known = [each for each in timed if each is not None and each.duration < limit]
-    return sorted(known, key=lambda each: each.duration)
+    known = [each for each in (than, *timed) if each is not None]
+    fastest = min(known, key=lambda each: each.duration, default=None)
+    return None if fastest is than else fastest
 
 
 def _timed(path_problem: PathProblem, theta: Array, motion: Array) -> Timing | None:
