@@ -1,4 +1,7 @@
-"""A motion of fewer steps along the way of a proved design, as fast as drives allow at first."""
+"""A motion of fewer steps than a proved one, along its way or a faster one between other poses.
+
+That way is gone along as fast as the drives allow at first.
+"""
 
 from __future__ import annotations
 
