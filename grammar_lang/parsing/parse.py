@@ -262,6 +262,8 @@ def _habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
         return "the margin stands before `except`"
     if wanted == "a name" and "except" in (tokens.at(here - 1), tokens.at(here - 2)):
         return "modules stand in pairs, as in `except Hand Tube, Tube Tube`"
+    if wanted == "`%`" and "within" in map(tokens.at, range(max(0, here - 6), here)):
+        return "`within` takes a share in percent, as in `within 5 %`"
     if "`then`" in wanted and tokens.at(here) in {",", "and"}:
         return "write `then` between objectives"
     if wanted == "`;` or `}`" and tokens.at(here) in _COMPARISONS:

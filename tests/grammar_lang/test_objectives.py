@@ -309,6 +309,9 @@ def test_within_is_a_plain_rational_number(within: str, code: str) -> None:
     assert at == within
 
 
+SHARE = "`within` takes a share in percent, as in `within 5 %`"
+
+
 @pytest.mark.parametrize(
     ("clause", "message", "hint"),
     [
@@ -330,8 +333,11 @@ def test_within_is_a_plain_rational_number(within: str, code: str) -> None:
         (
             "minimize modules within 5 then mass;",
             "expected `%`, found `then`",
-            "write `%` here",
+            SHARE,
         ),
+        ("minimize modules within 5 kg then mass;", "expected `%`, found `then`", SHARE),
+        ("minimize modules within 2 m^2;", "expected `%`, found `;`", SHARE),
+        ("robust effort 5 kg;", "expected `%`, found `;`", "write `%` here"),
         ("minimize;", "expected a name, found `;`", "write a name here"),
         ("minimise mass;", None, "did you mean `minimize`?"),
     ],
