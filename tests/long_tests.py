@@ -1,9 +1,9 @@
 """Which tests `make quick` and `make test` leave out, because of how long they take.
 
-`make timings` records in ``long_tests.json``, file by file, which tests take 0.1 s and more, or
+`make timings` records in ``long_tests.json``, file by file, which tests take 0.05 s and more, or
 start a process; `make quick` leaves them out. A test that is not listed is quick; if it starts a
-process it fails in `make quick`. Those that took seconds are in ``slow_tests.json``, and run in
-`make test-slow` alone, as those marked `slow` do.
+process it fails in `make quick`. Those that took half a second are in ``slow_tests.json``, and run
+in `make test-slow` alone, as those marked `slow` do.
 """
 
 from __future__ import annotations
@@ -12,15 +12,17 @@ import json
 import os
 import sys
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
 
 LISTED = Path(__file__).with_name("long_tests.json")
-LONG_SECONDS = 0.1
+LONG_SECONDS = 0.05
 SLOW = Path(__file__).with_name("slow_tests.json")
-SLOW_SECONDS = 3.0
+SLOW_SECONDS = 0.5
+KEPT_SECONDS = 3.0
+"""The quickest test of a file stays in the usual suite, unless it takes as long as this."""
 USUAL = {
     "tests/solvers/test_case_study.py",
     "tests/srgc/test_determinism.py",
@@ -85,6 +87,19 @@ def _write(file: Path, tests: Iterable[str]) -> None:
         path, _, name = test.partition("::")
         listed[path].append(name)
     file.write_text(json.dumps(listed, indent=0, ensure_ascii=True) + "\n", encoding="utf-8")
+
+
+def slow_tests(seconds: Mapping[str, float]) -> set[str]:
+    """Those that `make test` leaves out from now on, by what each takes."""
+    files: dict[str, list[str]] = defaultdict(list)
+    for test in sorted(seconds, key=seconds.__getitem__):
+        files[test.partition("::")[0]].append(test)
+    slow = set()
+    for file, (quickest, *others) in files.items():
+        if file not in USUAL:
+            slow |= {test for test in [quickest] if seconds[test] >= KEPT_SECONDS}
+            slow |= {test for test in others if seconds[test] >= SLOW_SECONDS}
+    return slow
 
 
 class QuickTestsAlone:
@@ -166,12 +181,8 @@ class Recorder:
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if "PYTEST_XDIST_WORKER" in os.environ:
             return
-        _write(SLOW, _listed(SLOW).union(filter(self.is_slow, self.used)))
+        _write(SLOW, _listed(SLOW) | slow_tests(self.calls))
         _write(LISTED, filter(self.is_long, self.used))
-
-    def is_slow(self, test: str) -> bool:
-        """Whether `make test` leaves a test out."""
-        return self.calls[test] >= SLOW_SECONDS and test.partition("::")[0] not in USUAL
 
     def is_long(self, test: str) -> bool:
         """Whether `make quick` leaves a test out."""

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.long_tests import LISTED, SLOW
+from tests.long_tests import LISTED, SLOW, slow_tests
 from tests.resumable import shard_of
 
 ROOT = Path(__file__).parents[1]
@@ -115,6 +115,12 @@ def test_a_slow_test_is_left_out_of_the_usual_suite(tmp_path: Path) -> None:
     place.write_text(text, encoding="utf-8")
     _, passed = run(tmp_path, "-p", "tests.long_tests", "-m", "not slow")
     assert passed == {"test_else"}
+
+
+def test_each_file_keeps_its_quickest_test() -> None:
+    seconds = {"a.py::one": 0.7, "a.py::two": 0.6, "b.py::one": 4, "c.py::one": 0.1, "c.py::two": 1}
+    assert slow_tests(seconds) == {"a.py::one", "b.py::one", "c.py::two"}
+    assert not slow_tests({"tests/test_documentation.py::one": 9, "tests/test_documentation.py": 8})
 
 
 @pytest.mark.parametrize("listed", [LISTED, SLOW], ids=["long", "slow"])
