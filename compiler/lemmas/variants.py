@@ -87,5 +87,5 @@ def holds_of_weighted(
 
 
 def is_about_poses(boxes: str) -> bool:
-    """Whether a covering says nothing of drives, but of poses alone."""
-    return "!" not in boxes
+    """Whether a covering says nothing of drives or objectives, but of poses alone."""
+    return not {"!", "$"} & {*boxes}

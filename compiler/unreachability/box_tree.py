@@ -115,6 +115,7 @@ def _coordinate(dof: RobotDof) -> RangeSide | None:
 # then one letter per node, blanks and line ends left out.  ``A B ...`` halve the first, second ...
 # parameter, ``a b ...`` the coordinates; ``.`` is a box of coordinates.  ``|`` (no way through) or
 # ``!`` (out of reach of the drives) is a box of parameters, and a tree of coordinates follows.
+# ``$`` is one whose robots have too much of an objective, and nothing follows.
 
 
 HEADER = "boxes 1"
@@ -129,7 +130,7 @@ LINE = 100
 LEAF: Literal[-1] = -1
 CoordinateTree: TypeAlias = tuple[int, ...]
 """Nodes in prefix order: the number of a coordinate that is halved, or ``LEAF``."""
-Reason: TypeAlias = Literal["|", "!"]
+Reason: TypeAlias = Literal["|", "!", "$"]
 
 
 class BoxTreeError(ValueError):
@@ -138,7 +139,10 @@ class BoxTreeError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class ParameterLeaf:
-    """A box of parameters: why no robot in it does the task, shown on boxes of coordinates."""
+    """A box of parameters: why no robot in it does the task, shown on boxes of coordinates.
+
+    Of robots with too much of an objective there are none.
+    """
 
     reason: Reason
     coordinates: CoordinateTree
@@ -200,7 +204,10 @@ def parse(content: str) -> ParameterTree:
     while missing:
         letter = code[place : place + 1]
         place += 1
-        if letter in ("|", "!"):
+        if letter == "$":
+            nodes.append(ParameterLeaf("$", ()))
+            missing -= 1
+        elif letter in ("|", "!"):
             end = _end(code, place)
             below = tuple(_COORDINATES[item] for item in code[place:end])
             nodes.append(ParameterLeaf("|" if letter == "|" else "!", below))

@@ -65,16 +65,23 @@ class CoveredPoses:
         self.violations = at_any_instant(demands)
         self._parts: dict[tuple[int, Part], Ends] = {}
 
-    def cover(self, parameters: Parts, tree: CoordinateTree) -> Cover:
-        """The boxes of a tree of coordinates, for one box of parameters.
+    def parameters_of(self, box: Parts) -> list[Ends]:
+        """Intervals around the parameters in a box of them.
 
         Raises:
-            BoxTreeError: the tree, or the box of parameters, is of another robot.
+            BoxTreeError: the box is of another robot.
+        """
+        return enclosures(self.parameters, box)
+
+    def cover(self, parameters: list[Ends], tree: CoordinateTree) -> Cover:
+        """The boxes of a tree of coordinates, for parameters in some intervals.
+
+        Raises:
+            BoxTreeError: the tree is of another robot.
         """
         boxes = list(coordinate_boxes(tree, len(self.coordinates)))
-        theta = enclosures(self.parameters, parameters)
         sides = [self._enclosures(box) for box in boxes]
-        return Cover(self, theta, boxes, sides)
+        return Cover(self, parameters, boxes, sides)
 
     def _enclosures(self, box: Parts) -> list[Ends]:
         """The sides of a box of coordinates; boxes share many of them."""

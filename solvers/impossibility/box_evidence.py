@@ -16,7 +16,7 @@ from compiler.robots.robot import RobotModel
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
-from solvers.impossibility.box_search import WITH_PROOF, BoxRefutation, box_refutation
+from solvers.impossibility.box_refutation import WITH_PROOF, BoxRefutation, box_refutation
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.run_context import RunContext
 

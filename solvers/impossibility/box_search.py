@@ -6,17 +6,15 @@ is found is a proof only once the verifier has read it again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from flint import arb
 
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.encodings.pose_questions import PoseQuestion, pose_questions
-from compiler.expressions.evaluators.balls import closed_ball
-from compiler.robots.given_start import GivenStart, given_start
-from compiler.robots.robot import RobotModel
+from compiler.expressions.evaluators.intervals import around
+from compiler.objectives.cheaper_robots import CheaperRobots
 from compiler.unreachability.box_tree import (
     LEAF,
     MOST_VARIABLES,
@@ -29,15 +27,11 @@ from compiler.unreachability.box_tree import (
     coordinate_sides,
     enclosures,
     parameter_sides,
-    text,
 )
-from compiler.unreachability.motion_conditions import MotionConditions, Passage, motion_conditions
-from grammar_lang import ir
+from compiler.unreachability.motion_conditions import MotionConditions, Passage
 from solvers.impossibility.box_conditions import NEAR, BoxConditions, Judged
 from solvers.impossibility.box_growth import BoxGrowth, Covered, Divide, Hopeless
 from solvers.impossibility.coordinate_cover import CoordinateCover, Flags, Side
-from solvers.impossibility.pose_search import PoseWitness
-from solvers.verifier.refutations.box_check import why_not
 
 MOST_HALVINGS = 24
 """Of a parameter."""
@@ -54,12 +48,6 @@ class CoveringBudget:
     rounds: int
 
 
-WITH_PROOF = CoveringBudget(6_000, 2_000, 150)
-"""For robots that another proof refutes."""
-WITHOUT_PROOF = CoveringBudget(12_000, 1_500, 400)
-"""For robots that nothing else refutes."""
-FOR_A_POSE = CoveringBudget(1_000, 1_000, 100)
-"""For a given pose that seems to be impossible."""
 FOR_A_WAY = CoveringBudget(800, 800, 40)
 """For a way at given parameters, which there mostly is."""
 STRAIGHT = 41
@@ -75,11 +63,15 @@ class Covering:
 
 
 def find_covering(
-    demands: MotionConditions, graph: RobotGraph, budget: CoveringBudget
+    demands: MotionConditions,
+    graph: RobotGraph,
+    budget: CoveringBudget,
+    cheaper: CheaperRobots | None = None,
 ) -> Covering | None:
     """A covering of the boxes of a robot's parameters and coordinates; None: none was found.
 
-    ``graph`` is in the joints' own coordinates.  The same arguments, the same answer.
+    ``graph`` is in the joints' own coordinates.  Parameters of ``cheaper`` robots alone have to be
+    covered; None: all.  The same arguments, the same answer.
     """
     most = max(len(demands.model.dofs), len(demands.model.parameters))
     if coordinate_sides(demands.model) is None or most > MOST_VARIABLES:
@@ -92,7 +84,7 @@ def find_covering(
             search = Search(demands, passages, graph)
         except ValueError:  # rules, or derivatives of them, that cannot be read exactly
             return None
-        found = search.tree(budget)
+        found = search.tree(budget, cheaper)
         if found is not None:
             return Covering(found, question)
     return None
@@ -154,16 +146,26 @@ class Search:
         )  # fmt: skip
         return isinstance(growth.grown(), Hopeless)
 
-    def tree(self, budget: CoveringBudget) -> ParameterTree | None:
-        """A covering without a way; None: none was found."""
+    def tree(
+        self, budget: CoveringBudget, cheaper: CheaperRobots | None = None
+    ) -> ParameterTree | None:
+        """A covering without a way, of all parameters or those of ``cheaper`` robots.
+
+        None: none was found.
+        """
         nodes: list[int | ParameterLeaf] = []
         waiting: list[Parts] = [(Part(),) * len(self._parameters)]
         leaves, rounds = budget.leaves, budget.rounds
         while waiting:
             box = waiting.pop()
-            growth = self._growth(box, min(leaves, budget.leaves_at_once), rounds)
+            if cheaper is not None and cheaper.none_in(enclosures(self._parameters, box)):
+                nodes.append(ParameterLeaf("$", ()))
+                continue
+            growth = self._growth(box, min(leaves, budget.leaves_at_once), rounds, cheaper)
             grown = growth.grown()
             leaves, rounds = leaves - growth.cover.leaves, growth.rounds
+            if cheaper is not None and rounds > 0 and not isinstance(grown, Covered | Divide):
+                grown = self._divided(box, cheaper) or grown
             match grown:
                 case Covered(tree):
                     nodes.append(ParameterLeaf("|", tree))
@@ -177,18 +179,48 @@ class Search:
                     return None
         return tuple(nodes)
 
+    def _divided(self, box: Parts, cheaper: CheaperRobots) -> Divide | None:
+        """The parameter to divide where no way is seen at the middle of a box; None: one is.
+
+        There is none of robots that are not cheaper.
+        """
+        low, high, able = self._ends(box, cheaper)
+        middle = (low + high) / 2
+        if not np.any(able):
+            return None
+        if cheaper.none_in([around(arb(value)) for value in middle.tolist()]):
+            gains = [self._gain(box, i, cheaper) if able[i] else 0.0 for i in range(len(box))]
+            if any(gains):
+                return Divide(int(np.argmax(gains)))
+        elif self.way_at(middle):
+            return None
+        return Divide(min(np.flatnonzero(able).tolist(), key=lambda i: box[i].halvings))
+
+    def _gain(self, box: Parts, place: int, cheaper: CheaperRobots) -> float:
+        """How much the least values of the halves of a parameter differ, of all objectives."""
+        halves = [
+            enclosures(self._parameters, (*box[:place], half, *box[place + 1 :]))
+            for half in box[place].halves()
+        ]
+        least = [[cheaper.least(less.amount, half) for less in cheaper.less] for half in halves]
+        return float(sum(abs(a - b) for a, b in zip(*least, strict=True)))
+
     def even(self, box: Parts) -> EvenGrowth:
         """A covering that is halved everywhere alike, for a box of parameters."""
         return EvenGrowth(self._demands, self._side, *self._ends(box))
 
-    def _growth(self, box: Parts, leaves: int, rounds: int) -> BoxGrowth:
+    def _growth(
+        self, box: Parts, leaves: int, rounds: int, cheaper: CheaperRobots | None
+    ) -> BoxGrowth:
         coarse = sum(part.halvings for part in box) < COARSE * len(box)
-        ends = self._ends(box)
+        ends = self._ends(box, cheaper)
         return BoxGrowth(self._demands, self._side, *ends, coarse, leaves, rounds)
 
-    def _ends(self, box: Parts) -> tuple[Array, Array, Flags]:
+    def _ends(self, box: Parts, cheaper: CheaperRobots | None = None) -> tuple[Array, Array, Flags]:
         """The ends of a box of parameters, and which of them can be divided."""
         ends = enclosures(self._parameters, box)
+        if cheaper is not None:
+            ends = cheaper.narrowed(ends)
         low = np.array([float(side.low) for side in ends])
         high = np.array([float(side.high) for side in ends])
         return low, high, self._divisible(box, low, high)
@@ -252,120 +284,3 @@ class EvenGrowth:
         )
         self.cover.keep(judged.open)
         self.judged = judged.at(judged.open)
-
-
-# --- The refutation of one robot by a covering: found in floats, claimed only once replayed -------
-
-
-@dataclass(frozen=True, slots=True)
-class BoxRefutation:
-    """The file of a covering that the verifier accepts, and what it shows, in words."""
-
-    boxes: str
-    reason: str
-
-
-def box_refutation(
-    model: RobotModel,
-    graph: RobotGraph,
-    workspace: ir.Workspace,
-    task: ir.Task,
-    budget: CoveringBudget,
-) -> BoxRefutation | None:
-    """A covering that refutes a robot; None: none was found.
-
-    Args:
-        model: the robot.
-        graph: its graph, in the joints' own coordinates.
-        workspace: the workspace, without maps.
-        task: the task, without maps.
-        budget: the limits of the search.
-    """
-    demands = motion_conditions(model, workspace, task)
-    found = find_covering(demands, graph, budget)
-    if found is None:
-        return None
-    boxes = text(found.tree)
-    if why_not(boxes, model, workspace, task) is not None:
-        return None
-    question = pose_questions(workspace, task)[found.question]
-    return BoxRefutation(boxes, _reason(demands, task, question))
-
-
-def way_is_seen(
-    model: RobotModel,
-    graph: RobotGraph,
-    workspace: ir.Workspace,
-    task: ir.Task,
-    witnesses: Sequence[PoseWitness | None],
-    designs: Sequence[Array],
-) -> bool:
-    """Whether there seems to be a way for every question, so that no covering will be found.
-
-    Args:
-        model: the robot.
-        graph: its graph.
-        workspace: the workspace, without maps.
-        task: the task, without maps.
-        witnesses: poses that answer each question, or None.
-        designs: parameters (p,) to look at, besides those of the poses.
-    """
-    demands = motion_conditions(model, workspace, task)
-    if coordinate_sides(model) is None:
-        return True
-    for passages, witness in zip(demands.passages, witnesses, strict=True):
-        if not passages:
-            return False
-        try:
-            search = Search(demands, passages, graph)
-        except ValueError:
-            return True
-        if not _seen(search, witness, designs):
-            return False
-    return True
-
-
-def _seen(search: Search, witness: PoseWitness | None, designs: Sequence[Array]) -> bool:
-    if witness is not None:
-        if search.straight(witness.start, witness.target, witness.theta):
-            return True
-        designs = [witness.theta, *designs]
-    return any(search.way_at(theta) for theta in designs)
-
-
-def start_is_excluded(
-    model: RobotModel, graph: RobotGraph, workspace: ir.Workspace, task: ir.Task
-) -> bool:
-    """Whether a pose that the task gives seems to be impossible, whatever the parameters."""
-    if not isinstance(task.start, ir.StartAt):
-        return False
-    demands = motion_conditions(model, workspace, task)
-    passages = next(iter(demands.passages), ())
-    if not passages:
-        return True
-    try:
-        return Search(demands, passages, graph).start_excluded()
-    except ValueError:
-        return False
-
-
-def _reason(demands: MotionConditions, task: ir.Task, question: PoseQuestion) -> str:
-    if isinstance(task.start, ir.StartAt):
-        start = given_start(demands.model, task.start)
-        if start.fault:
-            return start.fault
-        if _out_of_range(demands.model, start):
-            return "the given start is out of the range of a joint"
-        return f"no way from the given start to {question.goal} for any parameters"
-    return f"no way between the start region and {question.goal} for any parameters"
-
-
-def _out_of_range(model: RobotModel, start: GivenStart) -> bool:
-    values = np.array([float(closed_ball(value).mid()) for value in start.values])
-    for value, dof in zip(values, model.dofs, strict=True):
-        if dof.range is None:
-            continue
-        low, high = (float(closed_ball(end).mid()) for end in (dof.range.lower, dof.range.upper))
-        if not low - NEAR <= value <= high + NEAR:
-            return True
-    return False

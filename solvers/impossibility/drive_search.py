@@ -29,7 +29,8 @@ from compiler.unreachability.covered_poses import CoveredPoses
 from compiler.unreachability.motion_conditions import motion_conditions
 from grammar_lang import ir
 from solvers.impossibility.box_growth import Divide
-from solvers.impossibility.box_search import BoxRefutation, Search
+from solvers.impossibility.box_refutation import BoxRefutation
+from solvers.impossibility.box_search import Search
 from solvers.impossibility.pose_search import PoseWitness
 from solvers.trajectory.task_limits import input_groups, motion_limits
 from solvers.verifier.refutations.box_check import PRECISION, why_not
@@ -171,7 +172,7 @@ class _DriveSearch:
 
     def _reason(self, box: Parts, tree: CoordinateTree, question: int) -> str | None:
         """Why no passage of a question is possible on a tree, or None."""
-        cover, reason = self._poses.cover(box, tree), ""
+        cover, reason = self._poses.cover(self._poses.parameters_of(box), tree), ""
         for passage in self._poses.demands.passages[question]:
             if not cover.way(passage):
                 continue

@@ -25,7 +25,7 @@ from compiler.encodings.reachability_smt import refutation_script
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from solvers.backends.smt import RESOURCES, solve_script
-from solvers.impossibility.box_search import (
+from solvers.impossibility.box_refutation import (
     FOR_A_POSE,
     WITHOUT_PROOF,
     BoxRefutation,

@@ -29,7 +29,7 @@ from solvers.conclusion import (
     robot_limit,
     with_lemmas,
 )
-from solvers.impossibility.box_search import WITH_PROOF, box_refutation
+from solvers.impossibility.box_refutation import WITH_PROOF, box_refutation
 from solvers.impossibility.drive_search import DriveEffort, drive_refutation
 from solvers.impossibility.structure_refutation import refute_structure
 from solvers.impossibility.variant_lemmas import weights_lemma

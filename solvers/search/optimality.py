@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 
+from compiler.objectives.cheaper_robots import Less
 from compiler.objectives.least_values import Amount
 from compiler.objectives.objective_text import amount_text, value_text
 from compiler.objectives.ordered_structures import Limit, structures_by, words_below
@@ -23,7 +24,12 @@ from solvers.impossibility.box_evidence import covered
 from solvers.lemma import Lemma, VariantLemma
 from solvers.run_context import RunContext
 from solvers.search.least_search import searched_modules
+from solvers.search.parameter_bounds import ParameterBounds
 from solvers.search.time_bound import TimeBound
+
+MOST_RAISED = 20
+"""So many structures are shown to have more of an objective than their words say."""
+NOT_WITH_LESS = "no robot of it with less does the task"
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +168,8 @@ def optimality(
     records, late = covered(known, family, task, context, due)
     if late is not None:
         raise late
-    return _Judgement(family, task, tuple(values), tuple(reached), records, lemmas).result()
+    bounds = ParameterBounds(family, task, context)
+    return _Judgement(family, task, tuple(values), tuple(reached), records, lemmas, bounds).result()
 
 
 def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
@@ -193,6 +200,9 @@ class _Judgement:
     reached: tuple[Limit, ...]
     known: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]
+    bounds: ParameterBounds
+    less: list[Less] = field(default_factory=list[Less])
+    """What no robot has, of the objectives so far."""
     modules: int | None = field(init=False)
     records: dict[tuple[str, ...], StructureRecord] = field(init=False)
     left: RobotFamily = field(init=False)
@@ -225,11 +235,14 @@ class _Judgement:
             results.append(found)
             if found.least > 0:
                 for candidate in self._below(found.amount, limits, found.least):
-                    record, first = self._refuted(candidate)
+                    record, first = self._evidence(candidate)
                     if record is not None and first is not None:
                         due[record.derivation] = record, first
                 words = words_below(found.amount, self.left, self.modules, limits, found.least)
                 dearer |= dict.fromkeys(words)
+            if found.amount.is_ordering:
+                allowed = tuple((limit.amount, limit.most) for limit in limits)
+                self.less.append(Less(allowed, found.amount, found.least))
             limits.append(Limit(found.amount, found.least, value))
         used = _Used()
         listed = dict.fromkeys(record.word for record, _ in due.values())
@@ -273,8 +286,13 @@ class _Judgement:
             return ObjectiveResult(amount, value, Fraction(0), best, 0, more=False)
         before = self.reached[:place]
         least, undecided, more = self._open(amount, before, best)
+        bound = best
         if [limit.most for limit in limits] != [limit.most for limit in before]:
             least, _, _ = self._open(amount, limits, value)
+            bound = value
+        if least < bound and not amount.exact:
+            least = self._raised(amount, limits, bound)
+        undecided = 0 if least >= best else undecided
         return ObjectiveResult(amount, value, least, best, undecided, more)
 
     def _open(
@@ -292,6 +310,37 @@ class _Judgement:
                 undecided += 1
         return least, undecided, more
 
+    def _raised(self, amount: Amount, limits: Sequence[Limit], bound: Fraction) -> Fraction:
+        """The least of structures below a bound that are not refuted, by their parameters, too."""
+        allowed = tuple((limit.amount, limit.most) for limit in limits)
+        least, raised = bound, 0
+        for candidate in self._below(amount, limits, bound):
+            if self._refuted(candidate)[1] is not None:
+                continue
+            own = amount.of_robot(candidate.derivation.word, candidate.model)
+            if own >= least:
+                break
+            if candidate.derivation.labels not in self.records or raised == MOST_RAISED:
+                return own
+            before = [less for less in self.less if _may_have(candidate, less)]
+            less = Less(allowed, amount, least)
+            least = self.bounds.least(candidate, before, less, reached=least == bound)
+            raised += 1
+        return least
+
+    def _evidence(
+        self, candidate: Candidate
+    ) -> tuple[StructureRecord | None, StructureRecord | None]:
+        """The record of a structure, and the one that shows that none with less does the task."""
+        record, first = self._refuted(candidate)
+        boxes = self.bounds.coverings.get(candidate.derivation.labels)
+        if record is None or first is not None or boxes is None:
+            return record, first
+        about = replace(
+            record, verdict="refuted", reason=NOT_WITH_LESS, boxes=boxes, same_robot_as=None
+        )
+        return about, about
+
     def _refuted(
         self, candidate: Candidate
     ) -> tuple[StructureRecord | None, StructureRecord | None]:
@@ -303,6 +352,13 @@ class _Judgement:
         if first.verdict != "refuted" or first.boxes is None:
             return record, None
         return record, first
+
+
+def _may_have(candidate: Candidate, less: Less) -> bool:
+    """Whether a robot of a structure may have less, by its word."""
+    word, model = candidate.derivation.word, candidate.model
+    within = all(amount.of_robot(word, model) <= most for amount, most in less.limits)
+    return within and less.amount.of_robot(word, model) < less.bound
 
 
 @dataclass(slots=True)

@@ -31,7 +31,8 @@ coordinate_trees = st.recursive(
     max_leaves=12,
 )
 parameter_trees = st.recursive(
-    st.builds(ParameterLeaf, st.sampled_from("|!"), coordinate_trees).map(lambda leaf: (leaf,)),
+    st.builds(ParameterLeaf, st.sampled_from("|!"), coordinate_trees).map(lambda leaf: (leaf,))
+    | st.just((ParameterLeaf("$", ()),)),
     lambda below: st.tuples(st.integers(0, 25), below, below).map(
         lambda node: (node[0], *node[1], *node[2])
     ),

@@ -109,7 +109,7 @@ def answers(
         drive = drive_reach(model, workspace, task)
         poses = CoveredPoses(motion_conditions(model, workspace, task))
         box = tuple(parameters or [Part()] * len(model.parameters))
-        cover = poses.cover(box, uniform(halvings))
+        cover = poses.cover(poses.parameters_of(box), uniform(halvings))
         return [
             [out_of_reach(drive, item, cover.parameters, cover.leaves(item)) for item in choices]
             for choices in poses.demands.passages

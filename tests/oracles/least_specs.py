@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
 
+from solvers.verifier.report import Report
+from solvers.verifier.verification import Outcome, verify_directory
+from srgc.cli import run
+from tests.oracles.result_files import read
+
+QUICK = ("--paths", "2", "--evaluations", "3")
 STANDING = "this.frame = Arm.frame;"
 
 
@@ -83,3 +91,16 @@ task Reach {{
   {task}
 }}
 """
+
+
+def least(
+    text: str, scratch: Path, *options: str
+) -> tuple[list[tuple[Fraction, Fraction]], Report]:
+    """The value and the least of each objective, as a valid certificate states them."""
+    (scratch / "spec.srg").write_text(text, encoding="utf-8")
+    asked = ["synth", str(scratch / "spec.srg"), "-o", str(scratch / "out"), "-q", *QUICK]
+    assert run([*asked, *options]) == 0
+    report = verify_directory(scratch / "out")
+    assert report.outcome is Outcome.VALID, report.reason
+    (claim,) = (c for c in read(scratch / "out")["claims"] if c["kind"] == "objectives")
+    return [(Fraction(v["value"]), Fraction(v["least"])) for v in claim["values"]], report

@@ -99,7 +99,7 @@ def judge(seed, leaves):
         poses = CoveredPoses(motion_conditions(model, workspace, task))
         tree = random_tree_code(rng, len(model.dofs), leaves)
         parts = random_parameters(rng, poses.parameters)
-        cover = poses.cover(parts, tree)
+        cover = poses.cover(poses.parameters_of(parts), tree)
         assert [*coordinate_boxes(tree, len(model.dofs))] == cover.boxes
         ((passage, *_),) = poses.demands.passages
         starts, goals = cover.starts(passage), cover.goals(passage, cover.free)

@@ -23,7 +23,7 @@ from compiler.workspaces.bisection import bisections
 from solvers.backends.smt import solve_script
 from solvers.execution.in_order import in_order
 from solvers.impossibility import structure_refutation
-from solvers.impossibility.box_search import WITH_PROOF, box_refutation
+from solvers.impossibility.box_refutation import WITH_PROOF, box_refutation
 from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.impossibility.structure_refutation import refute_structure
 from solvers.planner import Planner

@@ -8,33 +8,17 @@ from typing import Any
 
 import pytest
 
-from solvers.verifier.report import Report
 from solvers.verifier.verification import Outcome, verify_directory
-from srgc.cli import run
-from tests.oracles.least_specs import link, spec
+from tests.oracles.least_specs import least, link, spec
 from tests.oracles.result_files import alter, read
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
 SPECS = Path(__file__).parents[2] / "specs"
-QUICK = ("--paths", "2", "--evaluations", "3")
 ARMS = "matches Base eps Joint eps (A eps | B eps)+ Hand"
 TWO = {"a": ("eps A", link("0.5 m", "1 kg")), "b": ("eps B", link("0.25 m", "0.3 kg"))}
 PRICES = {"A": "const price = 10;", "B": "const price = 3;"}
 NONE = {"A": "", "B": ""}
-
-
-def least(
-    text: str, scratch: Path, *options: str
-) -> tuple[list[tuple[Fraction, Fraction]], Report]:
-    """The value and the least of each objective, as a valid certificate states them."""
-    (scratch / "spec.srg").write_text(text, encoding="utf-8")
-    asked = ["synth", str(scratch / "spec.srg"), "-o", str(scratch / "out"), "-q", *QUICK]
-    assert run([*asked, *options]) == 0
-    report = verify_directory(scratch / "out")
-    assert report.outcome is Outcome.VALID, report.reason
-    (claim,) = (c for c in read(scratch / "out")["claims"] if c["kind"] == "objectives")
-    return [(Fraction(v["value"]), Fraction(v["least"])) for v in claim["values"]], report
 
 
 def proved(*values: str) -> list[tuple[Fraction, Fraction]]:

@@ -8,6 +8,7 @@ touch one after the other.  No solver and no float is believed.
 from __future__ import annotations
 
 from compiler.expressions.evaluators.balls import working_precision
+from compiler.objectives.cheaper_robots import CheaperRobots
 from compiler.robots.robot import RobotModel
 from compiler.unreachability.actuation_reach import DriveReach, drive_reach, out_of_reach
 from compiler.unreachability.box_tree import (
@@ -24,7 +25,13 @@ from grammar_lang import ir
 PRECISION = 64
 
 
-def why_not(covering: str, model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> str | None:
+def why_not(
+    covering: str,
+    model: RobotModel,
+    workspace: ir.Workspace,
+    task: ir.Task,
+    cheaper: CheaperRobots | None = None,
+) -> str | None:
     """Why a covering does not prove that the robot cannot do the task; None: it does prove it.
 
     Args:
@@ -32,16 +39,21 @@ def why_not(covering: str, model: RobotModel, workspace: ir.Workspace, task: ir.
         model: the robot.
         workspace: the workspace of the task, without maps.
         task: the task, without maps.
+        cheaper: the parameters that it has to be proved for; None: all there are.
     """
     with working_precision(PRECISION):
         try:
-            return _why_not(covering, model, workspace, task)
+            return _why_not(covering, model, workspace, task, cheaper)
         except BoxTreeError as error:
             return f"it is no covering of this robot: {error}"
 
 
 def _why_not(
-    covering: str, model: RobotModel, workspace: ir.Workspace, task: ir.Task
+    covering: str,
+    model: RobotModel,
+    workspace: ir.Workspace,
+    task: ir.Task,
+    cheaper: CheaperRobots | None,
 ) -> str | None:
     if max(len(model.dofs), len(model.parameters)) > MOST_VARIABLES:
         return f"a covering is of at most {MOST_VARIABLES} coordinates and parameters"
@@ -57,8 +69,14 @@ def _why_not(
     except ValueError as error:
         return f"the equations of the robot have no exact value: {error}"
     for number, (box, leaf) in enumerate(parameter_boxes(tree, len(model.parameters)), 1):
-        cover = poses.cover(box, leaf.coordinates)
-        if not _refuted(cover, drive if leaf.reason == "!" else None):
+        sides = poses.parameters_of(box)
+        if leaf.reason == "$":
+            proved = cheaper is not None and cheaper.none_in(sides)
+        else:
+            due = sides if cheaper is None else cheaper.narrowed(sides)
+            cover = poses.cover(due, leaf.coordinates)
+            proved = _refuted(cover, drive if leaf.reason == "!" else None)
+        if not proved:
             return f"box {number} of the parameters: {_OPEN[leaf.reason]}"
     return None
 
@@ -66,6 +84,7 @@ def _why_not(
 _OPEN = {
     "|": "there may be a way from the start to where an effector has to be",
     "!": "it is not shown that the drives are too weak",
+    "$": "its robots may have too little of an objective to be left out",
 }
 
 

@@ -8,10 +8,11 @@ other, the cells are computed again, and no solver is believed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from compiler.objectives.cheaper_robots import CheaperRobots
 from compiler.robots.candidate import Candidate, candidates, candidates_of
 from compiler.robots.normal_form import RobotFamily, family_of
 from compiler.robots.robot import RobotModel
@@ -121,14 +122,20 @@ def _bound(claim: ImpossibleClaim, family: RobotFamily, task: ir.Task) -> int:
 
 
 def refuted_structures(
-    evidence: Evidence, claim: ImpossibleClaim, due: Iterator[Candidate], watch: Watch
+    evidence: Evidence,
+    claim: ImpossibleClaim,
+    due: Iterator[Candidate],
+    watch: Watch,
+    cheaper: Callable[[Candidate], CheaperRobots | None] = lambda _: None,
 ) -> list[bool]:
     """For each structure of a claim whether it is refuted by boxes; they are those that are due.
+
+    ``cheaper`` are the robots of a structure that boxes have to refute; None: all there are.
 
     Raises:
         FalseClaim: they are others, or one has no evidence that refutes it.
     """
-    listed = _Listed(evidence, claim, due)
+    listed = _Listed(evidence, claim, due, cheaper)
     proved: list[bool] = []
 
     def add(by_boxes: bool) -> None:  # noqa: FBT001
@@ -159,13 +166,16 @@ class _Question:
     number: int
     claimed: StructureClaim
     model: RobotModel
+    cheaper: CheaperRobots | None
 
 
 def _refuted(part: tuple[Evidence, list[_Question]]) -> list[bool]:
     """Whether boxes refute each of some structures; see ``Evidence.refutes``."""
     evidence, questions = part
     return [
-        evidence.refutes(f"structure {q.number}", q.claimed.evidence, q.claimed.boxes, q.model)
+        evidence.refutes(
+            f"structure {q.number}", q.claimed.evidence, q.claimed.boxes, q.model, q.cheaper
+        )
         for q in questions
     ]
 
@@ -181,6 +191,7 @@ class _Listed:
     evidence: Evidence
     claim: ImpossibleClaim
     family: Iterator[Candidate]
+    cheaper: Callable[[Candidate], CheaperRobots | None]
     first: list[int | None] = field(default_factory=list[int | None])
     """For each structure the earlier one that is the same robot."""
     keys: list[str] = field(default_factory=list[str])
@@ -222,11 +233,14 @@ class _Listed:
         if model is None:
             raise FalseClaim(f"structure {number} is no robot: {candidate.fault}")
         self.keys.append(robot_key_in_task(model, self.evidence.task))
+        first, cheaper = None, self.cheaper(candidate)
         if claimed.same_robot_as is not None:
-            self.first.append(_same(number, self.claim, self.keys))
-            return None
-        self.first.append(None)
-        return _Question(number, claimed, model)
+            first = _same(number, self.claim, self.keys)
+        if cheaper is not None and model.parameters:
+            # Other parameters of the same robot may be left out of its boxes.
+            first = None
+        self.first.append(first)
+        return _Question(number, claimed, model, cheaper) if first is None else None
 
 
 def _same(number: int, claim: ImpossibleClaim, keys: list[str]) -> int:

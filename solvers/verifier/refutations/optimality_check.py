@@ -2,7 +2,8 @@
 
 Which words may have less is a question about languages, answered by :mod:`word_coverage`: each
 satisfies a lemma, or is listed.  Of listed words all derivations are refuted by coverings, or their
-robots have as much, whatever their parameters are.
+robots have as much, whatever their parameters are.  A covering may leave out parameters with which
+a robot has as much.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from compiler.expressions.exact_numbers import exact_text
+from compiler.objectives.cheaper_robots import CheaperRobots, Less
 from compiler.objectives.least_values import Amount, amounts
 from compiler.objectives.objective_text import amount_text, value_text
 from compiler.objectives.values import MotionValues, value_bounds
@@ -191,11 +193,19 @@ def _check_least(
     left = family.with_condition(ir.NotAccept(ir.AnyOf(conditions)))
     open_words = [word for word in words if left.language.accepts(word)]
     candidates = _not_dearer(candidates_of(left, open_words, task.origin), stated)
+
+    def cheaper(candidate: Candidate) -> CheaperRobots | None:
+        if candidate.model is None:
+            return None
+        places = [k for k in range(len(stated)) if _may_be_less(candidate, stated[: k + 1])]
+        less = tuple(_less(stated[: k + 1]) for k in places)
+        return CheaperRobots(candidate.derivation.word, candidate.model, less)
+
     impossible = ImpossibleClaim(
         found.task, found.spec, found.spec_sha256, claim.modules, claim.structures, None,
         claim.lemmas,
     )  # fmt: skip
-    if not all(refuted_structures(evidence, impossible, candidates, watch)):
+    if not all(refuted_structures(evidence, impossible, candidates, watch, cheaper)):
         raise FalseClaim("structures have no scripts as evidence")
 
 
@@ -266,6 +276,12 @@ def _not_dearer(candidates: Iterator[Candidate], stated: Sequence[_Stated]) -> I
         if any(_may_be_less(candidate, stated[: k + 1]) for k in range(len(stated))):
             yield replace(candidate, number=number)
             number += 1
+
+
+def _less(stated: Sequence[_Stated]) -> Less:
+    """Less than the least of the last objective, within those before."""
+    *before, last = stated
+    return Less(tuple((each.amount, each.most) for each in before), last.amount, last.least)
 
 
 def _may_be_less(candidate: Candidate, stated: Sequence[_Stated]) -> bool:

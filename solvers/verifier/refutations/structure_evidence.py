@@ -9,6 +9,7 @@ from pathlib import Path
 from compiler.encodings.body_smt import body_script, body_scripts
 from compiler.encodings.pose_questions import body_conditions, pose_questions
 from compiler.encodings.reachability_smt import refutation_script
+from compiler.objectives.cheaper_robots import CheaperRobots
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.files.file_tree import visible
@@ -40,7 +41,14 @@ class Evidence:
         """The workspace of the task."""
         return self.program.workspaces[self.task.workspace]
 
-    def refutes(self, robot: str, script: str | None, boxes: str | None, model: RobotModel) -> bool:
+    def refutes(
+        self,
+        robot: str,
+        script: str | None,
+        boxes: str | None,
+        model: RobotModel,
+        cheaper: CheaperRobots | None = None,
+    ) -> bool:
         """Whether boxes refute a robot; else its script does, if a solver is to be believed.
 
         Args:
@@ -48,6 +56,7 @@ class Evidence:
             script: the name of a file, or None.
             boxes: likewise.
             model: the robot.
+            cheaper: the parameters that boxes have to refute; None: all there are.
 
         Raises:
             FalseClaim: there is no evidence, or it is not what it says.
@@ -55,7 +64,7 @@ class Evidence:
         if script is None and boxes is None:
             raise FalseClaim(f"{robot} has no evidence")
         if boxes is not None:
-            self._covered(robot, boxes, model)
+            self._covered(robot, boxes, model, cheaper)
         if script is not None:
             content = self._script(robot, script, model)
             if boxes is None and self.trust:
@@ -75,13 +84,15 @@ class Evidence:
         except OSError as error:
             raise FalseClaim(f"the evidence {_shown(name)}: {error.strerror}") from None
 
-    def _covered(self, robot: str, name: str, model: RobotModel) -> None:
+    def _covered(
+        self, robot: str, name: str, model: RobotModel, cheaper: CheaperRobots | None
+    ) -> None:
         """The boxes prove that the robot does not do the task."""
         try:
             covering = self.content(name).decode("ascii")
         except UnicodeDecodeError:
             raise FalseClaim(f"{name} is not ASCII") from None
-        reason = why_not(covering, model, self.workspace, self.task)
+        reason = why_not(covering, model, self.workspace, self.task, cheaper)
         if reason is not None:
             raise FalseClaim(f"{name} does not refute {robot}: {reason}")
 

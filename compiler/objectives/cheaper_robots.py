@@ -1,0 +1,94 @@
+"""Robots of a structure that have less of an objective than some amount, by their parameters."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from compiler.expressions.evaluators.intervals import Ends, outward
+from compiler.expressions.exact_numbers import outward as bounds_of
+from compiler.objectives.least_values import Amount, mass_bounds
+from compiler.robots.robot import RobotModel
+
+SLICES = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Less:
+    """Less than ``bound`` of an objective, and at most so much of those in ``limits``."""
+
+    limits: tuple[tuple[Amount, Fraction], ...]
+    amount: Amount
+    bound: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class CheaperRobots:
+    """The robots of a structure that have any of ``less``."""
+
+    word: tuple[str, ...]
+    model: RobotModel
+    less: tuple[Less, ...]
+
+    def none_in(self, box: Sequence[Ends]) -> bool:
+        """Whether no parameters in a box make one of them.
+
+        Args:
+            box: intervals around the parameters of the robot, in their order.
+        """
+        return all(self._excluded(box, each) for each in self.less)
+
+    def narrowed(self, box: Sequence[Ends]) -> list[Ends]:
+        """A box in which all parameters of a box are that make one of them.
+
+        Slices at both ends of each side are left out, in parts of ``SLICES``.
+        """
+        found = list(box)
+        for i, side in enumerate(box):
+            if side.finite and side.low < side.high:
+                found[i] = self._narrowed(found, i)
+        return found
+
+    def _narrowed(self, box: list[Ends], place: int) -> Ends:
+        """The side of a box without the largest slices at its ends that hold none of them."""
+        low, high = box[place].low, box[place].high
+        edges = [low, *(low + (high - low) * k / SLICES for k in range(1, SLICES)), high]
+
+        def none_in(first: arb, last: arb) -> bool:
+            return self.none_in([*box[:place], outward(first, last), *box[place + 1 :]])
+
+        above = [*range(1, SLICES), SLICES]
+        last = above[bisect_left(above[:-1], x=True, key=lambda k: none_in(edges[k], high))]
+        below = [*range(last - 1, 0, -1), 0]
+        first = below[bisect_left(below[:-1], x=True, key=lambda k: none_in(low, edges[k]))]
+        return outward(edges[first], edges[last])
+
+    def _excluded(self, box: Sequence[Ends], less: Less) -> bool:
+        if self.least(less.amount, box) >= less.bound:
+            return True
+        return any(self.least(amount, box) > most for amount, most in less.limits)
+
+    def least(self, amount: Amount, box: Sequence[Ends]) -> Fraction:
+        """What a robot with parameters in a box has at least of an objective, in SI units."""
+        least = amount.of_robot(self.word, self.model)
+        if amount.exact or not all(side.finite for side in box):
+            return least
+        if amount.objective.kind == "mass":
+            bounds = mass_bounds(self.model, [side.ball() for side in box])
+            return least if bounds is None else max(least, bounds[0])
+        if amount.objective.kind == "sum":
+            return max(least, self._sum(amount, box))
+        return least
+
+    def _sum(self, amount: Amount, box: Sequence[Ends]) -> Fraction:
+        """The sum over the word, of whose symbols some add a parameter."""
+        varied = {name for name, value in amount.objective.amounts if value is None}
+        total = amount.of_word(symbol for symbol in self.word if symbol not in varied)
+        for parameter, side in zip(self.model.parameters, box, strict=True):
+            if parameter.module in varied and parameter.name == amount.objective.attribute:
+                total += (bounds_of(side.low) or (Fraction(0),))[0]
+        return total

@@ -1,0 +1,87 @@
+"""What the robots of a structure have at least of an objective, whatever their parameters are.
+
+By its word a structure may have as little as the ends of its parameters add up to.  A covering of
+the parameters shows more: that no robot of it with less than some amount does the task.  The
+largest such amount is sought by halving.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.objectives.cheaper_robots import CheaperRobots, Less
+from compiler.robots.candidate import Candidate
+from compiler.robots.normal_form import RobotFamily
+from compiler.robots.robot import RobotModel
+from grammar_lang import ir
+from solvers.impossibility.box_refutation import box_refutation
+from solvers.impossibility.box_search import CoveringBudget
+from solvers.run_context import RunContext
+
+BUDGET = CoveringBudget(20_000, 1_500, 1_500)
+CLOSELY = 50
+"""Bounds are sought to one part of themselves in so many."""
+
+
+@dataclass(slots=True)
+class ParameterBounds:
+    """The search for bounds on structures of a family; ``coverings`` by derivation."""
+
+    family: RobotFamily
+    task: ir.Task
+    context: RunContext
+    coverings: dict[tuple[str, ...], str] = field(default_factory=dict[tuple[str, ...], str])
+
+    def least(
+        self, candidate: Candidate, before: Sequence[Less], less: Less, *, reached: bool
+    ) -> Fraction:
+        """An amount that no robot of a structure is below that does the task.
+
+        Args:
+            candidate: the structure.
+            before: what no robot of it does the task with, either.
+            less: the objective, what the robots may have of others, and the largest amount of use.
+            reached: whether a robot has so much, so that halving begins below it.
+
+        Returns:
+            What its word says where nothing more is shown.
+        """
+        word, model = candidate.derivation.word, candidate.model
+        low, high = less.amount.of_robot(word, model), less.bound
+        if model is None or less.amount.exact or low >= high:
+            return low
+        due = not reached or _is_discrete(model)
+        while True:
+            trial = high if due else (low + high) / 2
+            asked = CheaperRobots(word, model, (*before, Less(less.limits, less.amount, trial)))
+            boxes = self._covering(candidate, asked)
+            if boxes is not None:
+                self.coverings[candidate.derivation.labels] = boxes
+                low = trial
+            elif not due:
+                high = trial
+            due = False
+            if high - low <= high / CLOSELY:
+                return low
+
+    def _covering(self, candidate: Candidate, asked: CheaperRobots) -> str | None:
+        """A covering that refutes some robots of a structure; the journal is asked first."""
+        amounts = [(each.amount.text, str(each.bound)) for each in asked.less]
+        key = f"least|{' '.join(candidate.derivation.labels)}|{amounts}"
+        known = self.context.journal.recall(key)
+        if not isinstance(known, str):
+            self.context.check_time()
+            workspace = self.family.program.workspaces[self.task.workspace]
+            graph = robot_graph(asked.model, self.task.gravity)
+            answer = box_refutation(asked.model, graph, workspace, self.task, BUDGET, asked)
+            known = "" if answer is None else answer.boxes
+            self.context.journal.record(key, known)
+        return known or None
+
+
+def _is_discrete(model: RobotModel) -> bool:
+    """Whether some parameter has single values."""
+    return any(isinstance(each.domain, ir.Choices) for each in model.parameters)
