@@ -10,9 +10,11 @@ from fractions import Fraction
 from flint import arb
 
 from compiler.expressions.evaluators.intervals import Ends, outward
+from compiler.expressions.exact_numbers import exact_rational, rational_bounds
 from compiler.expressions.exact_numbers import outward as bounds_of
 from compiler.objectives.least_values import Amount, mass_bounds
-from compiler.robots.robot import RobotModel
+from compiler.robots.robot import RobotModel, RobotParameter
+from grammar_lang import ir
 
 SLICES = 64
 
@@ -78,7 +80,8 @@ class CheaperRobots:
         if amount.exact or not all(side.finite for side in box):
             return least
         if amount.objective.kind == "mass":
-            bounds = mass_bounds(self.model, [side.ball() for side in box])
+            values = map(_value, self.model.parameters, box)
+            bounds = mass_bounds(self.model, list(values))
             return least if bounds is None else max(least, bounds[0])
         if amount.objective.kind == "sum":
             return max(least, self._sum(amount, box))
@@ -90,5 +93,19 @@ class CheaperRobots:
         total = amount.of_word(symbol for symbol in self.word if symbol not in varied)
         for parameter, side in zip(self.model.parameters, box, strict=True):
             if parameter.module in varied and parameter.name == amount.objective.attribute:
-                total += (bounds_of(side.low) or (Fraction(0),))[0]
+                value = _value(parameter, side)
+                if isinstance(value, arb):
+                    value = (bounds_of(value) or (Fraction(0),))[0]
+                total += value
         return total
+
+
+def _value(parameter: RobotParameter, side: Ends) -> Fraction | arb:
+    """The value of a parameter in a side where that is a single rational; else a ball around it."""
+    low, high = bounds_of(side.low), bounds_of(side.high)
+    if isinstance(parameter.domain, ir.Interval) or low is None or high is None:
+        return side.ball()
+    found = [(rational_bounds(value), value) for value in parameter.domain.values]
+    near = [value for (least, most), value in found if least <= high[1] and most >= low[0]]
+    single = exact_rational(near[0]) if len(near) == 1 else None
+    return side.ball() if single is None else single

@@ -79,12 +79,21 @@ def test_masses(tmp_path: Path) -> None:
     assert value >= 3 + 2 * NEAREST
 
 
-def test_values_one_by_one(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("objective", "due"), [("sum(length)", "1/2"), ("mass", "1")])
+def test_values_one_by_one(objective: str, due: str, tmp_path: Path) -> None:
     """Of single values the least that reaches is proved to be the least."""
     tube = {"A": "param length in {0.9, 0.2, 0.3, 0.5, 0.7} m;"}
-    text = spec(tube, ALONG, "modules <= 4; minimize sum(length);", accept=ONE)
+    text = spec(tube, ALONG, f"modules <= 4; minimize {objective};", accept=ONE)
     found = least(text, tmp_path, "--evaluations", "12", "--paths", "6")[0]
-    assert found == [(Fraction(1, 2), Fraction(1, 2))]
+    assert found == [(Fraction(due), Fraction(due))]
+
+
+def test_a_value_that_no_binary_number_is(tmp_path: Path) -> None:
+    tube = {"A": "param length in {0.8, 0.3, 0.4, 0.6} m;"}
+    shelf = "box [-0.05, 0.05] x [0.55, 0.65] m"
+    text = spec(tube, ALONG, "modules <= 4; minimize sum(length);", accept=ONE, shelf=shelf)
+    found = least(text, tmp_path, "--evaluations", "12", "--paths", "6")[0]
+    assert found == [(Fraction(3, 5), Fraction(3, 5))]
 
 
 def test_one_after_the_other(tmp_path: Path) -> None:
