@@ -1,6 +1,6 @@
 """Which tests `make quick` and `make test` leave out, because of how long they take.
 
-`make timings` records in ``long_tests.json``, file by file, which tests take 0.05 s and more, or
+`make timings` records in ``long_tests.json``, file by file, which tests take 0.03 s and more, or
 start a process; `make quick` leaves them out. A test that is not listed is quick; if it starts a
 process it fails in `make quick`. Those that took half a second are in ``slow_tests.json``, and run
 in `make test-slow` alone, as those marked `slow` do.
@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 LISTED = Path(__file__).with_name("long_tests.json")
-LONG_SECONDS = 0.05
+LONG_SECONDS = 0.03
 SLOW = Path(__file__).with_name("slow_tests.json")
 SLOW_SECONDS = 0.5
 KEPT_SECONDS = 3.0
