@@ -374,4 +374,8 @@ def free_parameters(path_problem: PathProblem, about: Trajectory) -> tuple[Array
     """
     if chosen_by_spread(path_problem):
         return None
-    return parameter_space(path_problem.model).free_box(about.theta)
+    ranges = parameter_space(path_problem.model).free_box(about.theta)
+    if path_problem.box is None or ranges is None:
+        return ranges
+    low, high = path_problem.box
+    return np.maximum(ranges[0], low), np.minimum(ranges[1], high)

@@ -98,7 +98,7 @@ def shorter_motion(
     entries = path_problem.waypoints()[1]
     start = _seed(path_problem, best, way, entries)
     label = f"{paths.structure.label}|shorter{price or ''}"
-    return _solved(paths, path_problem, start, box or free_parameters(path_problem, start), label)
+    return _solved(paths, replace(path_problem, box=box), start, label)
 
 
 def attempt_along(
@@ -116,19 +116,19 @@ def attempt_along(
     path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None:
         return PathAttempt(blocked_by(best.configuration.outcome))
-    return _solved(paths, path_problem, start, box, f"{paths.structure.label}|{name}")
+    return _solved(paths, replace(path_problem, box=box), start, f"{paths.structure.label}|{name}")
 
 
 def _solved(
     paths: PathSearch,
     path_problem: PathProblem,
     start: Trajectory,
-    box: tuple[Array, Array] | None,
     label: str,
 ) -> PathAttempt:
-    """The attempt at a motion from a start, with parameters within a box."""
+    """The attempt at a motion from a start."""
     context, entries = paths.structure.context, path_problem.waypoints()[1]
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
+    box = free_parameters(path_problem, start)
     (outcome,) = evaluator.solutions([SolveRequest(start, entries, box, FULL, released=True)])
     at = settled(path_problem, outcome, entries, context) if outcome.feasible else None
     if at is None:

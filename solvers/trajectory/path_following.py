@@ -86,7 +86,8 @@ class PathProblem:
     entries.  ``in_joints`` says that seeds are ways in joint space, which know nothing of cells in
     between.  ``rates`` and ``mobility`` are the prices of squares of rates and of phi
     (``mobility.py``), as means over the samples, in SI.  ``solver`` is the name in cvxpy of what
-    solves the convex steps, None: our own programs.
+    solves the convex steps, None: our own programs.  ``box`` are bounds (p,) of the parameters,
+    None: their ranges.
     """
 
     numeric: NumericRobot
@@ -114,6 +115,7 @@ class PathProblem:
     rates: float = 0.0
     mobility: float = 0.0
     solver: str | None = None
+    box: tuple[Array, Array] | None = None
 
     @property
     def model(self) -> RobotModel:
@@ -311,10 +313,7 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
-        """As ``solve``, with the cells between the ends released; what else binds does as before.
-
-        ``box`` are bounds (p,) of the parameters, or None.
-        """
+        """As ``solve``, with the cells between the ends released; what else binds still does."""
         return self.solved(self.problem(entries, released=True), start, box, budget, radius)
 
     def solved(

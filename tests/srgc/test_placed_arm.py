@@ -10,8 +10,10 @@ from scipy.optimize import minimize_scalar
 
 from tests.oracles import result_files
 
-NEAR = 1.1
+NEAR = 1.01
 """The search of parameters is local: it ends so near the least at least."""
+PROVED = 1.08
+"""So near is what is proved of all robots."""
 
 
 def radius(place: float) -> float:
@@ -32,6 +34,6 @@ def test_the_base_is_placed_for_the_least_tube(made: Callable[[str], Path]) -> N
     (stated,) = design["objectives"]
     assert stated["value"] == tube["value"]
     # Two tubes reach no farther than one of the same length.
-    assert least / NEAR <= stated["least"] <= least
+    assert least / PROVED <= stated["least"] <= least
     assert least <= tube["value"] <= NEAR * least
     assert radius(place["value"]) <= tube["value"]
