@@ -24,6 +24,8 @@ from solvers.run_context import RunContext
 BUDGET = CoveringBudget(20_000, 1_500, 1_500)
 CLOSELY = 50
 """Bounds are sought to one part of themselves in so many."""
+MOST_FAILURES = 3
+"""After so many amounts for which there was no covering the bound is left as it is."""
 
 
 @dataclass(slots=True)
@@ -51,21 +53,23 @@ class ParameterBounds:
         """
         word, model = candidate.derivation.word, candidate.model
         low, high = less.amount.of_robot(word, model), less.bound
-        if model is None or less.amount.exact or low >= high:
+        if model is None or not model.parameters or less.amount.exact or low >= high:
             return low
-        due = not reached or _is_discrete(model)
-        while True:
+        due, failures = not reached or _is_discrete(model), 0
+        while failures < MOST_FAILURES:
             trial = high if due else (low + high) / 2
             asked = CheaperRobots(word, model, (*before, Less(less.limits, less.amount, trial)))
             boxes = self._covering(candidate, asked)
             if boxes is not None:
                 self.coverings[candidate.derivation.labels] = boxes
                 low = trial
-            elif not due:
+            else:
+                failures += 1
                 high = trial
             due = False
             if high - low <= high / CLOSELY:
-                return low
+                break
+        return low
 
     def _covering(self, candidate: Candidate, asked: CheaperRobots) -> str | None:
         """A covering that refutes some robots of a structure; the journal is asked first."""
