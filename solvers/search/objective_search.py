@@ -61,7 +61,7 @@ class ObjectiveSearch:
             before = state.attempts
             for found in StructureSearch(self.lasting(task.steps), self.cells).states(effectors):
                 state = replace(found, attempts=(*before, *found.attempts), reason=None)
-                reason = found.reason or reason
+                reason = reason or found.reason or ""
                 yield state
             lengths += len(state.attempts) > len(before)
             if state.design is not None or lengths == LENGTHS:

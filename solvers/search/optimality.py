@@ -8,12 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 
 from compiler.objectives.cheaper_robots import Less
 from compiler.objectives.least_values import Amount
-from compiler.objectives.objective_text import amount_text, value_text
 from compiler.objectives.ordered_structures import Limit, structures_by, words_below
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
@@ -24,111 +22,12 @@ from solvers.impossibility.box_evidence import covered
 from solvers.lemma import Lemma, VariantLemma
 from solvers.run_context import RunContext
 from solvers.search.least_search import searched_modules
+from solvers.search.objective_result import ObjectiveResult, Optimality
 from solvers.search.parameter_bounds import ParameterBounds
-from solvers.search.time_bound import TimeBound
 
 MOST_RAISED = 20
 """So many structures are shown to have more of an objective than their words say."""
 NOT_WITH_LESS = "no robot of it with less does the task"
-
-
-@dataclass(frozen=True, slots=True)
-class ObjectiveResult:
-    """What the design has of an objective, and the least that is proved of all robots.
-
-    ``value`` and ``least`` are in SI units: no robot that has of the objectives before what these
-    leave has less than ``least``.  Of some design they have ``reached`` so much.  So many robots
-    that may have less than that are ``undecided``; where not all of them were looked at, there may
-    be ``more``.
-    """
-
-    amount: Amount
-    value: Fraction
-    least: Fraction
-    reached: Fraction
-    undecided: int
-    more: bool
-
-    @property
-    def is_least(self) -> bool:
-        """Whether no robot has less than the design."""
-        return self.least >= self.value and self._is_settled
-
-    @property
-    def _is_settled(self) -> bool:
-        """Whether no robot has less than some design."""
-        return self.least >= self.reached and not self.undecided and not self.more
-
-    @property
-    def gap(self) -> Fraction | None:
-        """By which part of the proved least the best design is above it; None where that is 0."""
-        return self.reached / self.least - 1 if self.least > 0 else None
-
-    @property
-    def text(self) -> str:
-        """What is known of it, in words."""
-        said = self._best_text()
-        if self.value > self.reached:
-            return f"{amount_text(self.amount.objective, self.value)} ({said})"
-        return said
-
-    def _best_text(self) -> str:
-        best = amount_text(self.amount.objective, self.reached)
-        if self._is_settled:
-            return f"least {best}"
-        if self.amount.is_ordering and (self.undecided or self.more):
-            return f"least {best}, unless {self._others()} for less"
-        if self.gap is None:
-            return best
-        least = value_text(self.amount.objective, self.least)
-        return f"{best}; no robot has less than {least} (gap {gap_text(self.gap)})"
-
-    def _others(self) -> str:
-        """The robots that may have less, and do it."""
-        if not self.undecided:
-            return "a robot that was not tried does it"
-        which = "the undecided robot"
-        if self.undecided > 1:
-            which = f"one of {self.undecided} undecided robots"
-        return f"{which}, or one that was not tried, does it" if self.more else f"{which} does it"
-
-
-@dataclass(frozen=True, slots=True)
-class Optimality:
-    """The objectives of a design, and the evidence for the least of each.
-
-    ``modules`` is the bound on modules that they are about, None without one; ``by_default`` it is
-    not that of the task.  ``records`` are the structures that may have less, all with coverings,
-    and those whose variants the ``lemmas`` are about; ``dearer`` are words of which each robot has
-    as much.  The least time rests on ``time``, ``untimed`` says why there is no bound on it.
-    """
-
-    objectives: tuple[ObjectiveResult, ...]
-    modules: int | None
-    by_default: bool
-    records: tuple[StructureRecord, ...]
-    dearer: tuple[tuple[str, ...], ...]
-    lemmas: tuple[Lemma, ...]
-    time: TimeBound | None = None
-    untimed: str | None = None
-
-    def with_least_time(self, least: Fraction, bound: TimeBound | None = None) -> Optimality:
-        """The same with the time that no motion of any robot is below, in s.
-
-        It needs no ``bound`` where the task allows no motion of fewer steps.
-        """
-        objectives = (
-            replace(each, least=least, more=False) if each.amount.objective.kind == "time" else each
-            for each in self.objectives
-        )
-        return replace(self, objectives=tuple(objectives), time=bound)
-
-    @property
-    def text(self) -> str:
-        """What is known of the objectives, in words."""
-        known = "; then ".join(each.text for each in self.objectives)
-        bound = f", of robots with up to {self.modules} modules" if self.by_default else ""
-        return known + bound
 
 
 def optimality(
@@ -188,6 +87,16 @@ def _may_be_less(
     word = record.word
     within = all(limit.amount.of_word(word) <= limit.most for limit in before)
     return within and amount.of_word(word) < bound
+
+
+@dataclass(frozen=True, slots=True)
+class _Open:
+    """The least of some structures, how many are undecided, and more; see ``ObjectiveResult``."""
+
+    least: Fraction
+    undecided: int
+    more: bool
+    other: bool
 
 
 @dataclass(slots=True)
@@ -285,21 +194,18 @@ class _Judgement:
         if not amount.is_ordering:
             return ObjectiveResult(amount, value, Fraction(0), best, 0, more=False)
         before = self.reached[:place]
-        least, undecided, more = self._open(amount, before, best)
-        bound = best
+        found = self._open(amount, before, best)
+        least, bound = found.least, best
         if [limit.most for limit in limits] != [limit.most for limit in before]:
-            least, _, _ = self._open(amount, limits, value)
-            bound = value
+            least, bound = self._open(amount, limits, value).least, value
         if least < bound and not amount.exact:
             least = self._raised(amount, limits, bound)
-        undecided = 0 if least >= best else undecided
-        return ObjectiveResult(amount, value, least, best, undecided, more)
+        undecided = 0 if least >= best else found.undecided
+        return ObjectiveResult(amount, value, least, best, undecided, found.more, found.other)
 
-    def _open(
-        self, amount: Amount, limits: Sequence[Limit], bound: Fraction
-    ) -> tuple[Fraction, int, bool]:
-        """Of structures below a bound that are not refuted the least, their number, and if more."""
-        least, undecided, more = bound, 0, False
+    def _open(self, amount: Amount, limits: Sequence[Limit], bound: Fraction) -> _Open:
+        """What structures below a bound that are not refuted come to."""
+        least, undecided, more, other = bound, 0, False, False
         for candidate in self._below(amount, limits, bound):
             record = self.records.get(candidate.derivation.labels)
             if record is not None and self._refuted(candidate)[1] is not None:
@@ -308,7 +214,8 @@ class _Judgement:
             least, more = min(least, own), more or record is None
             if record is not None and record.verdict not in ("found", "same"):
                 undecided += 1
-        return least, undecided, more
+            other = other or (record is not None and record.verdict == "found")
+        return _Open(least, undecided, more, other)
 
     def _raised(self, amount: Amount, limits: Sequence[Limit], bound: Fraction) -> Fraction:
         """The least of structures below a bound that are not refuted, by their parameters, too."""
@@ -381,10 +288,3 @@ class _Used:
         copied = replace(first, word=record.word, derivation=record.derivation, script=None)
         boxes, first_place = (first.boxes, None) if same == place else (None, same)
         self.records.append(replace(copied, lemma=None, boxes=boxes, same_robot_as=first_place))
-
-
-def gap_text(gap: Fraction) -> str:
-    """A gap in percent, in two digits that say no less than it is."""
-    percent = 100 * gap
-    digits = Context(prec=2, rounding=ROUND_CEILING)
-    return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"

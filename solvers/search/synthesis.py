@@ -29,7 +29,8 @@ from solvers.search.design_values import limits_of
 from solvers.search.family_search import NO_COUNTS, FamilySearch, Proved
 from solvers.search.least_search import LeastSearch
 from solvers.search.narrowed_family import NoBoundError, Tried
-from solvers.search.optimality import Optimality, optimality, stated
+from solvers.search.objective_result import Optimality
+from solvers.search.optimality import optimality, stated
 from solvers.search.path_task import Design
 from solvers.search.robustness_bound import RobustnessBound
 from solvers.search.search_queue import StructureUnderWay

@@ -7,7 +7,7 @@ the folder says was refuted is asked again.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
@@ -37,13 +37,17 @@ UNTRIED = "it was not tried"
 
 @dataclass(frozen=True, slots=True)
 class CheaperRobot:
-    """A structure that would have had less: its least ``value``, and why it is not the design."""
+    """A structure that would have had less: its least ``value``, and why it is not the design.
+
+    ``varies``: what its robots have depends on their parameters.
+    """
 
     derivation: Derivation
     value: Fraction
     verdict: str
     reason: str
     lemma: int | None
+    varies: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +56,8 @@ class NextCheaper:
 
     ``refuted`` are those with the most less than the design that are refuted, ``undecided`` all of
     which that is not known, ``found`` those that were found and have more of what comes behind.
-    ``lemmas`` are about robots of the first kind.
+    With ``other`` parameters than those that were found, some may have less, but not less than is
+    claimed of all.  ``lemmas`` are about robots of the first kind.
     """
 
     posed: PosedTask
@@ -61,6 +66,7 @@ class NextCheaper:
     refuted: tuple[CheaperRobot, ...]
     undecided: tuple[CheaperRobot, ...]
     found: tuple[CheaperRobot, ...]
+    other: tuple[CheaperRobot, ...]
     lemmas: tuple[Learnt, ...]
 
 
@@ -78,13 +84,15 @@ def next_cheaper(folder: Path, tried: TriedFolder) -> NextCheaper | None:
     value = _value(asked[0], found)
     if value is None:
         return None
-    structures = json_object(folder / "design.json")["structures_tried"]
+    design = json_object(folder / "design.json")
+    structures, claimed = design["structures_tried"], Fraction(design["objectives"][0]["least"])
     family = family_of(posed.program, posed.task)
     bound = searched_modules(family, posed.task, asked)
     every = structures_by(asked[0], family, bound, (), posed.task.origin)
     state = _State(family, structures, tried.lemmas)
     robots = [state.robot(*each) for each in _below(asked[0], every, value)]
     refuted = [each for each in robots if each.verdict == "refuted"]
+    designed = [each for each in robots if each.verdict == "found"]
     nearest = [each for each in refuted if each.value == refuted[-1].value][:MOST_EXPLAINED]
     used = dict.fromkeys(each.lemma for each in nearest if each.lemma is not None)
     return NextCheaper(
@@ -93,7 +101,8 @@ def next_cheaper(folder: Path, tried: TriedFolder) -> NextCheaper | None:
         value,
         tuple(nearest),
         tuple(each for each in robots if each.verdict not in ("refuted", "found")),
-        tuple(each for each in robots if each.verdict == "found"),
+        tuple(each for each in designed if not each.varies),
+        tuple(replace(each, value=max(each.value, claimed)) for each in designed if each.varies),
         learnt(posed, [tried.lemmas[number] for number in used]),
     )
 
@@ -108,13 +117,14 @@ def _value(amount: Amount, found: FoundDesign) -> Fraction | None:
 
 def _below(
     amount: Amount, every: Iterator[Candidate], value: Fraction
-) -> Iterator[tuple[Derivation, Fraction]]:
-    """The structures that may have less than so much, with the least that they have."""
+) -> Iterator[tuple[Derivation, Fraction, bool]]:
+    """The structures that may have less than so much, with the least, and whether it varies."""
     for candidate in islice(every, MOST_STRUCTURES):
         least = amount.of_robot(candidate.derivation.word, candidate.model)
         if least >= value:
             return
-        yield candidate.derivation, least
+        model = candidate.model
+        yield candidate.derivation, least, not amount.exact and bool(model and model.parameters)
 
 
 class _State:
@@ -131,7 +141,7 @@ class _State:
         conditions = [condition_of(lemma.condition, terminals) for lemma in lemmas]
         self.narrowed = [family.with_condition(condition) for condition in conditions]
 
-    def robot(self, derivation: Derivation, value: Fraction) -> CheaperRobot:
+    def robot(self, derivation: Derivation, value: Fraction, varies: bool) -> CheaperRobot:  # noqa: FBT001
         """A structure, with what is known of it."""
         one = self.known.get(derivation.labels)
         word = derivation.word
@@ -140,5 +150,6 @@ class _State:
         )
         if one is None:
             verdict, reason = ("untried", UNTRIED) if lemma is None else ("refuted", "")
-            return CheaperRobot(derivation, value, verdict, reason, lemma)
-        return CheaperRobot(derivation, value, str(one["verdict"]), str(one["reason"]), lemma)
+            return CheaperRobot(derivation, value, verdict, reason, lemma, varies)
+        verdict, reason = str(one["verdict"]), str(one["reason"])
+        return CheaperRobot(derivation, value, verdict, reason, lemma, varies)

@@ -32,6 +32,7 @@ def cheaper_text(
     explained = Explanation(cheaper.posed, Tried("impossible", "", ()), conflicts)
     blocks += conflict_blocks(explained, colour=colour)
     blocks += _listed(cheaper, cheaper.found, "Found, but with more of what comes behind")
+    blocks += _listed(cheaper, cheaper.other, "Found, and with other parameters not below")
     blocks += _listed(cheaper, cheaper.undecided, "Not decided, and perhaps with less")
     if ended is not None:
         blocks.append(f"not all was tried: {ended}")
@@ -44,7 +45,7 @@ def _head(cheaper: NextCheaper) -> str:
         value = amount_text(cheaper.amount.objective, cheaper.refuted[0].value)
         robots = "\n  ".join(" ".join(each.derivation.word) for each in cheaper.refuted)
         return f"Nearest below the design, and refuted: {value}\n  {robots}"
-    if cheaper.undecided or cheaper.found:
+    if cheaper.undecided or cheaper.found or cheaper.other:
         return f"No robot with less {name} is refuted."
     return f"There is no robot with less {name} in the family."
 
@@ -77,7 +78,7 @@ def cheaper_json(cheaper: NextCheaper, conflicts: Conflicts, ended: str | None) 
         "conflicts": conflict_entries(posed, conflicts),
         "unexplained": conflicts.left,
         "undecided": [_robot(each) | {"reason": each.reason} for each in cheaper.undecided],
-        "found": [_robot(each) for each in cheaper.found],
+        "found": [_robot(each) for each in (*cheaper.found, *cheaper.other)],
         "ended": ended,
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"

@@ -24,7 +24,7 @@ from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
 from solvers.search.configuration_search import PathSamples, Sample
-from solvers.search.optimality import Optimality
+from solvers.search.objective_result import Optimality
 from solvers.search.path_task import Design, design_margins, stated_inputs
 from solvers.search.search_state import CounterExampleRecord
 from solvers.search.synthesis import Synthesis

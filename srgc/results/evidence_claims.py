@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from compiler.expressions.exact_numbers import exact_decimal, exact_text
 from solvers.conclusion import StructureRecord
 from solvers.lemma import Lemma, VariantLemma, WeightsLemma
-from solvers.search.optimality import Optimality
+from solvers.search.objective_result import Optimality
 from solvers.search.robustness_bound import RobustnessBound
 from solvers.search.time_bound import TimeBound
 from solvers.verifier.claims.bound_claims import BoundClaim

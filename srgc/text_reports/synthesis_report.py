@@ -13,7 +13,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import dry_friction, input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
-from solvers.search.optimality import gap_text
+from solvers.search.objective_result import gap_text
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis

@@ -8,7 +8,7 @@ import pytest
 
 from compiler.objectives.least_values import Amount
 from grammar_lang import ir
-from solvers.search.optimality import ObjectiveResult, Optimality
+from solvers.search.objective_result import ObjectiveResult, Optimality
 
 PRICE = Amount(ir.Objective("sum", Fraction(1, 10), "price"), {}, exact=True)
 MASS = Amount(ir.Objective("mass"), {}, exact=False)
@@ -22,10 +22,11 @@ def result(
     undecided: int = 0,
     *,
     more: bool = False,
+    other: bool = False,
     amount: Amount = PRICE,
 ) -> ObjectiveResult:
     numbers = map(Fraction, (value, least, value if reached is None else reached))
-    return ObjectiveResult(amount, *numbers, undecided, more)
+    return ObjectiveResult(amount, *numbers, undecided, more, other)
 
 
 SAID = {
@@ -53,6 +54,14 @@ SAID = {
     ),
     "price 110 (least price 100, unless a robot that was not tried does it for less)": result(
         "110", "0", "100", more=True
+    ),
+    # Robots that were found may have less: nothing is the least.
+    "price 50; no robot has less than 40 (gap 25 %)": result("50", "40", other=True),
+    "price 5; no robot has less than 4 (gap 25 %); perhaps the undecided robot does it for less": (
+        result("5", "4", undecided=1, other=True)
+    ),
+    "price 100; perhaps a robot that was not tried does it for less": result(
+        "100", "0", more=True, other=True
     ),
     "least mass 1/3 kg": result("1/3", "1/3", amount=MASS),
     "effort 25 %": result("1/4", "0", amount=EFFORT),

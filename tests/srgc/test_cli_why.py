@@ -15,6 +15,8 @@ import pytest
 from srgc.cli import run
 from tests.oracles import result_files
 from tests.oracles.extended_arm import best_robustness
+from tests.oracles.least_specs import link
+from tests.oracles.least_specs import spec as arms
 from tests.oracles.priced_slides import KINDS, priced_slides, word
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 from tests.srgc.conftest import Ran
@@ -393,3 +395,21 @@ def test_of_motions_there_is_nothing_to_explain(
     text = priced_slides("minimize effort;")
     assert srgc("synth", spec(text), "-o", out, "--quiet").status == 0
     assert "nothing to explain" in srgc("why", out).out
+
+
+def test_the_design_with_other_parameters(srgc: Srgc, spec: Callable[[str], Path]) -> None:
+    """What it has at least is what is proved of all robots, not the ends of its parameters."""
+    tube = {"A": "param length in [0.2, 1] m;"}
+    text = arms(
+        tube, {"a": ("eps A", link("A.length", "1 kg"))},
+        "modules <= 4; minimize sum(length);", accept="matches Base eps Joint eps A eps Hand",
+    )  # fmt: skip
+    folder = spec(text).parent / "tube"
+    assert srgc("synth", spec(text), "-o", folder, "--quiet", "--paths", "2").status == 0
+    stated = result_files.read(folder, "design.json")["objectives"][0]
+    assert 0.4 < stated["least"] <= 0.45 <= stated["value"]
+    said = srgc("why", folder).out
+    assert "comes behind" not in said
+    head, _, robots = said.partition("Found, and with other parameters not below:\n")
+    assert head.startswith("verdict: found (length 0.4")
+    assert robots.startswith(f"  Base eps Joint eps A eps Hand, length {stated['least']:.3f}")
