@@ -71,13 +71,22 @@ def _of_found(
     """Say of a design what robots lack that would have less of the first objective."""
     from solvers.explanation.explanation import conflicts_of
     from srgc.comparisons.next_cheaper import next_cheaper
-    from srgc.comparisons.next_cheaper_text import cheaper_json, cheaper_text
+    from srgc.comparisons.next_cheaper_text import (
+        cheaper_json,
+        cheaper_text,
+        stated_json,
+        stated_text,
+    )
     from srgc.results.progress_display import progress
+    from srgc.results.result_folder import json_object
+    from srgc.results.stated_objectives import stated_objectives
     from srgc.terminal import out_colours
 
     cheaper = next_cheaper(folder, tried)
     if cheaper is None:
-        click.echo("verdict: found\nThere is nothing to explain: `srgc verify` checks the design.")
+        path = folder / "design.json"
+        stated = stated_objectives(json_object(path), path)
+        click.echo(stated_json(stated) if as_json else stated_text(stated), nl=False)
         return 0
     with limit.holds(), progress("why", quiet=quiet or as_json):
         refuted = [each.derivation for each in cheaper.refuted if each.lemma is None]

@@ -11,6 +11,7 @@ from grammar_lang.diagnostics.wording import counted
 from solvers.explanation.conflict import Conflicts
 from solvers.explanation.explanation import Explanation, Tried
 from srgc.comparisons.next_cheaper import CheaperRobot, NextCheaper
+from srgc.results.stated_objectives import Objective
 from srgc.text_reports.why_report import (
     conflict_blocks,
     conflict_entries,
@@ -82,6 +83,27 @@ def cheaper_json(cheaper: NextCheaper, conflicts: Conflicts, ended: str | None) 
         "ended": ended,
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def stated_text(stated: Sequence[Objective]) -> str:
+    """What is claimed of objectives of which no robot is known to have less before it moves."""
+    if not stated:
+        return "verdict: found\nThere is nothing to explain: `srgc verify` checks the design.\n"
+    lines = [
+        f"  {each.name} {each.amount(each.value)}: {each.claim(first=number == 0)}"
+        for number, each in enumerate(stated)
+    ]
+    end = "Beyond that there is nothing to explain: `srgc verify` checks it."
+    return "\n".join(["verdict: found", *lines, end]) + "\n"
+
+
+def stated_json(stated: Sequence[Objective]) -> str:
+    """The same for programs; ends with a line break."""
+    objectives = [
+        {"objective": e.objective, "value": e.value, "least": e.least, "unit": e.unit}
+        for e in stated
+    ]
+    return json.dumps({"verdict": "found", "objectives": objectives}, indent=1) + "\n"
 
 
 def _robot(one: CheaperRobot) -> dict[str, Any]:

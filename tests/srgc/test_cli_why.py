@@ -236,6 +236,8 @@ def test_a_design_needs_no_explanation(srgc: Srgc, tmp_path: Path) -> None:
     ran = srgc("why", tmp_path / "out")
     assert (ran.status, ran.out.splitlines()[0]) == (0, "verdict: found")
     assert "nothing to explain" in ran.out
+    told = json.loads(srgc("why", tmp_path / "out", "--json").out)
+    assert told == {"verdict": "found", "objectives": []}
 
 
 def test_no_results(srgc: Srgc, tmp_path: Path) -> None:
@@ -394,7 +396,11 @@ def test_of_motions_there_is_nothing_to_explain(
     out = tmp_path / "out"
     text = priced_slides("minimize effort;")
     assert srgc("synth", spec(text), "-o", out, "--quiet").status == 0
-    assert "nothing to explain" in srgc("why", out).out
+    said = srgc("why", out).out
+    assert "nothing to explain" in said
+    (stated,) = json.loads(srgc("why", out, "--json").out)["objectives"]
+    assert (stated["objective"], stated["least"]) == ("effort", 0)
+    assert f"  effort {100 * stated['value']:.6g} %: nothing is proved of other robots\n" in said
 
 
 def test_the_design_with_other_parameters(srgc: Srgc, spec: Callable[[str], Path]) -> None:
