@@ -2,7 +2,7 @@
 
 `make timings` records in ``long_tests.json``, file by file, which tests take 0.03 s and more, or
 start a process; `make quick` leaves them out. A test that is not listed is quick; if it starts a
-process it fails in `make quick`. Those that took half a second are in ``slow_tests.json``, and run
+process it fails in `make quick`. Those that took 0.4 s and more are in ``slow_tests.json``, and run
 in `make test-slow` alone, as those marked `slow` do.
 """
 
@@ -20,7 +20,7 @@ import pytest
 LISTED = Path(__file__).with_name("long_tests.json")
 LONG_SECONDS = 0.03
 SLOW = Path(__file__).with_name("slow_tests.json")
-SLOW_SECONDS = 0.5
+SLOW_SECONDS = 0.4
 KEPT_SECONDS = 3.0
 """The quickest test of a file stays in the usual suite, unless it takes as long as this."""
 USUAL = {

@@ -12,10 +12,11 @@ import shapely
 from compiler.arrays import Array
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.normal_form import family_of
+from compiler.unreachability.box_tree import text
 from compiler.unreachability.motion_conditions import motion_conditions
 from compiler.words.structures import structures
 from grammar_lang.load import load_text
-from solvers.impossibility.box_search import CoveringBudget, find_covering, text
+from solvers.impossibility.box_search import CoveringBudget, find_covering
 from solvers.verifier.refutations.box_check import why_not
 from tests.oracles.some_cases import examples
 
