@@ -52,9 +52,7 @@ def _others(
     read_on="docs/how-to/words.md; of results, docs/how-to/objectives.md",
 )
 @click.argument("file", type=PathOf(path_type=Path), shell_complete=_first, metavar="FILE|FOLDER")
-@click.argument(
-    "others", nargs=-1, required=True, shell_complete=_others, metavar="GRAMMAR GRAMMAR|FOLDER..."
-)
+@click.argument("others", nargs=-1, shell_complete=_others, metavar="GRAMMAR GRAMMAR|FOLDER...")
 @click.option("--max-length", type=click.IntRange(0), default=20, show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="Of results: print the table as JSON.")
 @QUIET
@@ -73,6 +71,8 @@ def compare(
     verdict.  Designs are compared by the objectives that all their tasks ask for, else by modules,
     mass and effort.  Nothing is verified.
     """
+    if file.is_dir() and not others:
+        raise UsageFault(f"a result is compared with others: name another folder beside {file}")
     if file.is_dir():
         return _results((file, *map(Path, others)), as_json=as_json)
     if len(others) != 2:

@@ -119,7 +119,7 @@ def test_without_any_design(srgc: Srgc, made) -> None:
 def test_what_cannot_be_put_side_by_side(srgc: Srgc, of, tmp_path: Path) -> None:
     ran = srgc("compare", of("Heavy"))
     assert (ran.status, ran.out) == (2, "")
-    assert "Missing argument" in ran.err
+    assert "name another folder beside" in ran.err
     ran = srgc("compare", of("Heavy"), tmp_path)
     assert (ran.status, ran.out, ran.err.count("\n")) == (2, "", 1)
     assert "it holds no finished results" in ran.err
