@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 
 from compiler.expressions.exact_numbers import exact_text
@@ -41,3 +42,10 @@ def value_text(objective: ir.Objective, value: Fraction) -> str:
     exact = exact_text(shown)
     number = exact if len(exact) <= LONGEST else f"{float(shown):.6g}"
     return f"{number}{' ' if unit else ''}{unit}"
+
+
+def gap_text(gap: Fraction) -> str:
+    """A gap in percent, in two digits that say no less than it is."""
+    percent = 100 * gap
+    digits = Context(prec=2, rounding=ROUND_CEILING)
+    return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 
 from compiler.objectives.least_values import Amount
-from compiler.objectives.objective_text import amount_text, value_text
+from compiler.objectives.objective_text import amount_text, gap_text, value_text
 from solvers.conclusion import StructureRecord
 from solvers.lemma import Lemma
 from solvers.search.time_bound import TimeBound
@@ -113,10 +112,3 @@ class Optimality:
         known = "; then ".join(each.text for each in self.objectives)
         bound = f", of robots with up to {self.modules} modules" if self.by_default else ""
         return known + bound
-
-
-def gap_text(gap: Fraction) -> str:
-    """A gap in percent, in two digits that say no less than it is."""
-    percent = 100 * gap
-    digits = Context(prec=2, rounding=ROUND_CEILING)
-    return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"

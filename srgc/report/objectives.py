@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
+from compiler.objectives.objective_text import gap_text
 from solvers.verifier.report import Outcome
-from srgc.render.html_text import number, text
+from srgc.render.html_text import text
 from srgc.report.compared_designs import compared_designs
 from srgc.report.evidence import Evidence
 from srgc.report.front import front_part
@@ -46,7 +49,7 @@ def _checked(evidence: Evidence) -> str:
 def _row(one: Objective, *, first: bool) -> str:
     nothing = not one.least > 0 and not one.is_least
     least = "" if nothing else text(one.amount(one.least))
-    gap = "" if nothing or one.gap is None else f"{number(100 * one.gap, 2)} %"
+    gap = "" if nothing or one.gap is None else gap_text(Fraction(one.gap))
     claim = one.claim(first=first)
     says = "; ".join(part for part in (claim, one.open) if part)
     return (

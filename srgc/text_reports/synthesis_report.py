@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compiler.objectives.objective_text import gap_text
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import dry_friction, input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
-from solvers.search.objective_result import gap_text
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
