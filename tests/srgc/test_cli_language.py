@@ -260,7 +260,7 @@ def test_different_words(srgc, file_of):
     ("arguments", "word"),
     [
         (["Pairs"], "name both"),
-        ([], "GRAMMAR"),
+        ([], "name both"),
         (["Pairs", "Wrong"], "`Wrong`"),
         (["Pairs", "Sums", "--max-length", "-1"], "--max-length"),
         (["Pairs", "Sums", "Right"], "name both"),
