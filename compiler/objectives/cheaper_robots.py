@@ -17,6 +17,7 @@ from compiler.robots.robot import RobotModel, RobotParameter
 from grammar_lang import ir
 
 SLICES = 64
+"""Parts of a side of a box; those at its ends that hold none of the robots are left out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,17 @@ class Less:
     limits: tuple[tuple[Amount, Fraction], ...]
     amount: Amount
     bound: Fraction
+
+    def is_open(self, word: Sequence[str], model: RobotModel | None) -> bool:
+        """Whether some robot of a structure may have it, whatever its parameters are."""
+        within = all(amount.of_robot(word, model) <= most for amount, most in self.limits)
+        return within and self.amount.of_robot(word, model) < self.bound
+
+    @property
+    def text(self) -> str:
+        """What it says, the same in every run."""
+        allowed = [f"{amount.text} <= {most}" for amount, most in self.limits]
+        return " and ".join([*allowed, f"{self.amount.text} < {self.bound}"])
 
 
 @dataclass(frozen=True, slots=True)

@@ -229,7 +229,8 @@ class _Judgement:
                 break
             if candidate.derivation.labels not in self.records or raised == MOST_RAISED:
                 return own
-            before = [less for less in self.less if _may_have(candidate, less)]
+            word, model = candidate.derivation.word, candidate.model
+            before = [less for less in self.less if less.is_open(word, model)]
             less = Less(allowed, amount, least)
             least = self.bounds.least(candidate, before, less, reached=least == bound)
             raised += 1
@@ -259,13 +260,6 @@ class _Judgement:
         if first.verdict != "refuted" or first.boxes is None:
             return record, None
         return record, first
-
-
-def _may_have(candidate: Candidate, less: Less) -> bool:
-    """Whether a robot of a structure may have less, by its word."""
-    word, model = candidate.derivation.word, candidate.model
-    within = all(amount.of_robot(word, model) <= most for amount, most in less.limits)
-    return within and less.amount.of_robot(word, model) < less.bound
 
 
 @dataclass(slots=True)

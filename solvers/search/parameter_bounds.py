@@ -22,6 +22,7 @@ from solvers.impossibility.box_search import CoveringBudget
 from solvers.run_context import RunContext
 
 BUDGET = CoveringBudget(20_000, 1_500, 1_500)
+"""For one amount."""
 CLOSELY = 50
 """Bounds are sought to one part of themselves in so many."""
 MOST_FAILURES = 3
@@ -73,8 +74,8 @@ class ParameterBounds:
 
     def _covering(self, candidate: Candidate, asked: CheaperRobots) -> str | None:
         """A covering that refutes some robots of a structure; the journal is asked first."""
-        amounts = [(each.amount.text, str(each.bound)) for each in asked.less]
-        key = f"least|{' '.join(candidate.derivation.labels)}|{amounts}"
+        less = " or ".join(each.text for each in asked.less)
+        key = f"least|{' '.join(candidate.derivation.labels)}|{less}"
         known = self.context.journal.recall(key)
         if not isinstance(known, str):
             self.context.check_time()

@@ -285,9 +285,6 @@ def _less(stated: Sequence[_Stated]) -> Less:
 
 
 def _may_be_less(candidate: Candidate, stated: Sequence[_Stated]) -> bool:
-    *before, last = stated
-    if last.amount.objective.kind == "time":
+    if stated[-1].amount.objective.kind == "time":
         return False
-    word, model = candidate.derivation.word, candidate.model
-    within_limits = all(each.amount.of_robot(word, model) <= each.most for each in before)
-    return within_limits and last.amount.of_robot(word, model) < last.least
+    return _less(stated).is_open(candidate.derivation.word, candidate.model)
