@@ -227,6 +227,13 @@ def lower(
         if lowered is not None:
             tasks[name] = lowered
             check_ownership(lowered, grammars, sink)
+    missions: dict[str, ir.Mission] = {}
+    for name, mission in declared.missions.items():
+        from grammar_lang.elaboration.missions import lower_mission
+
+        made = lower_mission(mission, around, tasks, sink)
+        if made is not None:
+            missions[name] = made
     report_unused(names, sink)
     return ir.Program(
         modules={name: info.module for name, info in modules.items()},
@@ -236,4 +243,5 @@ def lower(
         tasks=tasks,
         sources=sources,
         terminal_spans={name: found.span for name, found in declared.terminals.items()},
+        missions=missions,
     )

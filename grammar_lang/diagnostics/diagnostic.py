@@ -110,6 +110,11 @@ class Code(Enum):
     BAD_WITHIN = "SRG0725"
     FIXED_TIME = "SRG0726"
     TIME_WITHOUT_END = "SRG0727"
+    REPEATED_TASK = "SRG0730"
+    OTHER_ROBOTS = "SRG0731"
+    OTHER_EFFORTS = "SRG0732"
+    EMPTY_MISSION = "SRG0733"
+    CONTRADICTORY_MISSION = "SRG0734"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

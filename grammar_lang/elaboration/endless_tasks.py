@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 
 
@@ -31,7 +32,7 @@ def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
                 message = "a motion that goes on for ever has no last part"
                 hint = "write `eventually always` for what holds from some time on"
                 sink.error(Code.LAST_WITHOUT_END, message, last.span, hint, notes)
-        elif isinstance(item, t.Minimize):
+        elif isinstance(item, m.Minimize):
             for objective in item.objectives:
                 name = objective.name.text
                 if name not in ("time", "energy") or objective.attribute is not None:

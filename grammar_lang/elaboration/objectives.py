@@ -17,6 +17,7 @@ from grammar_lang.elaboration.sorts import ZERO, Sort, Typed, wrong_sort
 from grammar_lang.ir import constants
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import ONE, describe, symbol
 
@@ -28,6 +29,7 @@ _KINDS: Mapping[str, ir.ObjectiveKind] = {
     "effort": "effort",
     "sum": "sum",
 }
+_OF_MISSIONS: Mapping[str, ir.ObjectiveKind] = {**_KINDS, "changes": "changes"}
 _THERE_ARE = "the objectives are `modules`, `mass`, `time`, `energy`, `effort` and `sum(NAME)`"
 _SHOWN = 6
 
@@ -38,11 +40,12 @@ class _Reader:
     modules: Mapping[str, ModuleInfo]
     names: NameTable
     sink: Sink
+    with_changes: bool = False
     seen: dict[tuple[ir.ObjectiveKind, str | None], Span] = field(
         default_factory=dict[tuple[ir.ObjectiveKind, str | None], Span]
     )
 
-    def objective(self, item: t.Objective, *, last: bool) -> ir.Objective | None:
+    def objective(self, item: m.Objective, *, last: bool) -> ir.Objective | None:
         """An objective; None where it is none, or stands there twice, which is reported."""
         within = self._within(item, last=last)
         kind = self._kind(item)
@@ -65,7 +68,7 @@ class _Reader:
         unit = "" if total.unit == "1" else total.unit
         return ir.Objective(kind, within, name, total.amounts(), unit, item.span)
 
-    def _within(self, item: t.Objective, *, last: bool) -> Fraction:
+    def _within(self, item: m.Objective, *, last: bool) -> Fraction:
         """How much of its least value later objectives may add, as a part of it."""
         if item.within is None:
             return Fraction(0)
@@ -80,8 +83,12 @@ class _Reader:
 
     # --- which objective -----------------------------------------------------------------------
 
-    def _kind(self, item: t.Objective) -> ir.ObjectiveKind | None:
-        name, kind = item.name, _KINDS.get(item.name.text)
+    @property
+    def _kinds(self) -> Mapping[str, ir.ObjectiveKind]:
+        return _OF_MISSIONS if self.with_changes else _KINDS
+
+    def _kind(self, item: m.Objective) -> ir.ObjectiveKind | None:
+        name, kind = item.name, self._kinds.get(item.name.text)
         if kind is None:
             message = f"`{name.text}` is no objective"
             self.sink.error(Code.NO_OBJECTIVE, message, name.span, self._meant(item))
@@ -96,12 +103,12 @@ class _Reader:
             return None
         return kind
 
-    def _meant(self, item: t.Objective) -> str:
+    def _meant(self, item: m.Objective) -> str:
         """What to write instead of a name that is no objective."""
         name = item.name.text
         if item.attribute is None and any(name in info.members for info in self.modules.values()):
             return f"did you mean `sum({name})`? {_THERE_ARE}"
-        known = [kind for kind in _KINDS if (kind == "sum") == (item.attribute is not None)]
+        known = [kind for kind in self._kinds if (kind == "sum") == (item.attribute is not None)]
         close = nearest(name, known, self.sink)
         return _THERE_ARE if close is None else f"did you mean `{close}`? {_THERE_ARE}"
 
@@ -251,7 +258,7 @@ class _Sum:
 # --------------------------------------------------------------------------------------------------
 
 
-def check_time(clause: t.Minimize, task: t.Task, sink: Sink) -> None:
+def check_time(clause: m.Minimize, task: t.Task, sink: Sink) -> None:
     """Warn of a least time where all motions take the same; of motions for ever nothing is said.
 
     Args:
@@ -273,11 +280,13 @@ def check_time(clause: t.Minimize, task: t.Task, sink: Sink) -> None:
 
 
 def lower_objectives(
-    clause: t.Minimize,
+    clause: m.Minimize,
     family: Family | None,
     modules: Mapping[str, ModuleInfo],
     names: NameTable,
     sink: Sink,
+    *,
+    with_changes: bool = False,
 ) -> tuple[ir.Objective, ...]:
     """The objectives of a task in their order; whatever is wrong with them is reported.
 
@@ -287,8 +296,9 @@ def lower_objectives(
         modules: the modules of the file.
         names: what the names of the file stand for.
         sink: where findings go.
+        with_changes: whether the changes of a robot are an objective, as in missions.
     """
-    reader = _Reader(family, modules, names, sink)
+    reader = _Reader(family, modules, names, sink, with_changes)
     final = clause.objectives[-1]
     found = [reader.objective(item, last=item is final) for item in clause.objectives]
     return tuple(objective for objective in found if objective is not None)

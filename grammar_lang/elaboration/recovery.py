@@ -16,6 +16,7 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity
 from grammar_lang.source import Span
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from grammar_lang.syntax.tasks import File
 
@@ -79,7 +80,14 @@ def sound_part(program: ir.Program, file: t.File, found: Iterable[Diagnostic]) -
         for name, task in unsound.without(t.Task, program.tasks).items()
         if task.grammar in grammars and task.workspace in workspaces
     }
-    return replace(program, grammars=grammars, workspaces=workspaces, tasks=tasks)
+    missions = {
+        name: mission
+        for name, mission in unsound.without(m.Mission, program.missions).items()
+        if all(task in tasks for task in mission.tasks)
+    }
+    return replace(
+        program, grammars=grammars, workspaces=workspaces, tasks=tasks, missions=missions
+    )
 
 
 # --- findings that follow from others ---------------------------------------------------------
@@ -91,6 +99,7 @@ _QUOTED = re.compile(r"`([^`]*)`")
 _MISSING = frozenset(
     {
         Code.MISSING_CLAUSE,
+        Code.EMPTY_MISSION,
         Code.MISSING_START,
         Code.MISSING_BLOCK,
         Code.BAD_DOF_USE,

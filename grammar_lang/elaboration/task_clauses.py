@@ -16,6 +16,7 @@ from grammar_lang.ir import constants
 from grammar_lang.names.declarations import Entity, Occurrences, report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import FORCE, ONE, TORQUE, Dimension
 
@@ -29,7 +30,7 @@ def clause_places(task: t.Task) -> dict[str, Span]:
         t.BoundsBody: "bounds_body",
         t.Control: "control",
         t.Repeat: "repeat",
-        t.Minimize: "minimize",
+        m.Minimize: "minimize",
     }
     return {kinds[type(item)]: item.span for item in task.items if type(item) in kinds}
 

@@ -25,6 +25,7 @@ from grammar_lang.elaboration.workspaces import check_round
 from grammar_lang.names.declarations import report_unknown
 from grammar_lang.names.table import NameTable
 from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import ACCELERATION, LENGTH, ONE, TIME, Dimension
 
@@ -270,7 +271,7 @@ class _Reader:
         return lower_robust(self.task.items, self.around.names, self.sink)
 
     def minimize(self) -> tuple[ir.Objective, ...]:
-        item = self.one(t.Minimize, "minimize", None)
+        item = self.one(m.Minimize, "minimize", None)
         if item is None:
             return ()
         from grammar_lang.elaboration.objectives import check_time, lower_objectives

@@ -264,7 +264,7 @@ def broken(atoms: Sequence[Atom], indent: int) -> list[Line]:
 # --- statements -------------------------------------------------------------------------------
 
 
-_SPREAD = frozenset({"grammar", "semantics", "workspace", "task"})
+_SPREAD = frozenset({"grammar", "semantics", "workspace", "task", "mission"})
 
 
 @dataclass(slots=True)

@@ -102,6 +102,7 @@ from grammar_lang.ir.formula import (
     Until,
     Window,
 )
+from grammar_lang.ir.mission import Mission, Prices
 from grammar_lang.ir.objective import Objective, ObjectiveKind
 from grammar_lang.ir.task import (
     REST_RATE,
@@ -184,6 +185,7 @@ __all__ = [
     "MapImage",
     "Matches",
     "Mesh",
+    "Mission",
     "Module",
     "ModuleMass",
     "Move",
@@ -204,6 +206,7 @@ __all__ = [
     "Pi",
     "PointMass",
     "Pose",
+    "Prices",
     "Production",
     "Program",
     "RChoice",
@@ -265,6 +268,7 @@ class Program:
     terminal_spans: Mapping[str, Span] = field(
         default_factory=dict[str, Span], compare=False, repr=False
     )
+    missions: Mapping[str, Mission] = field(default_factory=dict[str, Mission])
 
     def is_module(self, name: str) -> bool:
         """Whether a terminal is a module (and not an edge)."""

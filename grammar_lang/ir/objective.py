@@ -1,4 +1,4 @@
-"""What a task minimizes."""
+"""What a task or a mission minimizes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 from grammar_lang.ir.expressions import NOWHERE
 from grammar_lang.source import Span, node
 
-ObjectiveKind: TypeAlias = Literal["modules", "mass", "time", "energy", "effort", "sum"]
+ObjectiveKind: TypeAlias = Literal["modules", "mass", "time", "energy", "effort", "sum", "changes"]
 
 
 @node
@@ -18,7 +18,7 @@ class Objective:
 
     ``modules`` is the number of modules, ``mass`` that of all bodies without loads (kg), ``time``
     how long the motion takes (s), ``energy`` what its drives turn over (J), ``effort`` the largest
-    share of its bound that an input uses,
+    share of its bound that an input uses, ``changes`` what the robots of a mission cost to rebuild,
     ``sum`` the sum of an ``attribute`` over the modules of the word.  Of ``sum``, ``amounts`` has
     the modules of the grammar with the attribute in order of declaration, each with its value in SI
     units, or None where it is a parameter; the others count as zero.  ``unit`` is the SI unit of

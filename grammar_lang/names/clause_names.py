@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from grammar_lang import syntax as s
 from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 
 
@@ -66,9 +67,9 @@ def named_modules(item: t.TaskItem) -> Iterator[s.Ident]:
             pass
 
 
-def summed_attributes(item: t.TaskItem) -> Iterator[s.Ident]:
+def summed_attributes(item: t.TaskItem | m.MissionItem) -> Iterator[s.Ident]:
     """The attributes of modules that objectives add up."""
-    for objective in item.objectives if isinstance(item, t.Minimize) else ():
+    for objective in item.objectives if isinstance(item, m.Minimize) else ():
         if objective.attribute is not None:
             yield objective.attribute
 

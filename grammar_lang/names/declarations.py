@@ -14,6 +14,7 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
 from grammar_lang.parsing.lalr import RESERVED
 from grammar_lang.source import Span, node
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 
 # --- The entities that names stand for, as the items of a specification declare them --------------
@@ -41,6 +42,7 @@ Kind: TypeAlias = Literal[
     "target",
     "map",
     "task",
+    "mission",
 ]
 TERMINALS: tuple[Kind, ...] = ("module", "edge")
 MEMBERS: tuple[Kind, ...] = (
@@ -60,6 +62,15 @@ _MEMBER_KINDS: dict[type, Kind] = {
     s.State: "state",
     s.Input: "input",
     s.Frame: "frame",
+}
+
+
+_Named: TypeAlias = s.Grammar | t.Workspace | t.Task | m.Mission
+_NAMED_KINDS: dict[type, Kind] = {
+    s.Grammar: "grammar",
+    t.Workspace: "workspace",
+    t.Task: "task",
+    m.Mission: "mission",
 }
 
 
@@ -219,9 +230,10 @@ class Declarations:
     semantics: dict[str, s.Semantics] = field(default_factory=dict[str, s.Semantics])
     workspaces: dict[str, t.Workspace] = field(default_factory=dict[str, t.Workspace])
     tasks: dict[str, t.Task] = field(default_factory=dict[str, t.Task])
+    missions: dict[str, m.Mission] = field(default_factory=dict[str, m.Mission])
 
     def is_first(self, item: t.Item) -> bool:
-        """Whether no item before it has its name space; a task and a semantics have none."""
+        """Whether no item before it has its name space; others have none."""
         match item:
             case s.Module(name=name):
                 return self.modules.get(name.text) is item
@@ -260,14 +272,14 @@ class Declarations:
             yield from nonterminals(grammar).values()
         yield from map(named, self.workspaces.values())
         yield from map(named, self.tasks.values())
+        yield from map(named, self.missions.values())
         for found in self.places.values():
             yield from found.values()
 
 
-def named(item: s.Grammar | t.Workspace | t.Task) -> Entity:
+def named(item: _Named) -> Entity:
     """The entity that an item declares."""
-    kinds: dict[type, Kind] = {s.Grammar: "grammar", t.Workspace: "workspace", t.Task: "task"}
-    return entity(kinds[type(item)], (), item.name, item.span)
+    return entity(_NAMED_KINDS[type(item)], (), item.name, item.span)
 
 
 # --- collection --------------------------------------------------------------------------------
@@ -315,14 +327,14 @@ def _item(item: t.Item, declared: Declarations, sink: Sink) -> None:
             _edges(item, declared, sink)
         case s.Semantics():
             _semantics(item, declared, sink)
-        case s.Grammar() | t.Workspace() | t.Task():
+        case s.Grammar() | t.Workspace() | t.Task() | m.Mission():
             _named(item, declared, sink)
         case t.Include():
             pass
 
 
-def _named(item: s.Grammar | t.Workspace | t.Task, declared: Declarations, sink: Sink) -> None:
-    first: s.Grammar | t.Workspace | t.Task
+def _named(item: _Named, declared: Declarations, sink: Sink) -> None:
+    first: _Named
     match item:
         case s.Grammar():
             first = declared.grammars.setdefault(item.name.text, item)
@@ -330,6 +342,8 @@ def _named(item: s.Grammar | t.Workspace | t.Task, declared: Declarations, sink:
             first = declared.workspaces.setdefault(item.name.text, item)
         case t.Task():
             first = declared.tasks.setdefault(item.name.text, item)
+        case m.Mission():
+            first = declared.missions.setdefault(item.name.text, item)
     if first is not item:
         duplicate(item.name, first.name.span, sink)
 

@@ -34,6 +34,7 @@ from grammar_lang.names.declarations import (
 )
 from grammar_lang.names.table import Mention, NameTable
 from grammar_lang.source import Span
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from grammar_lang.syntax.expressions import readings
 
@@ -120,7 +121,7 @@ class _Resolver:
             case s.Edges(names=names):
                 for name in names:
                     self.add(self.declared.terminals.get(name.text), name, declares=True)
-            case s.Grammar() | t.Workspace() | t.Task():
+            case s.Grammar() | t.Workspace() | t.Task() | m.Mission():
                 self.add(named(item), item.name, declares=True)
             case s.Semantics() | t.Include():
                 pass
@@ -140,6 +141,9 @@ class _Resolver:
             case t.Task():
                 self.within = named(item)
                 self._task(item)
+            case m.Mission():
+                self.within = named(item)
+                self._mission(item)
             case s.Edges() | t.Include():
                 pass
 
@@ -282,7 +286,7 @@ class _Resolver:
                     self.add(named(declared.workspaces[name.text]), name)
                 case t.From():
                     self._origin(item)
-                case t.Minimize():
+                case m.Minimize():
                     self._sums(task, item)
                 case _:
                     for name in region_names(item):
@@ -291,7 +295,27 @@ class _Resolver:
                 if module.text in declared.modules:
                     self.add(declared.terminals.get(module.text), module)
 
-    def _sums(self, task: t.Task, item: t.Minimize) -> None:
+    def _mission(self, mission: m.Mission) -> None:
+        declared, known = self.declared, list[t.Task]()
+        for item in mission.items:
+            for name in item.names if isinstance(item, m.MissionTasks) else ():
+                if name.text in declared.tasks:
+                    known.append(declared.tasks[name.text])
+                    self.add(named(known[-1]), name)
+        for item in mission.items:
+            if isinstance(item, m.Free):
+                for freed in item.parameters:
+                    self._parameter(freed.module, freed.name)
+            elif isinstance(item, m.Minimize) and known:
+                self._sums(known[0], item)
+
+    def _parameter(self, module: s.Ident, name: s.Ident) -> None:
+        """A parameter of a module that is named outside of words."""
+        if module.text in self.declared.modules:
+            self.add(self.declared.terminals.get(module.text), module)
+            self.add(self.members(module.text).get(name.text), name, position=0)
+
+    def _sums(self, task: t.Task, item: m.Minimize) -> None:
         """The attributes that are summed up: each name is that of members of several modules."""
         robots = (each.name.text for each in task.items if isinstance(each, t.Robot))
         grammar = self.declared.grammars.get(next(robots, ""))

@@ -26,7 +26,7 @@ class Mention:
 
     ``whole`` is the word that stands there; ``span`` is the part of it that is the name: a quoted
     symbol without its quotes, ``L`` of the numbered occurrence ``L2``.  ``within`` is the entity in
-    whose declaration it stands: a production (also in the semantics), a member, a task.
+    whose declaration it stands: a production (also in the semantics), a member, a task, a mission.
     ``position`` is that on the right side (``ir.THIS`` for the left one), or in the word of a
     ``from``, of the symbol whose member or attribute is named.
     """
@@ -40,9 +40,9 @@ class Mention:
 
     @property
     def summed_up(self) -> bool:
-        """Whether an objective of a task adds up the attribute that it names."""
+        """Whether an objective adds up the attribute that it names."""
         attribute = self.entity.kind in {"constant", "parameter"} and self.position is None
-        return attribute and self.within is not None and self.within.kind == "task"
+        return attribute and self.within is not None and self.within.kind in {"task", "mission"}
 
 
 class NameTable:

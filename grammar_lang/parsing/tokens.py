@@ -96,7 +96,7 @@ def unclosed_comment(tokens: Tokens) -> Span | None:
 # statement of the language looks like that.
 
 
-BLOCK_KEYWORDS = frozenset({"module", "grammar", "semantics", "workspace", "task"})
+BLOCK_KEYWORDS = frozenset({"module", "grammar", "semantics", "workspace", "task", "mission"})
 KEYWORDS = BLOCK_KEYWORDS | {"edge", "include"}
 
 

@@ -10,6 +10,7 @@ from grammar_lang import syntax as s
 from grammar_lang.parsing.lalr import Builder, Token
 from grammar_lang.source import Span
 from grammar_lang.syntax import formulas as f
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 
 MAX_LITERAL = 300
@@ -219,11 +220,24 @@ _TASKS: dict[str, Builder] = {
     "robust_effort_of_bound": lambda c, span: t.RobustPercent("effort of bound", c[0], span=span),
     "payload": lambda c, span: t.Payload(c[0], c[1], span),
     "carry": _carry,
-    "minimize": lambda c, span: t.Minimize(tuple(c), span),
-    "objective": lambda c, span: t.Objective(_ident(c[0]), _optional(c[1]), c[2], span),
+    "minimize": lambda c, span: m.Minimize(tuple(c), span),
+    "objective": lambda c, span: m.Objective(_ident(c[0]), _optional(c[1]), c[2], span),
     "robust_payload": lambda c, span: t.RobustPercent("payload", c[0], span=span),
     "robust_mass": lambda c, span: t.RobustPercent("mass", c[0], _optional(c[1]), span),
     "item": lambda c, _: c[0],
+}
+
+
+_MISSIONS: dict[str, Builder] = {
+    "mission": lambda c, span: m.Mission(_ident(c[0]), tuple(c[1:]), span),
+    "mission_tasks": lambda c, span: m.MissionTasks(tuple(map(_ident, c)), span),
+    "one_robot": lambda _, span: m.OneRobot(span),
+    "reconfigure": lambda c, span: m.Reconfigure(tuple(_present(c)), span),
+    "price": lambda c, span: m.Price(c[0], c[1], span),
+    "price_of": lambda c, _: c[0].text,
+    "free": lambda c, span: m.Free(tuple(c), span),
+    "freed": lambda c, span: m.Freed(_ident(c[0]), _ident(c[1]), span),
+    "changes": lambda c, span: m.Changes(c[0], c[1], span),
 }
 
 
@@ -247,7 +261,7 @@ _FORMULAS: dict[str, Builder] = {
 }
 
 BUILDERS: Mapping[str, Builder] = (
-    _EXPRESSIONS | _MODULES | _GRAMMARS | _WORKSPACES | _TASKS | _FORMULAS
+    _EXPRESSIONS | _MODULES | _GRAMMARS | _WORKSPACES | _TASKS | _MISSIONS | _FORMULAS
 )
 
 
@@ -261,6 +275,7 @@ def item_of(value: object) -> t.Item:
             | s.Semantics()
             | t.Workspace()
             | t.Task()
+            | m.Mission()
             | t.Include()
         ):
             return value

@@ -18,6 +18,7 @@ from grammar_lang.syntax import (
     Semantics,
 )
 from grammar_lang.syntax.formulas import Formula, Pose
+from grammar_lang.syntax.missions import Minimize, Mission
 
 # --- workspaces ---------------------------------------------------------------------------------
 
@@ -307,24 +308,6 @@ class Carry:
 
 
 @node
-class Objective:
-    """``NAME(NAME) within p %``: what is minimized; an attribute stands in brackets."""
-
-    name: Ident
-    attribute: Ident | None
-    within: Expr | None
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class Minimize:
-    """``minimize OBJECTIVE then OBJECTIVE;``."""
-
-    objectives: tuple[Objective, ...]
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
 class RobustPercent:
     """``robust effort 0.5 %;``, ``… % of bound;``, ``robust mass 5 % of M;`` and its like."""
 
@@ -377,7 +360,7 @@ class Include:
     std: bool = False
 
 
-Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Include
+Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Mission | Include
 
 
 @node
