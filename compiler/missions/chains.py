@@ -1,0 +1,173 @@
+"""The cheapest chains of robots through the tasks of a mission: a shortest path through layers.
+
+Every layer has the robots that are left for a task; a step from one to one of the next layer costs
+what rebuilding it takes.  Costs of words are computed for all pairs at once; where both robots are
+known in their parameters, too, the pair is looked at on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+from math import lcm
+
+import numpy as np
+import numpy.typing as npt
+
+from compiler.missions.robot_changes import Built, Free, cost_of_changes
+from grammar_lang import ir
+
+Ints = npt.NDArray[np.int64]
+NONE = np.iinfo(np.int64).max // 4
+"""The cost of what is impossible."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """A robot of a layer; ``narrow``: its parameters are known closer than their domains.
+
+    ``rank`` orders chains of equal cost, small ones first.
+    """
+
+    robot: Built
+    rank: int = 0
+    narrow: bool = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Its modules by name."""
+        return tuple(module.name for module in self.robot)
+
+
+@dataclass(slots=True)
+class ChainCosts:
+    """What steps cost; ``existing`` is the robot that there is before the first task, if any."""
+
+    prices: ir.Prices
+    free: Free
+    existing: Link | None = None
+    scale: int = field(init=False)
+    _words: dict[tuple[tuple[str, ...], ...], Ints] = field(
+        default_factory=dict[tuple[tuple[str, ...], ...], Ints]
+    )
+    _pairs: dict[tuple[int, int], tuple[Link, Link, int]] = field(
+        default_factory=dict[tuple[int, int], tuple[Link, Link, int]]
+    )
+
+    def __post_init__(self) -> None:
+        prices = self.prices
+        self.scale = lcm(*(p.denominator for p in (prices.add, prices.remove, prices.change)))
+
+    def whole(self, cost: Fraction) -> int:
+        """A cost as a whole number."""
+        return int(cost * self.scale)
+
+    def steps(self, before: Sequence[Link], after: Sequence[Link]) -> Ints:
+        """The costs (len(before), len(after)) of all steps from one layer to the next."""
+        add, remove = self.whole(self.prices.add), self.whole(self.prices.remove)
+        first = list(dict.fromkeys(link.names for link in before))
+        second = list(dict.fromkeys(link.names for link in after))
+        key = (*first, (), *second)
+        if key not in self._words:
+            self._words[key] = word_costs(first, second, add, remove)
+        at_first = {names: i for i, names in enumerate(first)}
+        at_second = {names: j for j, names in enumerate(second)}
+        rows = np.array([at_first[link.names] for link in before], dtype=np.int64)
+        columns = np.array([at_second[link.names] for link in after], dtype=np.int64)
+        costs: Ints = self._words[key][np.ix_(rows, columns)]
+        narrow = [j for j, link in enumerate(after) if link.narrow]
+        for i, link in enumerate(before):
+            for j in narrow if link.narrow else ():
+                costs[i, j] = self._pair(link, after[j])
+        return costs
+
+    def _pair(self, before: Link, after: Link) -> int:
+        key = id(before), id(after)
+        if key not in self._pairs:
+            cost = cost_of_changes(before.robot, after.robot, self.prices, self.free)
+            self._pairs[key] = before, after, self.whole(cost)
+        return self._pairs[key][2]
+
+
+def word_costs(
+    old: Sequence[tuple[str, ...]], new: Sequence[tuple[str, ...]], add: int, remove: int
+) -> Ints:
+    """What it costs to make words of words by their modules alone, (len(old), len(new)).
+
+    All pairs are computed at once, one cell of the table of Wagner & Fischer after another.
+    """
+    names: dict[str, int] = {}
+    for word in (*old, *new):
+        for name in word:
+            names.setdefault(name, len(names))
+    n, m = (max(map(len, words), default=0) for words in (old, new))
+    left, right = _padded(old, names, n), _padded(new, names, m)
+    lengths = np.array([len(word) for word in old]), np.array([len(word) for word in new])
+    costs = np.full((len(old), len(new)), NONE, dtype=np.int64)
+    rows = [np.full(costs.shape, j * add, dtype=np.int64) for j in range(m + 1)]
+    for i in range(n + 1):
+        if i:
+            above, rows = rows, [np.full(costs.shape, i * remove, dtype=np.int64)]
+            for j in range(1, m + 1):
+                cell = np.minimum(above[j] + remove, rows[j - 1] + add)
+                same = left[:, i - 1, None] == right[None, :, j - 1]
+                rows.append(np.where(same, np.minimum(cell, above[j - 1]), cell))
+        for j in range(m + 1):
+            here = (lengths[0] == i)[:, None] & (lengths[1] == j)[None, :]
+            costs[here] = rows[j][here]
+    return costs
+
+
+def _padded(words: Sequence[tuple[str, ...]], names: dict[str, int], length: int) -> Ints:
+    table = np.full((len(words), length), -1, dtype=np.int64)
+    for i, word in enumerate(words):
+        table[i, : len(word)] = [names[name] for name in word]
+    return table
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Of every layer the number of a robot, and what all steps cost."""
+
+    robots: tuple[int, ...]
+    cost: Fraction
+
+
+def cheapest_chain(
+    costs: ChainCosts,
+    layers: Sequence[Sequence[Link]],
+    blocked: Sequence[tuple[int, int, int]] = (),
+) -> Chain | None:
+    """The cheapest chain, of equal ones that of the least sum of ranks; None: there is none.
+
+    Args:
+        costs: what steps cost.
+        layers: the robots that are left for each task.
+        blocked: steps that are not taken: the number of the layer that they start from, and those
+            of the robots.
+    """
+    if not all(layers):
+        return None
+    ranks = [np.array([link.rank for link in layer], dtype=np.int64) for layer in layers]
+    unit = int(sum(int(rank.max()) for rank in ranks)) + 1
+    best = ranks[0].copy()
+    if costs.existing is not None:
+        best += costs.steps([costs.existing], layers[0])[0] * unit
+    behind: list[Ints] = []
+    for number, (before, after) in enumerate(pairwise(layers)):
+        steps = costs.steps(before, after) * unit
+        for layer, i, j in blocked:
+            if layer == number:
+                steps[i, j] = NONE
+        total = best[:, None] + steps
+        behind.append(total.argmin(axis=0))
+        best = np.minimum(total.min(axis=0), NONE) + ranks[number + 1]
+    last = int(best.argmin())
+    if best[last] >= NONE:
+        return None
+    found = [last]
+    for choice in reversed(behind):
+        found.append(int(choice[found[-1]]))
+    return Chain(tuple(reversed(found)), Fraction(int(best[last]) // unit, costs.scale))

@@ -1,0 +1,190 @@
+"""Boxes of the parameters of a robot, halved where nothing is known of them as a whole.
+
+A box is a tree: it is whole, or cut in two at a value of one parameter, of choices behind so many
+of them.  The two parts of an interval share their common end; once nothing is left of one of them,
+that end is not in the other any more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import TypeAlias
+
+from compiler.expressions.exact_numbers import rational_bounds
+from compiler.missions.parameter_ranges import Range, Ranges, ranges_of
+from compiler.robots.robot import RobotModel, RobotParameter
+from grammar_lang import ir
+
+Domain: TypeAlias = ir.Interval | ir.Choices
+Box: TypeAlias = tuple[Domain, ...]
+"""A domain for each parameter of a robot, in their order."""
+SHORT = 2**20
+"""Denominators of the values that intervals are cut at, where finer ones are not needed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """Where a box is cut: at a value of an interval, or behind so many of some choices."""
+
+    parameter: int
+    at: Fraction | int
+
+
+def whole_box(model: RobotModel) -> Box:
+    """All parameters of a robot."""
+    return tuple(parameter.domain for parameter in model.parameters)
+
+
+def within_box(model: RobotModel, box: Box) -> RobotModel:
+    """The robots of a structure with parameters in a box."""
+    parameters: list[RobotParameter] = [
+        replace(parameter, domain=domain)
+        for parameter, domain in zip(model.parameters, box, strict=True)
+    ]
+    return replace(model, parameters=tuple(parameters))
+
+
+def parts(box: Box, cut: Cut) -> tuple[Box, Box]:
+    """The two parts of a box.
+
+    Raises:
+        ValueError: a part would be empty, or there is no such parameter.
+    """
+    if not 0 <= cut.parameter < len(box):
+        raise ValueError("there is no such parameter")
+    domain = box[cut.parameter]
+    if isinstance(domain, ir.Choices):
+        if not isinstance(cut.at, int) or not 0 < cut.at < len(domain.values):
+            raise ValueError("the choices are not cut in two")
+        below: Domain = ir.Choices(domain.values[: cut.at])
+        above: Domain = ir.Choices(domain.values[cut.at :])
+    else:
+        low, high = rational_bounds(domain.lower)[1], rational_bounds(domain.upper)[0]
+        if isinstance(cut.at, int) or not low < cut.at < high:
+            raise ValueError("the interval is not cut in two")
+        below = ir.Interval(domain.lower, ir.Num(cut.at))
+        above = ir.Interval(ir.Num(cut.at), domain.upper)
+    return _with(box, cut.parameter, below), _with(box, cut.parameter, above)
+
+
+def _with(box: Box, place: int, domain: Domain) -> Box:
+    return (*box[:place], domain, *box[place + 1 :])
+
+
+def is_single(domain: Domain) -> bool:
+    """Whether a domain is not worth a cut: it has one value, or hardly more."""
+    if isinstance(domain, ir.Choices):
+        return len(domain.values) == 1
+    low, high = rational_bounds(domain.lower)[1], rational_bounds(domain.upper)[0]
+    return low >= high
+
+
+def box_key(box: Box) -> str:
+    """A text of a box, the same in every run."""
+    return ";".join(
+        ",".join(map(str, (domain.lower, domain.upper)))
+        if isinstance(domain, ir.Interval)
+        else "|".join(map(str, domain.values))
+        for domain in box
+    )
+
+
+@dataclass(slots=True, eq=False)
+class BoxTree:
+    """A box of the parameters of one structure; ``refuted``: no robot with parameters in it."""
+
+    box: Box
+    cut: Cut | None = None
+    parts: tuple[BoxTree, BoxTree] | None = None
+    refuted: bool = False
+    parent: BoxTree | None = field(default=None, repr=False)
+
+    def split(self, cut: Cut) -> tuple[BoxTree, BoxTree]:
+        """Cut a leaf in two; ValueError as of ``parts``."""
+        low, high = (BoxTree(each, parent=self) for each in parts(self.box, cut))
+        self.cut, self.parts = cut, (low, high)
+        return low, high
+
+    @property
+    def is_refuted(self) -> bool:
+        """Whether nothing of it is left."""
+        if self.parts is None:
+            return self.refuted
+        return all(part.is_refuted for part in self.parts)
+
+    def leaves(self) -> Iterator[BoxTree]:
+        """The leaves, in order."""
+        if self.parts is None:
+            yield self
+        else:
+            for part in self.parts:
+                yield from part.leaves()
+
+    def open_leaves(self) -> list[BoxTree]:
+        """The leaves of which something is left."""
+        return [leaf for leaf in self.leaves() if not leaf.refuted]
+
+    def ranges(self) -> tuple[Ranges, ...]:
+        """Where the values of a leaf are: its sides without ends that others refute."""
+        found = list(map(ranges_of, self.box))
+        node = self
+        while node.parent is not None:
+            above = node.parent
+            if above.cut is not None and above.parts is not None:
+                first = node is above.parts[0]
+                other, cut = above.parts[1 if first else 0], above.cut
+                if not isinstance(cut.at, int) and other.is_refuted:
+                    sides = found[cut.parameter]
+                    found[cut.parameter] = tuple(_opened(r, cut.at, high=first) for r in sides)
+            node = above
+        return tuple(found)
+
+
+def _opened(range_: Range, at: Fraction, *, high: bool) -> Range:
+    """A range without an end, where that is the one meant."""
+    if high and range_.high == at:
+        return replace(range_, high_open=True)
+    if not high and range_.low == at:
+        return replace(range_, low_open=True)
+    return range_
+
+
+def halved(box: Box, whole: Box, among: Sequence[int]) -> Cut | None:
+    """Where to halve a box: the side that is longest relative to the whole; None: nowhere.
+
+    Args:
+        box: the box.
+        whole: all parameters of the structure.
+        among: the parameters that may be cut.
+    """
+    best: tuple[Fraction, Cut] | None = None
+    for place in among:
+        domain, all_of_it = box[place], whole[place]
+        if is_single(domain):
+            continue
+        if isinstance(domain, ir.Choices) and isinstance(all_of_it, ir.Choices):
+            share = Fraction(len(domain.values), len(all_of_it.values))
+            cut = Cut(place, (len(domain.values) + 1) // 2)
+        elif isinstance(domain, ir.Interval) and isinstance(all_of_it, ir.Interval):
+            low, high = _ends(domain)
+            first, last = _ends(all_of_it)
+            share, cut = (high - low) / (last - first), Cut(place, _middle(low, high))
+        else:
+            continue
+        if best is None or share > best[0]:
+            best = share, cut
+    return None if best is None else best[1]
+
+
+def _ends(domain: ir.Interval) -> tuple[Fraction, Fraction]:
+    """Rationals that are in an interval, near its ends."""
+    return rational_bounds(domain.lower)[1], rational_bounds(domain.upper)[0]
+
+
+def _middle(low: Fraction, high: Fraction) -> Fraction:
+    """The middle, or a value near it whose text is shorter."""
+    middle = (low + high) / 2
+    near = middle.limit_denominator(SHORT)
+    return near if low < near < high else middle

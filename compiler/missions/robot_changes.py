@@ -1,0 +1,142 @@
+"""What it takes to make a robot of another one: modules removed, added, kept and changed.
+
+A module is kept only as what it is: one of the same name whose parameters have the same values but
+for those that may change.  Of all ways to keep modules in their order the cheapest is meant
+(Wagner & Fischer 1974, with deletions and insertions); words alone cost as in
+:mod:`compiler.robots.alignment`, where nothing says what the parameters are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from compiler.missions.parameter_ranges import Ranges, meet, single
+from compiler.robots.parameter_values import ParameterValue
+from grammar_lang import ir
+
+Free: TypeAlias = Collection[tuple[str, str]]
+
+
+@dataclass(frozen=True, slots=True)
+class BuiltModule:
+    """A module of a robot; ``values`` says where those of its parameters are that are known."""
+
+    name: str
+    values: Mapping[str, Ranges]
+
+
+Built: TypeAlias = tuple[BuiltModule, ...]
+"""A robot as its modules in the order of the word."""
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """The cheapest way from a robot to another one.
+
+    ``kept`` holds pairs of numbers of modules, in the old robot and in the new one; ``changed`` are
+    such pairs with the name of a parameter that is to have another value.
+    """
+
+    cost: Fraction
+    kept: tuple[tuple[int, int], ...]
+    removed: tuple[int, ...]
+    added: tuple[int, ...]
+    changed: tuple[tuple[int, int, str], ...]
+
+
+def built(
+    word: Sequence[str], modules: Collection[str], values: Mapping[tuple[int, str], Ranges]
+) -> Built:
+    """A robot of a word.
+
+    Args:
+        word: its symbols.
+        modules: which of them are modules.
+        values: by the index in the word and the name of a parameter where its value is.
+    """
+    known: dict[int, dict[str, Ranges]] = {}
+    for (symbol, name), ranges in values.items():
+        known.setdefault(symbol, {})[name] = ranges
+    return tuple(
+        BuiltModule(symbol, known.get(index, {}))
+        for index, symbol in enumerate(word)
+        if symbol in modules
+    )
+
+
+def built_of(
+    word: Sequence[str], modules: Collection[str], parameters: Sequence[ParameterValue]
+) -> Built:
+    """A robot with one value for each of its parameters."""
+    values = {(p.parameter.symbol, p.parameter.name): single(p.stated) for p in parameters}
+    return built(word, modules, values)
+
+
+def changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Changes:
+    """The cheapest way from one robot to another; of several the one that keeps what comes first.
+
+    Args:
+        old: the robot there is.
+        new: the one there is to be.
+        prices: what changes cost.
+        free: the parameters, by the name of the module and theirs, that kept modules may change.
+    """
+    rest = _costs(old, new, prices, free)
+    kept, removed, added = [], [], []
+    altered: list[tuple[int, int, str]] = []
+    i = j = 0
+    while i < len(old) or j < len(new):
+        if i < len(old) and j < len(new):
+            names = _to_change(old[i], new[j], free)
+            if names is not None and rest[i][j] == prices.change * len(names) + rest[i + 1][j + 1]:
+                kept.append((i, j))
+                altered += [(i, j, name) for name in names]
+                i, j = i + 1, j + 1
+                continue
+        if i < len(old) and rest[i][j] == prices.remove + rest[i + 1][j]:
+            removed.append(i)
+            i += 1
+        else:
+            added.append(j)
+            j += 1
+    return Changes(rest[0][0], tuple(kept), tuple(removed), tuple(added), tuple(altered))
+
+
+def cost_of_changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Fraction:
+    """What the cheapest way from one robot to another costs."""
+    return _costs(old, new, prices, free)[0][0]
+
+
+def _costs(old: Built, new: Built, prices: ir.Prices, free: Free) -> list[list[Fraction]]:
+    """The least cost of making ``new[j:]`` of ``old[i:]``."""
+    n, m = len(old), len(new)
+    rest = [[Fraction(0)] * (m + 1) for _ in range(n + 1)]
+    for i in range(n, -1, -1):
+        for j in range(m, -1, -1):
+            found: list[Fraction] = []
+            if i < n:
+                found.append(prices.remove + rest[i + 1][j])
+            if j < m:
+                found.append(prices.add + rest[i][j + 1])
+            if i < n and j < m:
+                names = _to_change(old[i], new[j], free)
+                if names is not None:
+                    found.append(prices.change * len(names) + rest[i + 1][j + 1])
+            rest[i][j] = min(found, default=Fraction(0))
+    return rest
+
+
+def _to_change(old: BuiltModule, new: BuiltModule, free: Free) -> list[str] | None:
+    """The parameters whose values have to change for a module to be kept; None: it cannot be."""
+    if old.name != new.name:
+        return None
+    found: list[str] = []
+    for name, ranges in old.values.items():
+        if name in new.values and not meet(ranges, new.values[name]):
+            if (old.name, name) not in free:
+                return None
+            found.append(name)
+    return found

@@ -1,0 +1,353 @@
+"""A mission from its text to a verdict: found, impossible or unknown, with what that rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from compiler.expressions.exact_numbers import rational_bounds
+from compiler.missions.chains import cheapest_chain
+from compiler.missions.open_layers import OpenRobots, open_links
+from compiler.missions.parameter_boxes import BoxTree
+from compiler.missions.parameter_ranges import Range
+from compiler.missions.robot_changes import built
+from compiler.objectives.least_values import Amount, amounts
+from compiler.objectives.objective_text import objective_unit
+from compiler.objectives.ordered_structures import Limit, words_below
+from compiler.time_limits.time_limit import OutOfTimeError
+from compiler.words.derivation import Derivation
+from compiler.words.structures import InfiniteAmbiguityError, structures_of
+from grammar_lang import ir
+from solvers.conclusion import StructureRecord, with_lemmas
+from solvers.lemma import Lemma, VariantLemma
+from solvers.missions.mission_result import (
+    Existing,
+    MissionResult,
+    ObjectiveValue,
+    TaskEvidence,
+)
+from solvers.missions.one_robot import OneRobotSearch
+from solvers.missions.rebuilt_robots import RebuiltSearch, structures_within
+from solvers.missions.task_robots import TaskRobots
+from solvers.run_context import RunContext
+from solvers.search.design_values import design_values
+from solvers.search.least_search import searched_modules
+from solvers.verdict import NotFound
+
+OUT_OF_TIME = "the time limit was reached"
+MOTIONS = ("time", "energy", "effort")
+"""Objectives that are about a motion, not about a robot."""
+
+
+def solve(
+    program: ir.Program,
+    mission: ir.Mission,
+    context: RunContext,
+    existing: Existing | None = None,
+) -> MissionResult:
+    """Search for the robots of a mission.
+
+    Args:
+        program: the spec.
+        mission: one of its missions.
+        context: how to search.
+        existing: the robot that there is before the first task; without one, that of its `from`.
+
+    Raises:
+        MapFault: a map of obstacles cannot be used.
+    """
+    try:
+        tasks = [_task_robots(program, mission, name, context) for name in mission.tasks]
+        first = tasks[0].task.origin
+        if existing is None and first is not None:
+            existing = _existing(program, first)
+        separated = [each for each in tasks if each.separation is not None]
+        if separated:
+            return _separated(mission, tasks, existing)
+        if mission.prices is None:
+            return _one_robot(mission, tasks)
+        return _rebuilt(mission, mission.prices, tasks, existing)
+    except OutOfTimeError:
+        return MissionResult(mission, "unknown", OUT_OF_TIME, existing=existing, unfinished=True)
+    except InfiniteAmbiguityError as error:
+        return MissionResult(mission, "unknown", str(error), existing=existing)
+
+
+def _task_robots(
+    program: ir.Program, mission: ir.Mission, name: str, context: RunContext
+) -> TaskRobots:
+    """The robots of a task, whose motions are sought by the objectives of the mission, if any."""
+    task = program.tasks[name]
+    asked = tuple(each for each in mission.minimize if each.kind in MOTIONS)
+    if asked:
+        task = replace(task, minimize=asked)
+    return TaskRobots(program, task, context)
+
+
+def _existing(program: ir.Program, origin: ir.Origin) -> Existing:
+    """The robot of a `from`, of whose parameters those are known that it fixes."""
+    values = {
+        (fixed.symbol, fixed.name): (Range(*rational_bounds(fixed.value)),)
+        for fixed in origin.fixed
+    }
+    return Existing(origin.word, built(origin.word, program.modules, values))
+
+
+def _separated(
+    mission: ir.Mission, tasks: Sequence[TaskRobots], existing: Existing | None
+) -> MissionResult:
+    """A mission with a task that no robot whatever does."""
+    evidence = tuple(TaskEvidence((), (), each.separation) for each in tasks)
+    first = next(each for each in tasks if each.separation is not None)
+    reason = f"no robot does `{first.task.name}`: {first.separated}"
+    return MissionResult(mission, "impossible", reason, evidence=evidence, existing=existing)
+
+
+def counts_of(tasks: Sequence[TaskRobots], robots: int) -> dict[str, int]:
+    """What was tried: ``robots`` is how many there are in all layers together."""
+    return {
+        "robots": robots,
+        "examined": sum(len(each.examined) for each in tasks),
+        "refutations": sum(each.screened for each in tasks),
+        "motion searches": sum(each.searched for each in tasks),
+    }
+
+
+# --- What is refuted, and by what -----------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """What is refuted in a task, with coverings alone or with what solvers have said, too."""
+
+    records: tuple[StructureRecord, ...]
+    lemmas: tuple[Lemma, ...]
+
+    def refutes(self, derivation: Derivation) -> bool:
+        """Whether a structure is refuted, whatever its parameters are."""
+        if any(lemma.is_about(derivation.word) for lemma in self.lemmas):
+            return True
+        return any(each.derivation == derivation.labels for each in self.records)
+
+    @property
+    def evidence(self) -> TaskEvidence:
+        """The same for a result."""
+        return TaskEvidence(self.records, self.lemmas)
+
+
+def _known(robots: TaskRobots, *, covered: bool) -> _Known:
+    """What is refuted in a task; with ``covered`` only what coverings show."""
+    records, lemmas = robots.evidence(), list(robots.lemmas)
+    if covered:
+        kept = [i for i, each in enumerate(records) if each.boxes is not None]
+        place = {old: new for new, old in enumerate(kept)}
+        records = [
+            replace(
+                records[i],
+                script=None,
+                same_robot_as=None if (s := records[i].same_robot_as) is None else place.get(s),
+            )
+            for i in kept
+        ]
+        labels = {each.derivation for each in records}
+        lemmas = [
+            each for each in lemmas if not isinstance(each, VariantLemma) or each.labels in labels
+        ]
+    return _Known(with_lemmas(records, lemmas), tuple(lemmas))
+
+
+# --- One robot ------------------------------------------------------------------------------------
+
+
+def _one_robot(mission: ir.Mission, tasks: Sequence[TaskRobots]) -> MissionResult:
+    search = OneRobotSearch(tasks, mission)
+    late = False
+    try:
+        search.search()
+    except OutOfTimeError:
+        late = True
+    counts = counts_of(tasks, len(search.words) * len(tasks))
+    bound = search.task.modules
+    cut = tuple(search.cut.values())
+    try:
+        known = [_known(each, covered=bool(search.found)) for each in tasks]
+    except OutOfTimeError:
+        late, known = True, []
+    evidence = tuple(each.evidence for each in known)
+    if search.found:
+        values = _values(search, known)
+        return MissionResult(
+            mission, "found", None, search.found, (None,) * len(tasks), values=values,
+            evidence=evidence, cut=cut, modules=bound, undecided=len(search.undecided),
+            counts=counts, unfinished=late,
+        )  # fmt: skip
+    verdict, reason = _without_robot(search, tasks, late=late)
+    return MissionResult(
+        mission, verdict, reason, evidence=evidence, cut=cut, modules=bound,
+        undecided=len(search.undecided), counts=counts, unfinished=late,
+    )  # fmt: skip
+
+
+def _without_robot(
+    search: OneRobotSearch, tasks: Sequence[TaskRobots], *, late: bool
+) -> tuple[NotFound, str]:
+    """The verdict without a robot, and why."""
+    tried = len(search.words)
+    if late:
+        return "unknown", OUT_OF_TIME
+    if search.undecided or search.stopped:
+        parts = []
+        if search.undecided:
+            labels, why = next(iter(search.undecided.items()))
+            word = " ".join(search.words[labels])
+            parts.append(
+                f"{len(search.undecided)} of {tried} structures are neither found nor refuted; "
+                f"the first is {word}: {why}"
+            )
+        if search.stopped is not None:
+            parts.append(search.stopped)
+        return "unknown", "; ".join(parts)
+    family, bound = tasks[0].family, search.task.modules
+    if bound is None and not family.language.is_finite():
+        return "unknown", (
+            "every structure that was tried is refuted in a task; say `modules <= n` in the tasks "
+            "to ask about a bound"
+        )
+    within = "of the family" if bound is None else f"of at most {bound} modules"
+    return "impossible", f"no robot {within} does all tasks: each is refuted in one of them"
+
+
+def _values(search: OneRobotSearch, known: Sequence[_Known]) -> tuple[ObjectiveValue, ...]:
+    """What the robot has of the objectives, and what no other one has less of."""
+    task, limits, found = search.task, list[Limit](), list[ObjectiveValue]()
+    family = search.tasks[0].family
+    refuted = {labels for labels, cut in search.cut.items() if cut.tree.is_refuted}
+    bound = searched_modules(family, task, search.amounts) if search.amounts else None
+    for amount in search.amounts:
+        (value,) = design_values(search.found[0], (amount,), search.tasks[0].task)
+        least = _least(amount, search, known, refuted, limits, value, bound)
+        found.append(
+            ObjectiveValue(
+                amount.objective, amount.text, value, least, objective_unit(amount.objective)
+            )
+        )
+        limits.append(Limit(amount, value, value))
+    return tuple(found)
+
+
+def _least(
+    amount: Amount,
+    search: OneRobotSearch,
+    known: Sequence[_Known],
+    refuted: set[tuple[str, ...]],
+    limits: Sequence[Limit],
+    value: Fraction,
+    bound: int | None,
+) -> Fraction:
+    """What no robot within limits has less of: the weight of the first word that is not refuted."""
+    language = search.tasks[0].family.language
+    for word in words_below(amount, search.tasks[0].family, bound, limits, value):
+        for derivation in structures_of(language, [word]):
+            if derivation.labels in refuted or any(each.refutes(derivation) for each in known):
+                continue
+            return amount.of_word(word)
+    return value
+
+
+# --- Robots that are rebuilt ----------------------------------------------------------------------
+
+
+def _rebuilt(
+    mission: ir.Mission,
+    prices: ir.Prices,
+    tasks: Sequence[TaskRobots],
+    existing: Existing | None,
+) -> MissionResult:
+    listed = structures_within(tasks)
+    if isinstance(listed, str):
+        return MissionResult(mission, "unknown", listed, existing=existing)
+    structures, modules, by_default = listed
+    ranked = _ranked(structures, mission, tasks)
+    search = RebuiltSearch(tasks, mission, prices, existing, ranked)
+    late = False
+    robots = sum(map(len, search.layers))
+    try:
+        search.search()
+    except OutOfTimeError:
+        late = True
+    try:
+        known = [_known(each, covered=bool(search.found)) for each in tasks]
+    except OutOfTimeError:
+        late, known = True, [_Known((), ()) for _ in tasks]
+    cut = tuple(search.cut.values())
+    undecided = sum(bool(node.undecided) for layer in search.layers for node in layer)
+    common = MissionResult(
+        mission, "unknown", None, evidence=tuple(each.evidence for each in known), cut=cut,
+        existing=existing, modules=modules, by_default=by_default, undecided=undecided,
+        counts=counts_of(tasks, robots), unfinished=late,
+    )  # fmt: skip
+    least = _least_cost(search, known)
+    if search.found:
+        steps = search.steps
+        cost = sum((step.cost for step in steps if step is not None), Fraction(0))
+        bound = Fraction(0) if by_default or least is None else min(cost, least)
+        return replace(
+            common, verdict="found", designs=search.found, steps=steps, cost=cost, least=bound
+        )
+    verdict, reason = _without_chain(search, least, common)
+    return replace(common, verdict=verdict, reason=reason, least=least)
+
+
+def _ranked(
+    structures: Sequence[Derivation], mission: ir.Mission, tasks: Sequence[TaskRobots]
+) -> list[Derivation]:
+    """The structures, the most wanted first: by the objectives after `changes`, then in order."""
+    first = tasks[0]
+    asked = tuple(o for o in mission.minimize if o.kind != "changes" and o.kind not in MOTIONS)
+    weights = amounts(first.program, replace(first.task, minimize=asked))
+    return sorted(structures, key=lambda d: [amount.of_word(d.word) for amount in weights])
+
+
+def _least_cost(search: RebuiltSearch, known: Sequence[_Known]) -> Fraction | None:
+    """What no chain of robots that are not refuted costs less than; None: there is none."""
+    trees: list[dict[tuple[str, ...], BoxTree]] = [{} for _ in search.tasks]
+    for (layer, labels), cut in search.cut.items():
+        trees[layer][labels] = cut.tree
+    layers = [
+        open_links(
+            search.ranked,
+            robots.program.modules,
+            OpenRobots(robots.task.modules, what.refutes, own, robots.model),
+        )
+        for robots, what, own in zip(search.tasks, known, trees, strict=True)
+    ]
+    chain = cheapest_chain(search.costs, layers)
+    return None if chain is None else chain.cost
+
+
+def _without_chain(
+    search: RebuiltSearch, least: Fraction | None, result: MissionResult
+) -> tuple[NotFound, str]:
+    """The verdict without a chain, and why."""
+    most = search.mission.most
+    if result.unfinished:
+        return "unknown", OUT_OF_TIME
+    if least is None or (most is not None and least > most):
+        if result.by_default:
+            return "unknown", (
+                f"every robot of at most {result.modules} modules, the default search bound, is "
+                "refuted; say `modules <= n` in the tasks to ask about a bound"
+            )
+        what = "no robots do the tasks" if most is None else f"no robots do the tasks within {most}"
+        return "impossible", f"{what}: every chain has one that is refuted, or costs more"
+    parts = [search.stopped] if search.stopped else []
+    if result.undecided:
+        node = next(n for layer in search.layers for n in layer if n.undecided)
+        name = search.tasks[node.layer].task.name
+        word = " ".join(node.derivation.word)
+        parts.append(
+            f"{result.undecided} robots are neither found nor refuted; the first is {word} in "
+            f"`{name}`: {node.undecided}"
+        )
+    return "unknown", "; ".join(parts) or "the robots of no chain agree in their parameters"

@@ -1,0 +1,249 @@
+"""One robot for all tasks of a mission: the same word, and one value of every parameter.
+
+Structures come in the order of what is to be least.  Each is asked about in one task after another,
+those first in which most were refuted so far; the first task that refutes a structure ends it.
+Where every task has a motion, though with other parameters, the box of parameters is cut between
+their values, and the parts are asked about in the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from compiler.missions.parameter_boxes import BoxTree
+from compiler.objectives.least_values import Amount, amounts
+from compiler.objectives.ordered_structures import Limit, structures_by
+from compiler.robots.candidate import Candidate as Structure
+from compiler.robots.normal_form import RobotFamily
+from compiler.robots.robot_key import robot_key_in_task
+from compiler.words.derivation import Derivation
+from grammar_lang import ir
+from solvers.conclusion import MOTION_SEARCHES
+from solvers.lemma import Lemma
+from solvers.missions.mission_result import BoxEvidence, CutRobot
+from solvers.missions.shared_values import (
+    Candidate,
+    Group,
+    agreed,
+    cut_between,
+    widest_disagreement,
+)
+from solvers.missions.task_robots import Labels, TaskRobots
+from solvers.search.least_search import searched_modules
+from solvers.search.path_task import Design
+from solvers.search.structures_left import StructuresLeft
+
+MOST_LEAVES = 24
+"""So many boxes of one structure are asked about."""
+
+
+@dataclass(slots=True)
+class OneRobotSearch:
+    """The search in progress; ``found`` are the designs of the best robot, one for each task."""
+
+    tasks: Sequence[TaskRobots]
+    mission: ir.Mission
+    found: tuple[Design, ...] = ()
+    stopped: str | None = None
+    cut: dict[Labels, CutRobot] = field(default_factory=dict[Labels, CutRobot])
+    undecided: dict[Labels, str] = field(default_factory=dict[Labels, str])
+    """Structures that are neither found nor refuted, and why."""
+    words: dict[Labels, tuple[str, ...]] = field(default_factory=dict[Labels, tuple[str, ...]])
+    """All structures that were asked about."""
+    left: StructuresLeft = field(init=False)
+    amounts: tuple[Amount, ...] = field(init=False)
+    lemmas: list[Lemma] = field(default_factory=list[Lemma])
+    _place: int = 0
+    _best: Structure | None = None
+    _seen: dict[str, Labels] = field(default_factory=dict[str, Labels])
+
+    def __post_init__(self) -> None:
+        first = self.tasks[0]
+        asked = _bounded(self.tasks, self.mission)
+        self.amounts = tuple(each for each in amounts(first.program, asked) if each.is_ordering)
+
+    @property
+    def task(self) -> ir.Task:
+        """The first task, with the objectives of the mission and the least bound on modules."""
+        return _bounded(self.tasks, self.mission)
+
+    def search(self) -> None:
+        """Ask about structures until one does all tasks, and no other one may have less."""
+        first, tried = self.tasks[0], set[Labels]()
+        for place in range(max(1, len(self.amounts))):
+            self._place = place
+            order = self._order if self.amounts else None
+            self.left = StructuresLeft(
+                first.program, self.task, first.context, first.family, self.lemmas, tried, order
+            )
+            while self.left.following is not None and not self._may_stop():
+                structure = self.left.taken()
+                self.left.go_on()
+                self._examine(structure)
+            if not self.found:
+                return
+
+    def _may_stop(self) -> bool:
+        """Whether what follows has no less than the robot that was found, or a limit is reached."""
+        following = self.left.following
+        if self._best is not None and following is not None:
+            if not self.amounts:
+                return True
+            amount, word = self.amounts[self._place], following.derivation.word
+            if amount.of_robot(word, following.model) >= amount.of_word(self._best.derivation.word):
+                return True
+        if len(self.undecided) >= MOTION_SEARCHES:
+            self.stopped = (
+                f"the search ended at its limit of {MOTION_SEARCHES} robots that were neither "
+                "found nor refuted: narrow `accept`, or weaken the tasks"
+            )
+        return self.stopped is not None
+
+    def _order(self, family: RobotFamily) -> Iterator[Structure]:
+        """The structures within the limits so far, in the order of the present objective."""
+        limits: list[Limit] = []
+        if self._best is not None:
+            for amount in self.amounts[: self._place]:
+                least = amount.of_word(self._best.derivation.word)
+                limits.append(Limit(amount, least, least))
+        bound = searched_modules(family, self.task, self.amounts)
+        return structures_by(self.amounts[self._place], family, bound, limits, None)
+
+    # --- one structure --------------------------------------------------------------------------
+
+    def _examine(self, structure: Structure) -> None:
+        """Refute a structure in some task, find designs, or leave it undecided."""
+        derivation = structure.derivation
+        self.words[derivation.labels] = derivation.word
+        for robots in sorted(self.tasks, key=lambda each: -each.success):
+            if robots.model(derivation) is None:
+                self.undecided[derivation.labels] = robots.fault(derivation)
+                return
+            if robots.refutes(derivation):
+                self._learn(robots, derivation)
+                return
+        same = self._seen.setdefault(self._key(derivation), derivation.labels)
+        if same != derivation.labels and same in self.undecided:
+            self.undecided[derivation.labels] = self.undecided[same]
+            return
+        tree = BoxTree(self.tasks[0].box(derivation))
+        cut = CutRobot(None, derivation.word, derivation.labels, tree)
+        reason = self._boxes(structure, cut)
+        if self._is_refuted(derivation):
+            return
+        if tree.parts is not None:
+            self.cut[derivation.labels] = cut
+        if reason and not tree.is_refuted:
+            self.undecided[derivation.labels] = reason
+
+    def _key(self, derivation: Derivation) -> str:
+        """A text that is equal for two structures only if they are the same robot in all tasks."""
+        models = ((each.model(derivation), each.task) for each in self.tasks)
+        return "||".join(
+            robot_key_in_task(model, task) for model, task in models if model is not None
+        )
+
+    def _is_refuted(self, derivation: Derivation) -> bool:
+        return any(robots.is_known(derivation) for robots in self.tasks)
+
+    def _learn(self, robots: TaskRobots, derivation: Derivation) -> None:
+        """Narrow what is left by what a refuted structure teaches."""
+        lemma = robots.teaches(derivation)
+        if lemma is not None and self.left.following is not None:
+            self.left.add(lemma, derivation.word)
+        kept = [id(each) for each in self.left.lemmas]
+        for each in self.tasks:
+            each.lemmas[:] = [known for known in each.lemmas if id(known) in kept]
+
+    def _boxes(self, structure: Structure, cut: CutRobot) -> str:
+        """Ask about the boxes of a structure; why some are left open, empty where none is."""
+        waiting, open_ones, asked = [cut.tree], "", 0
+        while waiting:
+            if asked == MOST_LEAVES:
+                return f"no common parameters were found in {MOST_LEAVES} boxes"
+            asked += 1
+            box = waiting.pop(0)
+            candidates = self._candidates(structure, box, cut)
+            if candidates is None:
+                continue
+            if isinstance(candidates, str):
+                open_ones = open_ones or candidates
+                continue
+            groups = self._groups(candidates)
+            result = agreed(candidates, groups, {}, structure.number)
+            if result is not None:
+                self.found, self._best = result.designs, structure
+                return ""
+            parts = _cut(candidates, groups, box, cut)
+            if not parts:
+                open_ones = open_ones or "its parameters do not suit all tasks at once"
+            waiting += parts
+        return open_ones
+
+    def _candidates(
+        self, structure: Structure, box: BoxTree, cut: CutRobot
+    ) -> list[Candidate] | str | None:
+        """A motion for each task with parameters in a box; None: it is refuted; else why not."""
+        derivation, whole = structure.derivation, box is cut.tree
+        ranked = sorted(enumerate(self.tasks), key=lambda pair: -pair[1].success)
+        found: dict[int, Candidate] = {}
+        for k, robots in ranked:
+            screening = robots.answer(derivation, box.box)
+            if screening.refutation.refuted:
+                boxes = robots.covering(derivation, box.box)
+                if boxes is None:
+                    return "what a solver refutes has no covering by boxes"
+                box.refuted = True
+                cut.evidence[id(box)] = BoxEvidence(k, boxes)
+                return None
+            if screening.inadmissible is not None:
+                return screening.inadmissible
+        for k, robots in ranked:
+            sought = robots.motions(derivation, box.box, structure.number)
+            design = sought.first()
+            if design is None:
+                late = robots.too_weak(derivation, box.box)
+                if late is None:
+                    reason = f"{sought.state.reason}{sought.state.obstacle}"
+                    return f"no motion was found for `{robots.task.name}`: {reason}"
+                box.refuted = True
+                cut.evidence[id(box)] = BoxEvidence(k, late)
+                if whole:
+                    self._learn(robots, derivation)
+                return None
+            found[k] = Candidate(robots, derivation, box.box, design, sought)
+        return [found[k] for k in range(len(self.tasks))]
+
+    def _groups(self, candidates: Sequence[Candidate]) -> list[Group]:
+        """Every parameter has one value in all tasks."""
+        count = len(candidates[0].design.parameters)
+        return [tuple((k, p) for k in range(len(candidates))) for p in range(count)]
+
+    @property
+    def value(self) -> dict[str, Fraction]:
+        """The least that words say of the objectives of the robot that was found."""
+        if self._best is None:
+            return {}
+        return {each.text: each.of_word(self._best.derivation.word) for each in self.amounts}
+
+
+def _bounded(tasks: Sequence[TaskRobots], mission: ir.Mission) -> ir.Task:
+    """The first task with the objectives of a mission, and the least bound on modules of all."""
+    bounds = [each.task.modules for each in tasks if each.task.modules is not None]
+    task = tasks[0].task
+    return replace(task, minimize=mission.minimize, modules=min(bounds, default=None), origin=None)
+
+
+def _cut(
+    candidates: Sequence[Candidate], groups: Sequence[Group], box: BoxTree, cut: CutRobot
+) -> tuple[BoxTree, ...]:
+    """The parts of a box whose robots do not agree; none where it is not cut."""
+    whole = [cut.tree.box] * len(candidates)
+    widest = widest_disagreement(candidates, groups, whole)
+    if widest is None:
+        return ()
+    group, low, high = widest
+    where = cut_between(box.box, group[0][1], low, high)
+    return () if where is None else box.split(where)

@@ -1,0 +1,375 @@
+"""A robot for each task of a mission, rebuilt between them with as few changes as can be.
+
+The robots of all tasks are layers of a graph whose steps cost what rebuilding takes; a mission is a
+path through it.  Only robots on a cheapest path are asked about: first whether they are refuted,
+then for motions.  Where all robots of a path have motions, though with other parameters than those
+that kept modules have in common, boxes of parameters are cut, and the search for a path goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import islice, pairwise
+
+from compiler.missions.chains import Chain, ChainCosts, Link, cheapest_chain
+from compiler.missions.parameter_boxes import BoxTree, whole_box
+from compiler.missions.parameter_ranges import Ranges
+from compiler.missions.robot_changes import Built, Changes, built, built_of, changes
+from compiler.words.derivation import Derivation
+from compiler.words.structures import structures
+from grammar_lang import ir
+from solvers.conclusion import DEFAULT_MODULES, MOTION_SEARCHES, module_bound
+from solvers.missions.mission_result import BoxEvidence, CutRobot, Existing
+from solvers.missions.shared_values import (
+    Candidate,
+    Group,
+    agreed,
+    cut_between,
+    widest_disagreement,
+)
+from solvers.missions.task_robots import Labels, MotionsSought, TaskRobots
+from solvers.search.path_task import Design
+
+MOST_ROBOTS = 1000
+"""So many structures are compared with each other."""
+MOST_CUTS = 40
+"""So many boxes are cut; what then does not agree is left undecided."""
+
+
+@dataclass(slots=True, eq=False)
+class Node:
+    """The robots of a structure with parameters in a box, for one task."""
+
+    layer: int
+    rank: int
+    derivation: Derivation
+    cut: CutRobot
+    leaf: BoxTree
+    screened: bool = False
+    undecided: str = ""
+    design: Design | None = None
+    sought: MotionsSought | None = None
+    narrow: bool = False
+    """Whether its parameters are known closer than their domains."""
+
+    def take(self, design: Design | None, sought: MotionsSought | None) -> None:
+        """It has a design."""
+        self.design, self.sought = design, sought
+
+
+@dataclass(slots=True)
+class RebuiltSearch:
+    """The search in progress; ``found`` are the designs of the cheapest chain."""
+
+    tasks: Sequence[TaskRobots]
+    mission: ir.Mission
+    prices: ir.Prices
+    existing: Existing | None = None
+    ranked: Sequence[Derivation] = ()
+    """All structures, the most wanted first."""
+    found: tuple[Design, ...] = ()
+    stopped: str | None = None
+    failed: int = 0
+    """How many searches of motions had no result."""
+    cuts: int = 0
+    cut: dict[tuple[int, Labels], CutRobot] = field(
+        default_factory=dict[tuple[int, Labels], CutRobot]
+    )
+    """The robots whose boxes were cut, by the number of the task and the derivation."""
+    costs: ChainCosts = field(init=False)
+    layers: list[list[Node]] = field(init=False)
+    _modules: frozenset[str] = field(init=False)
+    _blocked: list[tuple[Node, Node]] = field(default_factory=list[tuple[Node, Node]])
+    _links: dict[int, tuple[Node, Link]] = field(default_factory=dict[int, tuple[Node, Link]])
+
+    def __post_init__(self) -> None:
+        self._modules = frozenset(self.tasks[0].program.modules)
+        given = None
+        if self.existing is not None:
+            given = Link(self.existing.robot, narrow=True)
+        self.costs = ChainCosts(self.prices, self.mission.free, given)
+        self.layers = [
+            [
+                self._node(layer, rank, derivation)
+                for rank, derivation in enumerate(self.ranked)
+                if self._is_within(derivation, robots.task.modules)
+            ]
+            for layer, robots in enumerate(self.tasks)
+        ]
+
+    def _is_within(self, derivation: Derivation, most: int | None) -> bool:
+        count = sum(symbol in self._modules for symbol in derivation.word)
+        return most is None or count <= most
+
+    def _node(self, layer: int, rank: int, derivation: Derivation) -> Node:
+        model = self.tasks[layer].model(derivation)
+        leaf = BoxTree(() if model is None else whole_box(model))
+        cut = CutRobot(layer, derivation.word, derivation.labels, leaf)
+        node = Node(layer, rank, derivation, cut, leaf)
+        if model is None:
+            node.undecided = self.tasks[layer].fault(derivation)
+        return node
+
+    # --- the search -----------------------------------------------------------------------------
+
+    def search(self) -> None:
+        """Go on until the robots of a cheapest path do the tasks, or none is left."""
+        while not self.found:
+            self.tasks[0].context.check_time()
+            if self.failed >= MOTION_SEARCHES * len(self.tasks):
+                self.stopped = (
+                    f"the search ended at its limit of {self.failed} robots that no motion was "
+                    "found for: narrow `accept`, or weaken the tasks"
+                )
+                return
+            nodes = self._cheapest()
+            if nodes is None:
+                return
+            self._advance(nodes)
+
+    def _advance(self, nodes: Sequence[Node]) -> None:
+        """Ask about the robots of a path: the next of them, or whether they agree."""
+        order = sorted(nodes, key=lambda node: -self.tasks[node.layer].success)
+        for node in order:
+            if not node.screened:
+                self._screen(node)
+                return
+        for node in order:
+            if node.design is None:
+                self._find(node)
+                return
+        self._agree(nodes)
+
+    def open_chain(self) -> Chain | None:
+        """The cheapest path of robots that are not refuted, whether or not they have motions."""
+        layers = [[self._link(node) for node in layer] for layer in self._left()]
+        return cheapest_chain(self.costs, layers)
+
+    def _cheapest(self) -> list[Node] | None:
+        """The cheapest path of robots that are not given up; None where it costs too much."""
+        layers = [[node for node in layer if not node.undecided] for layer in self._left()]
+        places = {id(node): i for layer in layers for i, node in enumerate(layer)}
+        blocked = [
+            (a.layer, places[id(a)], places[id(b)])
+            for a, b in self._blocked
+            if id(a) in places and id(b) in places
+        ]
+        links = [[self._link(node) for node in layer] for layer in layers]
+        chain = cheapest_chain(self.costs, links, blocked)
+        most = self.mission.most
+        if chain is None or (most is not None and chain.cost > most):
+            return None
+        return [layer[i] for layer, i in zip(layers, chain.robots, strict=True)]
+
+    def _left(self) -> list[list[Node]]:
+        """The robots that are not refuted; those that are go."""
+        for layer, robots in zip(self.layers, self.tasks, strict=True):
+            layer[:] = [
+                node
+                for node in layer
+                if not node.leaf.refuted and not robots.is_known(node.derivation)
+            ]
+        return self.layers
+
+    def _link(self, node: Node) -> Link:
+        known = self._links.get(id(node))
+        if known is None:
+            known = node, Link(self._built(node), node.rank, node.narrow)
+            self._links[id(node)] = known
+        return known[1]
+
+    def _built(self, node: Node) -> Built:
+        """The robots of a node as modules, with where their parameters are."""
+        model = self.tasks[node.layer].model(node.derivation)
+        values: dict[tuple[int, str], Ranges] = {}
+        if model is not None:
+            for parameter, ranges in zip(model.parameters, node.leaf.ranges(), strict=True):
+                values[parameter.symbol, parameter.name] = ranges
+        return built(node.derivation.word, self._modules, values)
+
+    # --- one robot ------------------------------------------------------------------------------
+
+    def _screen(self, node: Node) -> None:
+        """Try to refute a robot."""
+        node.screened = True
+        robots, whole = self.tasks[node.layer], node.leaf is node.cut.tree
+        if whole and robots.refutes(node.derivation):
+            robots.teaches(node.derivation)
+            return
+        screening = robots.answer(node.derivation, node.leaf.box)
+        if screening.refutation.refuted and not whole:
+            boxes = robots.covering(node.derivation, node.leaf.box)
+            if boxes is None:
+                node.undecided = "what a solver refutes has no covering by boxes"
+            else:
+                self._refute(node, BoxEvidence(node.layer, boxes))
+        elif screening.inadmissible is not None:
+            node.undecided = screening.inadmissible
+
+    def _find(self, node: Node) -> None:
+        """Look for a motion of a robot."""
+        robots = self.tasks[node.layer]
+        sought = robots.motions(node.derivation, node.leaf.box, node.rank)
+        design = sought.first()
+        if design is not None:
+            node.take(design, sought)
+            return
+        late = robots.too_weak(node.derivation, node.leaf.box)
+        if late is None:
+            self.failed += 1
+            node.undecided = f"{sought.state.reason}{sought.state.obstacle}"
+        elif node.leaf is node.cut.tree:
+            robots.teaches(node.derivation)
+        else:
+            self._refute(node, BoxEvidence(node.layer, late))
+
+    def _refute(self, node: Node, evidence: BoxEvidence) -> None:
+        """A part of the parameters of a robot is refuted; what shares an end with it loses that."""
+        node.leaf.refuted = True
+        node.cut.evidence[id(node.leaf)] = evidence
+        for other in self.layers[node.layer]:
+            if other.cut is node.cut:
+                self._links.pop(id(other), None)
+
+    # --- the robots of a path together ----------------------------------------------------------
+
+    def _agree(self, nodes: Sequence[Node]) -> None:
+        """Look for common values of what kept modules have in common; else cut, or give up."""
+        candidates = [
+            Candidate(self.tasks[k], node.derivation, node.leaf.box, node.design, node.sought)
+            for k, node in enumerate(nodes)
+            if node.design is not None
+        ]
+        groups, fixed = self._groups(nodes, candidates)
+        result = agreed(candidates, groups, fixed, nodes[0].rank)
+        if result is not None:
+            self.found = result.designs
+            return
+        whole = [node.cut.tree.box for node in nodes]
+        widest = widest_disagreement(candidates, groups, whole, fixed)
+        parted = widest is not None and self._part(nodes, *widest)
+        if not parted:
+            self._block(nodes)
+
+    def _part(self, nodes: Sequence[Node], group: Group, low: Fraction, high: Fraction) -> bool:
+        """Cut the boxes of the robots of a group between two values; whether one was cut."""
+        parted = False
+        for layer, parameter in group:
+            node = nodes[layer]
+            cut = cut_between(node.leaf.box, parameter, low, high)
+            if cut is None or self.cuts >= MOST_CUTS:
+                continue
+            self.cuts += 1
+            self.cut[layer, node.derivation.labels] = node.cut
+            parted = True
+            low_part, high_part = node.leaf.split(cut)
+            parts = [
+                Node(layer, node.rank, node.derivation, node.cut, leaf, narrow=True)
+                for leaf in (low_part, high_part)
+            ]
+            place = self.layers[layer].index(node)
+            self.layers[layer][place : place + 1] = parts
+        return parted
+
+    def _block(self, nodes: Sequence[Node]) -> None:
+        """The robots of a path do not agree, and nothing shows that they cannot."""
+        if len(nodes) == 1:
+            nodes[0].undecided = "its parameters do not suit the robot that there is"
+        self._blocked += pairwise(nodes)
+
+    def _groups(
+        self, nodes: Sequence[Node], candidates: Sequence[Candidate]
+    ) -> tuple[list[Group], dict[Group, Fraction]]:
+        """The parameters that have one value along a path, and those whose value is given."""
+        joined = _Joined()
+        given: dict[tuple[int, int], Fraction] = {}
+        before: Built | None = None if self.existing is None else self.existing.robot
+        for k, node in enumerate(nodes):
+            robot = self._built(node)
+            if before is not None:
+                for old, new, name, value in self._common(before, robot):
+                    place = self._place(candidates[k], node, new, name)
+                    if k:
+                        joined.join(self._place(candidates[k - 1], nodes[k - 1], old, name), place)
+                    elif value is not None:
+                        joined.join(place, place)
+                        given[place] = value
+            before = robot
+        groups = joined.groups()
+        fixed = {group: given[place] for group in groups for place in group if place in given}
+        return groups, fixed
+
+    def _common(self, old: Built, new: Built) -> Iterator[tuple[int, int, str, Fraction | None]]:
+        """The parameters that kept modules keep: numbers of modules, the name, the old value."""
+        way = changes(old, new, self.prices, self.mission.free)
+        for i, j in way.kept:
+            for name, ranges in old[i].values.items():
+                free = (old[i].name, name) in self.mission.free and not self.prices.change
+                if name not in new[j].values or free or (i, j, name) in way.changed:
+                    continue
+                value = (
+                    ranges[0].low if len(ranges) == 1 and ranges[0].low == ranges[0].high else None
+                )
+                yield i, j, name, value
+
+    def _place(self, candidate: Candidate, node: Node, module: int, name: str) -> tuple[int, int]:
+        """A task, and the number of a parameter of its robot."""
+        symbols = [
+            index for index, each in enumerate(node.derivation.word) if each in self._modules
+        ]
+        for number, value in enumerate(candidate.design.parameters):
+            if value.parameter.symbol == symbols[module] and value.parameter.name == name:
+                return node.layer, number
+        raise LookupError(name)
+
+    @property
+    def steps(self) -> tuple[Changes | None, ...]:
+        """What is changed before each task, by the values of the designs that were found."""
+        found: list[Changes | None] = []
+        before = None if self.existing is None else self.existing.robot
+        for design in self.found:
+            robot = built_of(design.derivation.word, self._modules, design.parameters)
+            way = None
+            if before is not None:
+                way = changes(before, robot, self.prices, self.mission.free)
+            found.append(way)
+            before = robot
+        return tuple(found)
+
+
+class _Joined:
+    """Sets of places that are joined pair by pair."""
+
+    def __init__(self) -> None:
+        self._of: dict[tuple[int, int], set[tuple[int, int]]] = {}
+
+    def join(self, one: tuple[int, int], other: tuple[int, int]) -> None:
+        """Two places are in one set from now on."""
+        both = self._of.get(one, {one}) | self._of.get(other, {other})
+        for place in both:
+            self._of[place] = both
+
+    def groups(self) -> list[Group]:
+        """The sets, in the order of their places."""
+        return sorted({tuple(sorted(each)) for each in self._of.values()})
+
+
+def structures_within(tasks: Sequence[TaskRobots]) -> tuple[list[Derivation], int, bool] | str:
+    """The structures of the family of some tasks, the bound on modules, whether by default.
+
+    Else, in words, why they cannot be listed.
+    """
+    family = tasks[0].family
+    bounds = [module_bound(family, each.task) for each in tasks]
+    most = max(bounds)
+    unbounded = any(each.task.modules is None for each in tasks)
+    by_default = unbounded and most == DEFAULT_MODULES and not family.language.is_finite()
+    found = list(islice(structures(family.language, most), MOST_ROBOTS + 1))
+    if len(found) > MOST_ROBOTS:
+        return (
+            f"the grammar has more than {MOST_ROBOTS:,} structures of at most {most} modules: say "
+            "`modules <= n` in the tasks, or narrow `accept`"
+        )
+    return found, most, by_default

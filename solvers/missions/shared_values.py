@@ -1,0 +1,185 @@
+"""Parameters that robots of several tasks have in common, and motions with one value of each.
+
+Robots are found one by one first, each with the parameters that suit its own task.  Then the values
+of one of them are given to the others, of each in turn, until motions are found for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from compiler.missions.parameter_boxes import Box, Cut
+from compiler.missions.parameter_ranges import meet, ranges_of, single
+from compiler.words.derivation import Derivation
+from grammar_lang import ir
+from solvers.missions.task_robots import MotionsSought, TaskRobots
+from solvers.search.path_task import Design
+
+Place: TypeAlias = tuple[int, int]
+"""A task of a mission and the number of a parameter of its robot."""
+Group: TypeAlias = tuple[Place, ...]
+"""Parameters that have one value."""
+Values: TypeAlias = dict[Place, Fraction]
+_NOTHING: Mapping[Group, Fraction] = {}
+
+
+@dataclass(slots=True, eq=False)
+class Candidate:
+    """A structure with parameters in a box that does one task of a mission, by a ``design``."""
+
+    robots: TaskRobots
+    derivation: Derivation
+    box: Box
+    design: Design
+    sought: MotionsSought | None = None
+
+    def value(self, parameter: int) -> Fraction:
+        """The value that the design has of a parameter."""
+        return self.design.parameters[parameter].stated
+
+
+@dataclass(frozen=True, slots=True)
+class Agreed:
+    """A design for every task, with one value for all parameters of each group."""
+
+    designs: tuple[Design, ...]
+
+
+def agreed(
+    candidates: Sequence[Candidate],
+    groups: Sequence[Group],
+    fixed: Mapping[Group, Fraction],
+    number: int,
+) -> Agreed | None:
+    """Designs with common values; None where none were found.
+
+    Args:
+        candidates: for every task a structure that does it.
+        groups: the parameters that are to have one value.
+        fixed: the groups whose value is given.
+        number: what reports call the structures.
+    """
+    tried: list[Values] = []
+    for values in _assignments(candidates, groups, fixed):
+        if values in tried:
+            continue
+        tried.append(values)
+        designs = _designs(candidates, values, number)
+        if designs is not None:
+            return Agreed(designs)
+    return None
+
+
+def _assignments(
+    candidates: Sequence[Candidate], groups: Sequence[Group], fixed: Mapping[Group, Fraction]
+) -> Iterator[Values]:
+    """Values for all groups: what is fixed, else those of one design after another."""
+    for leader in range(len(candidates)):
+        values: Values = {}
+        for group in groups:
+            first = next((place for place in group if place[0] == leader), group[0])
+            value = fixed.get(group, candidates[first[0]].value(first[1]))
+            values |= dict.fromkeys(group, value)
+        if all(_allows(candidates[k], parameter, v) for (k, parameter), v in values.items()):
+            yield values
+
+
+def _allows(candidate: Candidate, parameter: int, value: Fraction) -> bool:
+    """Whether a value is in the box of a candidate."""
+    return meet(single(value), ranges_of(candidate.box[parameter]))
+
+
+def _designs(
+    candidates: Sequence[Candidate], values: Values, number: int
+) -> tuple[Design, ...] | None:
+    """Designs with given values; robots that have them already stay as they are."""
+    sought: list[tuple[Candidate, MotionsSought | None]] = []
+    for k, candidate in enumerate(candidates):
+        own = {parameter: v for (task, parameter), v in values.items() if task == k}
+        if all(candidate.value(parameter) == value for parameter, value in own.items()):
+            sought.append((candidate, None))
+            continue
+        box = pinned(candidate, own)
+        robots, derivation = candidate.robots, candidate.derivation
+        screening = robots.answer(derivation, box)
+        if screening.refutation.refuted or screening.inadmissible is not None:
+            return None
+        motions = robots.motions(derivation, box, number)
+        if motions.first() is None:
+            return None
+        sought.append((candidate, motions))
+    found = [
+        candidate.design if motions is None else motions.best() for candidate, motions in sought
+    ]
+    designs = tuple(design for design in found if design is not None)
+    return designs if len(designs) == len(candidates) else None
+
+
+def pinned(candidate: Candidate, values: Mapping[int, Fraction]) -> Box:
+    """The box of a candidate with some parameters at one value."""
+    found = list(candidate.box)
+    for parameter, value in values.items():
+        design = candidate.design.parameters[parameter]
+        exact: ir.Expr = ir.Num(value)
+        if design.stated == value and not isinstance(design.exact, Fraction):
+            exact = design.exact
+        found[parameter] = ir.Choices((_choice(found[parameter], value, exact),))
+    return tuple(found)
+
+
+def _choice(domain: ir.Interval | ir.Choices, value: Fraction, exact: ir.Expr) -> ir.Expr:
+    """The value of a domain that a rational states."""
+    if isinstance(domain, ir.Choices):
+        meant = [
+            each for each in domain.values if meet(single(value), ranges_of(ir.Choices((each,))))
+        ]
+        return meant[0] if meant else exact
+    return exact
+
+
+# --- Where to cut boxes whose robots do not agree -------------------------------------------------
+
+
+def widest_disagreement(
+    candidates: Sequence[Candidate],
+    groups: Sequence[Group],
+    whole: Sequence[Box],
+    fixed: Mapping[Group, Fraction] = _NOTHING,
+) -> tuple[Group, Fraction, Fraction] | None:
+    """The group whose values differ most, relative to their range, and its extreme values.
+
+    ``whole`` has for every task all parameters of its structure.
+    """
+    best: tuple[Fraction, Group, Fraction, Fraction] | None = None
+    for group in groups:
+        values = [candidates[task].value(parameter) for task, parameter in group]
+        values += [fixed[group]] if group in fixed else []
+        low, high = min(values), max(values)
+        task, parameter = group[0]
+        ranges = ranges_of(whole[task][parameter])
+        width = max(r.high for r in ranges) - min(r.low for r in ranges)
+        if low < high and (best is None or (high - low) / width > best[0]):
+            best = (high - low) / width, group, low, high
+    return None if best is None else best[1:]
+
+
+def _index(domain: ir.Choices, value: Fraction) -> int:
+    """The number of the choice that a rational states; -1 if it is none."""
+    found = (ranges_of(ir.Choices((choice,))) for choice in domain.values)
+    return next((i for i, ranges in enumerate(found) if meet(single(value), ranges)), -1)
+
+
+def cut_between(box: Box, parameter: int, low: Fraction, high: Fraction) -> Cut | None:
+    """A cut of a box that parts two values of a parameter; None where it has none."""
+    domain = box[parameter]
+    if isinstance(domain, ir.Choices):
+        first, second = sorted((_index(domain, low), _index(domain, high)))
+        return Cut(parameter, second) if 0 <= first < second else None
+    (own,) = ranges_of(domain)
+    at = ((low + high) / 2).limit_denominator(2**20)
+    if not low < at < high:
+        at = (low + high) / 2
+    return Cut(parameter, at) if own.low < at < own.high else None
