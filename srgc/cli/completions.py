@@ -51,7 +51,7 @@ def complete_name(
     """Names of the kind that an option or argument is about, in the file that is given."""
     from click.shell_completion import CompletionItem
 
-    kind = parameter.name if parameter.name in ("task", "workspace") else "grammar"
+    kind = parameter.name if parameter.name in ("task", "workspace", "mission") else "grammar"
     found = dict.fromkeys(name for each, name in _declared(_file(context)) if each == kind)
     return [CompletionItem(name) for name in found if name.startswith(incomplete)]
 

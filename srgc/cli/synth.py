@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from srgc.cli.arguments import FILE, QUIET, TASK, DocumentedCommand, PathOf, limit_of_time
+from srgc.cli.completions import complete_name
 from srgc.faults import VERDICT_STATUS, UsageFault
 from srgc.time_limit import TimeLimit
 
@@ -24,6 +25,9 @@ from srgc.time_limit import TimeLimit
 )
 @FILE
 @TASK
+@click.option(
+    "--mission", shell_complete=complete_name, help="All tasks of this mission, not one task."
+)
 @click.option("-o", "--output", type=PathOf(path_type=Path), help="Default: out/TASK.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
@@ -67,6 +71,7 @@ from srgc.time_limit import TimeLimit
 def synth(
     file: Path,
     task: str | None,
+    mission: str | None,
     output: Path | None,
     seed: int,
     jobs: int | None,
@@ -93,6 +98,9 @@ def synth(
     once, and more robust ones replace it.  An interrupted run, or one that the time limit ended, is
     resumed by the same command.  Of a task with `minimize` the design is the best one by that, and
     --all and --pareto compare designs by it; else by modules, length and robustness.
+
+    With --mission all tasks of a mission are solved together: by one robot, or by robots that are
+    rebuilt between them with the fewest changes.
     """
     limit = TimeLimit(time_limit)
     if jobs is not None and cluster is not None:
@@ -107,6 +115,19 @@ def synth(
 
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
     program = program_of(file)
+    if mission is not None:
+        from srgc.cli.mission import synth_mission
+
+        refused = {
+            "--task": task, "--cells": cells, "--all": every or None, "--pareto": pareto or None,
+            "--gap": gap,
+        }  # fmt: skip
+        return synth_mission(
+            file, program, mission, output, refused, as_json=as_json,
+            seed=seed, jobs=jobs or 1, time_limit=limit, force=force, quiet=as_json or quiet,
+            cluster=cluster, solver=solver, search=search, paths=paths,
+            evaluations=evaluations, lemmas=not no_lemmas, smt=smt,
+        )  # fmt: skip
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis

@@ -15,7 +15,8 @@ from srgc.faults import INTERNAL, REFUSED, UNEXPECTED, UNKNOWN, UsageFault
 
 if TYPE_CHECKING:
     from solvers.verdict import Claimed
-    from solvers.verifier.proofs.scene import Begin, Each
+    from solvers.verifier.proofs.scene import Begin, Each, Watch
+    from solvers.verifier.report import Report
 
 
 @click.command(
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     help="Also: it is about this file.",
 )
 @click.option("--task", metavar="NAME", help="It has to be about this task.")
+@click.option("--mission", metavar="NAME", help="It has to be about this mission.")
 @click.option(
     "--expect", type=click.Choice(["found", "impossible"]), help="It has to have this verdict."
 )
@@ -63,6 +65,7 @@ def verify(
     folder: Path,
     spec: Path | None,
     task: str | None,
+    mission: str | None,
     expect: Claimed | None,
     trust: str | None,
     jobs: int,
@@ -76,6 +79,7 @@ def verify(
     certificate about anything else is not judged, and the status is 6.  The report is the same,
     whatever --jobs.
     """
+    from solvers.verifier.claims.mission_claim import MISSION
     from solvers.verifier.proofs.scene import Watch
     from solvers.verifier.verification import Expected, Outcome, verify_directory
     from srgc.paths import no_folder
@@ -95,13 +99,39 @@ def verify(
         progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display,
     ):
         watch = Watch(part=display.part, each=each, begin=begin)
-        report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
-    click.echo(verification_json(report) if as_json else verification_text(report))
+        if mission is not None or (folder / MISSION).is_file():
+            report, text = _mission(folder, spec, trust, watch, (mission, task, expect), as_json)
+        else:
+            report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
+            text = verification_json(report) if as_json else verification_text(report)
+    click.echo(text)
     statuses = {
         Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED,
         Outcome.DISAGREEMENT: INTERNAL,
     }  # fmt: skip
     return statuses.get(report.outcome, UNKNOWN)
+
+
+def _mission(
+    folder: Path,
+    spec: Path | None,
+    trust: str | None,
+    watch: Watch,
+    expected: tuple[str | None, str | None, Claimed | None],
+    as_json: bool,  # noqa: FBT001
+) -> tuple[Report, str]:
+    """The report on a mission, and what is printed of it."""
+    from solvers.verifier.missions.mission_check import verify_mission
+    from srgc.text_reports.mission_report import mission_check_json, mission_check_text
+
+    mission, task, expect = expected
+    if task is not None:
+        raise UsageFault(
+            f"{folder} is about a mission: name the folder of a task in it, or no task"
+        )
+    report = verify_mission(folder, spec, trust, watch, mission, expect)
+    print_as = mission_check_json if as_json else mission_check_text
+    return report.report, print_as(report)
 
 
 @contextmanager

@@ -26,11 +26,11 @@ LOCK = ".lock"
 """There while a run writes to the folder; what is left of it after a kill locks nothing."""
 OWN_FILES = (
     "design.json", "certificate.json", "trajectory.csv", "evaluations.csv", "landscape.csv",
-    "nearest.csv", "pareto.csv", "pareto.json", "log.json", "report.html", JOURNAL,
+    "nearest.csv", "pareto.csv", "pareto.json", "log.json", "report.html", "mission.json", JOURNAL,
 )  # fmt: skip
 NEAREST_PICTURE = "figures/nearest.svg"
 """Of a result without a design."""
-OWN_FOLDERS = ("spec", "proofs", "figures", "designs")
+OWN_FOLDERS = ("spec", "proofs", "figures", "designs", "tasks", "history")
 
 _LONGEST = 60
 _REPARSE_TAGS = tuple(

@@ -34,7 +34,8 @@ class Identity:
     of its parameters, None: the usual one; ``paths`` and ``evaluations`` are its budgets, None: the
     usual ones; ``one_by_one``: without lemmas; ``smt`` are the solvers of scripts, None: z3 as
     a library; ``gap``, in percent, is the one that the search was to close, None: none; ``front``:
-    of all designs those alone are kept that none dominates.
+    of all designs those alone are kept that none dominates; ``mission`` is what the
+    tasks, in one text, belong to.
     """
 
     spec_sha256: str
@@ -51,6 +52,7 @@ class Identity:
     smt: str | None = None
     gap: float | None = None
     front: bool = False
+    mission: str | None = None
 
 
 @dataclass(slots=True)
@@ -216,6 +218,7 @@ def _owner(path: Path) -> Identity | None:
                 None if content.get("smt") is None else str(content["smt"]),
                 None if content.get("gap") is None else float(content["gap"]),
                 bool(content.get("front", False)),
+                None if content.get("mission") is None else str(content["mission"]),
             )
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
             continue

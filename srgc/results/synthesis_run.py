@@ -95,7 +95,7 @@ def _run(
     path: Path, program: ir.Program, task: ir.Task, options: SynthesisOptions, workers: Workers
 ) -> Synthesis:
     limit, clock = options.time_limit or TimeLimit(), TimeLimit()
-    files = _spec_files(program)
+    files = files_to_copy(program)
     digest = spec_digest(files)
     identity = Identity(
         digest, task.name, options.seed, VERSION, options.cells, options.every,
@@ -114,7 +114,7 @@ def _run(
 
         def keep(better: Synthesis) -> None:
             """Leave a design in the folder whose search goes on."""
-            _write(folder.files, better, program, task, path.name, identity, limit)
+            write_result(folder.files, better, program, task, path.name, identity, limit)
 
         try:
             result = _searched(folder, program, task, options, workers, limit, keep)
@@ -132,7 +132,7 @@ def _run(
         drawn = True
         if result.designs and options.every:
             drawn = _write_all(folder, result, program, task, path.name, files, limit)
-        drawn &= _write(folder.files, result, program, task, path.name, identity, limit)
+        drawn &= write_result(folder.files, result, program, task, path.name, identity, limit)
         result = replace(result, unfinished=result.unfinished or not drawn)
         total = round(clock.passed, 3)
         timings = {"search_s": round(searched, 3), "total_s": total, **result.counts}
@@ -198,7 +198,7 @@ def _told(result: Synthesis, limit: TimeLimit) -> Synthesis:
     return replace(result, reason=reason, ended=ended)
 
 
-def _spec_files(program: ir.Program) -> dict[str, bytes]:
+def files_to_copy(program: ir.Program) -> dict[str, bytes]:
     """The files of a program, for a copy that means the same.
 
     Raises:
@@ -242,7 +242,7 @@ def _write_all(
         for name, content in files.items():
             own.write(f"spec/{name}", content)
         one = alone(result, proved, task)
-        drawn &= _write(own, one, program, task, spec, folder.identity, limit)
+        drawn &= write_result(own, one, program, task, spec, folder.identity, limit)
     folder.files.write("pareto.csv", pareto_csv(table))
     folder.files.write("pareto.json", pareto_json(table))
     return drawn
@@ -269,7 +269,7 @@ def alone(result: Synthesis, proved: Proved, task: ir.Task) -> Synthesis:
     )
 
 
-def _write(
+def write_result(
     files: FolderWriter,
     result: Synthesis,
     program: ir.Program,

@@ -268,11 +268,11 @@ def to_text(claim: Claim) -> str:
     content = {"format": form, "kind": verdict_of(claim), **fields}
     if further:
         content["claims"] = further
-    content["digest"] = _digest(content)
+    content["digest"] = digest_of(content)
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
-def _digest(content: Mapping[str, Any]) -> str:
+def digest_of(content: Mapping[str, Any]) -> str:
     """SHA-256 of the canonical form: sorted keys, no blanks, without the digest itself."""
     bare = {key: value for key, value in content.items() if key != "digest"}
     canonical = json.dumps(bare, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
@@ -285,7 +285,10 @@ def from_text(text: str) -> Claim:
     Raises:
         CertificateError: not a certificate of this format, or altered since it was written.
     """
-    content = _checked_content(text)
+    content = checked_object(text)
+    form = content.get("format")
+    if form not in (FORMAT, WITH_CLAIMS) or not isinstance(form, int) or isinstance(form, bool):
+        raise CertificateError(f"the certificate is not of format {FORMAT} or {WITH_CLAIMS}")
     kind = content.get("kind")
     fields = {k: v for k, v in content.items() if k not in ("format", "kind", "digest")}
     if ("claims" in fields) is not (content["format"] == WITH_CLAIMS):
@@ -300,13 +303,17 @@ def from_text(text: str) -> Claim:
     raise CertificateError(f"the certificate is of an unknown kind: {kind!r}")
 
 
-def _checked_content(text: str) -> dict[str, Any]:
-    """The JSON object of a certificate whose digest matches its content."""
+def checked_object(text: str) -> dict[str, Any]:
+    """The JSON object of a certificate whose digest matches its content.
+
+    Raises:
+        CertificateError: it is none.
+    """
     try:
         content = json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
         if not isinstance(content, dict) or "digest" not in content:
             raise CertificateError("the certificate is no JSON object with a digest")
-        digest = _digest(content)
+        digest = digest_of(content)
     except CertificateError:
         raise
     except (ValueError, RecursionError) as error:
@@ -317,9 +324,6 @@ def _checked_content(text: str) -> dict[str, Any]:
         raise CertificateError(
             "the certificate has been altered: its digest does not match its content"
         )
-    form = content.get("format")
-    if form not in (FORMAT, WITH_CLAIMS) or not isinstance(form, int) or isinstance(form, bool):
-        raise CertificateError(f"the certificate is not of format {FORMAT} or {WITH_CLAIMS}")
     return content
 
 
@@ -369,14 +373,15 @@ def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
         text(fields[name])
     if fields["modules"] is not None:
         number(fields["modules"])
-    fields["separation"] = _separation(fields["separation"])
+    fields["separation"] = separation_claim(fields["separation"])
     fields["claims"] = further_claims(fields["claims"])
     if any(isinstance(claim, BoundClaim | ObjectivesClaim) for claim in fields["claims"]):
         raise ValueError("bounds or objectives are claimed of a task that no robot does")
     return ImpossibleClaim(**fields)
 
 
-def _separation(content: object) -> SeparationClaim | None:
+def separation_claim(content: object) -> SeparationClaim | None:
+    """The separation of a JSON object, None of null; errors as of ``objects``."""
     if content is None:
         return None
     (fields,) = objects([content], SeparationClaim)

@@ -173,7 +173,7 @@ def claimed_task(folder: Path, claim: Claim, spec: Path | None = None) -> Claime
         Refused: it is about another spec, or cannot be judged.
         OSError: the copy cannot be read.
     """
-    program = _spec_of(folder, claim, spec)
+    program = spec_of(folder, claim.spec, claim.spec_sha256, spec)
     task = program.tasks.get(claim.task)
     if task is None:
         raise Refused(f"the spec has no task `{claim.task}`")
@@ -202,16 +202,28 @@ def task_of_motion(claim: FoundClaim, task: ir.Task) -> ir.Task:
     return task.lasting(claim.steps)
 
 
-def _spec_of(folder: Path, claim: Claim, other: Path | None) -> ir.Program:
-    """The program of the folder's own copy of the spec, whose digest the claim must name."""
-    program, files = read_copy(folder / "spec", claim.spec, claim.spec_sha256)
+def spec_of(folder: Path, spec: str, digest: str, other: Path | None) -> ir.Program:
+    """The program of a folder's own copy of a spec.
+
+    Args:
+        folder: the result folder.
+        spec: the main file that a claim names.
+        digest: that of all files, which it names, too.
+        other: a file that the claim must be about, besides the copy.
+
+    Raises:
+        CertificateError: the copy is another one.
+        Refused: the other file is.
+        OSError: the copy cannot be read.
+    """
+    program, files = read_copy(folder / "spec", spec, digest)
     if other is not None:
         try:
-            path = difference_from(files, claim.spec, other)
+            path = difference_from(files, spec, other)
         except OSError as error:
             raise Refused(f"{other}: {error.strerror}", Outcome.UNDECIDED) from None
         if path is not None:
-            where = "" if path == claim.spec else f" in `{path}`"
+            where = "" if path == spec else f" in `{path}`"
             raise Refused(f"the certificate is not about {other}: the files differ{where}")
     return program
 

@@ -1,0 +1,413 @@
+"""The check of a mission: every design on its own, what they have in common, and what is least.
+
+Nothing of the search is used.  The designs are verified as results of their own; that they are one
+robot, or what rebuilding them costs, is computed from their certificates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+from compiler.expressions.exact_numbers import exact_text, rational_bounds
+from compiler.missions.parameter_ranges import Range, Ranges, single
+from compiler.missions.robot_changes import Built, built, changes
+from compiler.objectives.least_values import Amount, amounts
+from compiler.objectives.objective_text import amount_text
+from compiler.objectives.values import MotionValues, value_bounds
+from compiler.robots.candidate import robot_in_task
+from compiler.robots.normal_form import family_of
+from compiler.words.structures import InfiniteAmbiguityError
+from compiler.workspaces.map_header import MapFault
+from grammar_lang import ir
+from solvers.verdict import Claimed
+from solvers.verifier.claims.certificate import (
+    CertificateError,
+    FoundClaim,
+    ParameterClaim,
+    claimed_values,
+    exact,
+)
+from solvers.verifier.claims.mission_claim import (
+    MISSION,
+    ExistingClaim,
+    MissionClaim,
+    PosedClaim,
+    mission_from_text,
+)
+from solvers.verifier.claims.spec_copy import bounded_text, read_claim, spec_of
+from solvers.verifier.missions.no_other_robots import least_cost, no_one_robot
+from solvers.verifier.missions.refuted_robots import refuted_robots
+from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition
+from solvers.verifier.proofs.scene import UNWATCHED, Watch
+from solvers.verifier.proofs.tube_checks import Status
+from solvers.verifier.refutations.solver_process import DisagreementError, named_solvers
+from solvers.verifier.refutations.structure_evidence import FalseClaim, trusted_text
+from solvers.verifier.report import Outcome, Refused, Report
+from solvers.verifier.verification import Expected, verify_directory
+
+HISTORY = "history"
+TASKS = "tasks"
+
+
+@dataclass(frozen=True, slots=True)
+class MissionReport:
+    """What was checked of a ``mission``; ``tasks`` has the reports on its designs."""
+
+    report: Report
+    tasks: tuple[tuple[str, Report], ...] = ()
+    mission: str | None = None
+
+
+def is_mission(folder: Path) -> bool:
+    """Whether a folder holds the result of a mission."""
+    return (folder / MISSION).is_file()
+
+
+def verify_mission(
+    folder: Path,
+    spec: Path | None = None,
+    trust: str | None = None,
+    watch: Watch = UNWATCHED,
+    mission: str | None = None,
+    verdict: Claimed | None = None,
+) -> MissionReport:
+    """Check the claim of a result folder of a mission.
+
+    Args:
+        folder: a folder written by ``srgc synth --mission`` or ``srgc evolve``.
+        spec: a spec file the result must be about, besides its own copy.
+        trust: names of SMT solvers whose ``unsat`` is believed, as for a task.
+        watch: told of what is done.
+        mission: the claim must be about this mission.
+        verdict: it must have this verdict.
+    """
+    claim: MissionClaim | None = None
+    try:
+        claim = mission_from_text(bounded_text(folder / MISSION))
+        other = _differs(claim, mission, verdict)
+        if other is not None:
+            return MissionReport(Report(Outcome.UNEXPECTED, None, None, other))
+        found = _judged(folder, claim, spec, trust, watch)
+    except OSError as error:
+        reason = f"the results cannot be read: {error.strerror}"
+        found = MissionReport(Report(Outcome.UNDECIDED, None, None, reason))
+    except DisagreementError as error:
+        found = MissionReport(Report(Outcome.DISAGREEMENT, None, None, str(error)))
+    except UnicodeDecodeError:
+        reason = "the claim of the mission is not UTF-8"
+        found = MissionReport(Report(Outcome.REFUTED, None, None, reason))
+    except (CertificateError, FalseClaim, InfiniteAmbiguityError) as error:
+        found = MissionReport(Report(Outcome.REFUTED, None, None, str(error)))
+    except MapFault as fault:
+        reason = f"the spec has errors: {fault.message}"
+        found = MissionReport(Report(Outcome.REFUTED, None, None, reason))
+    except Refused as refusal:
+        found = MissionReport(Report(refusal.outcome, None, None, str(refusal)))
+    if claim is None:
+        return found
+    about = replace(
+        found.report, verdict=claim.kind, task=None, spec=claim.spec, spec_sha256=claim.spec_sha256
+    )
+    return replace(found, report=about, mission=claim.mission)
+
+
+def _differs(claim: MissionClaim, mission: str | None, verdict: Claimed | None) -> str | None:
+    if mission not in (None, claim.mission):
+        return f"the claim is about mission `{claim.mission}`, not `{mission}`"
+    if verdict not in (None, claim.kind):
+        return f"the claim says {claim.kind}, not {verdict}"
+    return None
+
+
+def _judged(
+    folder: Path, claim: MissionClaim, spec: Path | None, trust: str | None, watch: Watch
+) -> MissionReport:
+    program = spec_of(folder, claim.spec, claim.spec_sha256, spec)
+    mission = _mission(claim, program)
+    existing = _existing(folder, claim, mission, program)
+    if claim.kind == "impossible":
+        return _impossible(folder, claim, program, mission, existing, trust, watch)
+    reports = tuple(
+        (
+            name,
+            verify_directory(folder / TASKS / name, spec, trust, watch, Expected(name, "found")),
+        )
+        for name in mission.tasks
+    )
+    for name, report in reports:
+        if report.outcome is not Outcome.VALID:
+            reason = f"task `{name}`: {report.reason}"
+            outcome = report.outcome
+            if outcome is Outcome.UNEXPECTED:
+                outcome = Outcome.REFUTED
+            return MissionReport(Report(outcome, "found", None, reason), reports)
+    claims = [_found(folder, claim, name) for name in mission.tasks]
+    conditions = _together(folder, claim, program, mission, existing, claims, watch)
+    report = Report(Outcome.VALID, "found", "validated", None, conditions)
+    return MissionReport(report, reports)
+
+
+def _mission(claim: MissionClaim, program: ir.Program) -> ir.Mission:
+    """The mission of the claim: one of the file, or one step from a robot that there is."""
+    if claim.posed is None:
+        mission = program.missions.get(claim.mission)
+        if mission is None:
+            raise Refused(f"the spec has no mission `{claim.mission}`")
+        return mission
+    if claim.mission not in program.tasks:
+        raise Refused(f"the spec has no task `{claim.mission}`")
+    return posed_mission(claim.mission, claim.posed)
+
+
+def posed_mission(task: str, posed: PosedClaim) -> ir.Mission:
+    """A mission of one task, for a robot that there is.
+
+    Raises:
+        CertificateError: a price is none.
+    """
+    prices = [exact(text) for text in (posed.add, posed.remove, posed.change)]
+    if any(price < 0 for price in prices):
+        raise CertificateError("the claim of the mission is malformed: a price is negative")
+    most = None if posed.most is None else exact(posed.most)
+    return ir.Mission(task, (task,), ir.Prices(*prices), frozenset(posed.free), most)
+
+
+def _existing(
+    folder: Path, claim: MissionClaim, mission: ir.Mission, program: ir.Program
+) -> Built | None:
+    """The robot that there is before the first task, as the claim has it, where that is true."""
+    origin, stated = program.tasks[mission.tasks[0]].origin, claim.existing
+    if claim.posed is None:
+        if (origin is None or mission.prices is None) is not (stated is None):
+            raise Refused("the claim does not have the robot that there is before the first task")
+        if origin is None or stated is None:
+            return None
+        if stated.word != origin.word:
+            raise Refused("the robot before the first task is not that of its `from`")
+        values = {
+            (each.symbol, each.name): (Range(*rational_bounds(each.value)),)
+            for each in origin.fixed
+        }
+        return built(origin.word, program.modules, values)
+    if stated is None:
+        raise Refused("the claim does not say which robot there is before")
+    _check_source(folder, stated)
+    known: dict[tuple[int, str], Ranges] = {
+        (each.symbol, each.name): single(exact(each.value)) for each in stated.parameters
+    }
+    return built(stated.word, program.modules, known)
+
+
+def _check_source(folder: Path, stated: ExistingClaim) -> None:
+    """The robot that there is before is that of the result that it comes from."""
+    source = folder / stated.source
+    if not stated.source.startswith(f"{HISTORY}/") or not stated.source[8:].isdigit():
+        raise Refused("the robot before is of no result in the history")
+    before = read_claim(source)
+    if not isinstance(before, FoundClaim):
+        raise Refused(f"{stated.source} has no robot")
+    if (before.word, before.parameters) != (stated.word, stated.parameters):
+        raise Refused(f"the robot before is not that of {stated.source}")
+
+
+def _found(folder: Path, claim: MissionClaim, name: str) -> FoundClaim:
+    found = read_claim(folder / TASKS / name)
+    same = (found.spec, found.spec_sha256) == (claim.spec, claim.spec_sha256)
+    if not isinstance(found, FoundClaim) or not same:
+        raise Refused(f"the design of task `{name}` is about another spec")
+    return found
+
+
+# --- Designs that belong together -----------------------------------------------------------------
+
+
+def _together(
+    folder: Path,
+    claim: MissionClaim,
+    program: ir.Program,
+    mission: ir.Mission,
+    existing: Built | None,
+    claims: Sequence[FoundClaim],
+    watch: Watch,
+) -> tuple[CheckedCondition, ...]:
+    """What holds of all designs together.
+
+    Raises:
+        Refused, FalseClaim: the claim is false.
+    """
+    if mission.prices is None:
+        return _one_robot(folder, claim, program, mission, claims, watch)
+    steps = _built(claims, program)
+    cost = Fraction(0)
+    for before, after in zip([existing, *steps[:-1]], steps, strict=True):
+        if before is not None:
+            cost += changes(before, after, mission.prices, mission.free).cost
+    if claim.cost is None or claim.least is None or claim.objectives:
+        raise Refused("the claim does not say what the changes cost")
+    if exact(claim.cost) != cost:
+        raise Refused(f"the changes cost {exact_text(cost)}, not {claim.cost}")
+    if mission.most is not None and cost > mission.most:
+        raise Refused(f"the changes cost {exact_text(cost)}, more than {exact_text(mission.most)}")
+    least = exact(claim.least)
+    if least > cost:
+        raise Refused(f"the robots cost {claim.cost}, less than the least that is claimed")
+    if least > 0:
+        _check_least(folder, claim, program, mission, existing, least, watch)
+    said = f"changes {claim.cost}"
+    if least > 0 or cost == 0:
+        said += ": no robots cost less" + ("" if least == cost else f" than {claim.least}")
+    return (CheckedCondition(said, Status.HOLDS, NO_MARGIN, ""),)
+
+
+def _check_least(
+    folder: Path,
+    claim: MissionClaim,
+    program: ir.Program,
+    mission: ir.Mission,
+    existing: Built | None,
+    least: Fraction,
+    watch: Watch,
+) -> None:
+    robots = refuted_robots(folder, claim, program, mission.tasks, (), watch)
+    if not all(each for task in robots for each in task.by_boxes):
+        raise FalseClaim("a least cost has no scripts as evidence")
+    prices = mission.prices or ir.Prices()
+    found = least_cost(mission, prices, robots, existing, claim.modules)
+    if found is not None and found < least:
+        raise FalseClaim(
+            f"robots that cost {exact_text(found)} are not refuted, and {claim.least} is claimed "
+            "to be the least"
+        )
+
+
+def _built(claims: Sequence[FoundClaim], program: ir.Program) -> list[Built]:
+    """The robots of some designs."""
+    return [built(each.word, program.modules, _values(each.parameters)) for each in claims]
+
+
+def _values(parameters: Sequence[ParameterClaim]) -> dict[tuple[int, str], Ranges]:
+    return {(each.symbol, each.name): single(exact(each.value)) for each in parameters}
+
+
+def _one_robot(
+    folder: Path,
+    claim: MissionClaim,
+    program: ir.Program,
+    mission: ir.Mission,
+    claims: Sequence[FoundClaim],
+    watch: Watch,
+) -> tuple[CheckedCondition, ...]:
+    first = claims[0]
+    for name, other in zip(mission.tasks[1:], claims[1:], strict=True):
+        if other.derivation != first.derivation or other.word != first.word:
+            raise Refused(f"task `{name}` has another robot than task `{mission.tasks[0]}`")
+        if _values(other.parameters) != _values(first.parameters):
+            raise Refused(f"task `{name}` has other parameters than task `{mission.tasks[0]}`")
+    if claim.cost is not None or claim.least is not None or claim.existing is not None:
+        raise Refused("the claim is about changes, and one robot is not changed")
+    same = CheckedCondition("one robot for all tasks", Status.HOLDS, NO_MARGIN, "")
+    return (same, *_objectives(folder, claim, program, mission, first, watch))
+
+
+def _objectives(
+    folder: Path,
+    claim: MissionClaim,
+    program: ir.Program,
+    mission: ir.Mission,
+    found: FoundClaim,
+    watch: Watch,
+) -> list[CheckedCondition]:
+    """What is claimed of objectives of the robot, which holds."""
+    task = program.tasks[mission.tasks[0]]
+    known = [
+        each
+        for each in amounts(program, replace(task, minimize=mission.minimize))
+        if each.is_ordering
+    ]
+    if [amount.text for amount in known] != [each.objective for each in claim.objectives]:
+        raise Refused("the objectives of the claim are not those of the mission")
+    family = family_of(program, task)
+    model = robot_in_task(family, None, family.replay(found.derivation))
+    nothing = MotionValues(None, Fraction(0), None)
+    said, limits = list[CheckedCondition](), list[tuple[Amount, Fraction]]()
+    robots = None
+    bounds = [program.tasks[name].modules for name in mission.tasks]
+    most = min((bound for bound in bounds if bound is not None), default=None)
+    if most is not None and claim.modules != most:
+        raise Refused("the bound on modules is not that of the tasks")
+    for amount, stated in zip(known, claim.objectives, strict=True):
+        value, least = exact(stated.value), exact(stated.least)
+        bounds_of = value_bounds(amount, found.word, model, claimed_values(found, model), nothing)
+        if bounds_of is None or not bounds_of[0] <= value or value > bounds_of[1] + _close(value):
+            raise Refused(f"`{amount.text}` is not {stated.value}")
+        if least > value:
+            raise Refused(f"the least of `{amount.text}` is more than the robot has")
+        if least > 0:
+            if robots is None:
+                robots = refuted_robots(folder, claim, program, mission.tasks, (), watch)
+                if not all(each for task_ in robots for each in task_.by_boxes):
+                    raise FalseClaim("a least value has no scripts as evidence")
+            no_one_robot(claim, robots, claim.modules, limits, (amount, least))
+        limits.append((amount, value))
+        text = amount_text(amount.objective, value)
+        if least > 0:
+            text += ": no robot has less" + ("" if least == value else f" than {stated.least}")
+        said.append(CheckedCondition(text, Status.HOLDS, NO_MARGIN, ""))
+    return said
+
+
+def _close(value: Fraction) -> Fraction:
+    return Fraction(1, 10**9) * max(Fraction(1), abs(value))
+
+
+# --- No robots ------------------------------------------------------------------------------------
+
+
+def _impossible(
+    folder: Path,
+    claim: MissionClaim,
+    program: ir.Program,
+    mission: ir.Mission,
+    existing: Built | None,
+    trust: str | None,
+    watch: Watch,
+) -> MissionReport:
+    if claim.cost is not None or claim.objectives:
+        raise Refused("the claim says what robots cost, and that there are none")
+    solvers = named_solvers(trust)
+    robots = refuted_robots(folder, claim, program, mission.tasks, solvers, watch)
+    if not any(each.separated for each in robots):
+        if mission.prices is None:
+            _check_bound(claim, program, mission)
+            no_one_robot(claim, robots, claim.modules)
+        else:
+            least = least_cost(mission, mission.prices, robots, existing, claim.modules)
+            if least is not None and (mission.most is None or least <= mission.most):
+                raise FalseClaim(f"robots that cost {exact_text(least)} are not refuted")
+    by_boxes = [each for task in robots for each in task.by_boxes]
+    left = len(by_boxes) - sum(by_boxes)
+    if not left:
+        return MissionReport(Report(Outcome.VALID, "impossible", "validated", None))
+    if solvers:
+        who = trusted_text(solvers)
+        return MissionReport(Report(Outcome.VALID, "impossible", who, None))
+    reason = (
+        f"no solver has run on the scripts of {left} of {len(by_boxes)} structures; "
+        "--trust z3 runs z3 on them"
+    )
+    return MissionReport(Report(Outcome.UNCHECKED, "impossible", None, reason))
+
+
+def _check_bound(claim: MissionClaim, program: ir.Program, mission: ir.Mission) -> None:
+    """The claim is about all robots up to the least bound on modules of the tasks."""
+    bounds = [program.tasks[name].modules for name in mission.tasks]
+    most = min((bound for bound in bounds if bound is not None), default=None)
+    if claim.modules != most:
+        raise Refused("the bound on modules is not that of the tasks")
+    if most is None:
+        task = program.tasks[mission.tasks[0]]
+        if not family_of(program, task).language.is_finite():
+            raise Refused("the language is infinite and no task has a bound on modules")

@@ -1,0 +1,149 @@
+"""What follows from the evidence of a mission: that no robots do it, or none for less.
+
+One robot: every word is one of a lemma or listed, and all derivations of those that are listed are
+refuted in some task, whole or box by box.  Robots that are rebuilt: the cheapest chain of those
+that are left is a bound on what any robots cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import islice
+
+from compiler.missions.chains import ChainCosts, Link, cheapest_chain
+from compiler.missions.open_layers import OpenRobots, open_links
+from compiler.missions.parameter_boxes import BoxTree
+from compiler.missions.robot_changes import Built
+from compiler.objectives.least_values import Amount
+from compiler.robots.normal_form import RobotFamily
+from compiler.words.structures import structures, structures_of
+from grammar_lang import ir
+from solvers.verifier.claims.mission_claim import MissionClaim
+from solvers.verifier.missions.refuted_robots import Labels, RefutedRobots, tree_of
+from solvers.verifier.refutations.structure_evidence import FalseClaim
+from solvers.verifier.refutations.word_coverage import (
+    Reader,
+    listed,
+    reader,
+    weighing,
+    within,
+    word_left,
+)
+
+MOST_ROBOTS = 1000
+"""As in the search: so many structures are compared with each other."""
+
+
+# --- One robot ------------------------------------------------------------------------------------
+
+
+def no_one_robot(
+    claim: MissionClaim,
+    robots: Sequence[RefutedRobots],
+    modules: int | None,
+    limits: Sequence[tuple[Amount, Fraction]] = (),
+    less: tuple[Amount, Fraction] | None = None,
+) -> None:
+    """No robot does all tasks, of those within limits and with less of an amount than is said.
+
+    Args:
+        claim: the claim.
+        robots: what is refuted in each task.
+        modules: a bound on the modules of robots; None: there is none.
+        limits: amounts, and what robots have of each at most.
+        less: an amount, and what they have less of; None: all robots are meant.
+
+    Raises:
+        FalseClaim: that is not proved.
+    """
+    family = robots[0].family
+    trees = {
+        boxes.derivation: tree_of(boxes, robots) for boxes in claim.boxes if boxes.task is None
+    }
+    words = dict.fromkeys(
+        [
+            *(each.word for task in claim.tasks for each in task.structures),
+            *(boxes.word for boxes in claim.boxes),
+        ]
+    )
+    asked = [reader(family.grammar.accept), reader(ir.Count(None, ">=", 1))]
+    if modules is not None:
+        asked.append(within(family.program.modules, modules))
+    asked += [weighing(amount.weights, most, strict=False) for amount, most in limits]
+    if less is not None:
+        asked.append(weighing(less[0].weights, less[1], strict=True))
+    covered: list[Reader] = [each for task in robots for each in task.readers]
+    covered.append(listed(words))
+    if word_left(family.grammar, asked, covered):
+        raise FalseClaim("there are words that no lemma and no structure is about")
+    for word in words:
+        if _is_meant(word, limits, less) and not any(each.has_lemma(word) for each in robots):
+            _check_word(word, family, robots, trees)
+
+
+def _is_meant(
+    word: Sequence[str],
+    limits: Sequence[tuple[Amount, Fraction]],
+    less: tuple[Amount, Fraction] | None,
+) -> bool:
+    within_limits = all(amount.of_word(word) <= most for amount, most in limits)
+    return within_limits and (less is None or less[0].of_word(word) < less[1])
+
+
+def _check_word(
+    word: tuple[str, ...],
+    family: RobotFamily,
+    robots: Sequence[RefutedRobots],
+    trees: dict[Labels, BoxTree],
+) -> None:
+    """All derivations of a word are refuted in some task."""
+    for derivation in structures_of(family.language, [word]):
+        tree = trees.get(derivation.labels)
+        if tree is not None and tree.is_refuted:
+            continue
+        if not any(each.is_refuted(derivation) for each in robots):
+            raise FalseClaim(f"{' '.join(word)} is refuted in no task")
+
+
+# --- Robots that are rebuilt ----------------------------------------------------------------------
+
+
+def least_cost(
+    mission: ir.Mission,
+    prices: ir.Prices,
+    robots: Sequence[RefutedRobots],
+    existing: Built | None,
+    modules: int | None,
+) -> Fraction | None:
+    """What no chain of robots that are left costs less than; None: no chain is left.
+
+    Raises:
+        FalseClaim: the robots are too many, or infinitely many, to be compared.
+    """
+    first = robots[0]
+    language, bounds = first.family.language, [each.task.modules for each in robots]
+    known = [bound for bound in bounds if bound is not None]
+    if len(known) < len(bounds):
+        if not language.is_finite():
+            raise FalseClaim("the language is infinite and a task has no bound on modules")
+        most = len(language.count_words()) - 1
+    else:
+        most = max(known)
+    if modules is not None and modules < most:
+        raise FalseClaim("the bound on modules is not that of the tasks")
+    found = list(islice(structures(language, most), MOST_ROBOTS + 1))
+    if len(found) > MOST_ROBOTS:
+        raise FalseClaim(f"there are more than {MOST_ROBOTS:,} structures")
+    given = None if existing is None else Link(existing, narrow=True)
+    costs = ChainCosts(prices, mission.free, given)
+    layers = [
+        open_links(
+            found,
+            first.program.modules,
+            OpenRobots(each.task.modules, each.is_refuted, each.trees, each.model),
+        )
+        for each in robots
+    ]
+    chain = cheapest_chain(costs, layers)
+    return None if chain is None else chain.cost

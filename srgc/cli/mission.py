@@ -1,0 +1,77 @@
+"""What ``synth --mission`` and ``evolve`` share: a mission is searched, written and told of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from srgc.faults import VERDICT_STATUS, UsageFault
+
+if TYPE_CHECKING:
+    from grammar_lang import ir
+    from srgc.results.mission_run import Step
+    from srgc.results.synthesis_run import SynthesisOptions
+
+
+def synth_mission(
+    file: Path,
+    program: ir.Program,
+    name: str,
+    output: Path | None,
+    refused: Mapping[str, object],
+    *,
+    as_json: bool,
+    **options: Any,
+) -> int:
+    """Search for the robots of a mission, and write them.
+
+    Args:
+        file: the spec.
+        program: what it says.
+        name: that of the mission.
+        output: the folder, None: the usual one.
+        refused: options that are about one task, with their values.
+        as_json: whether ``design.json`` is printed.
+        options: those of the search, as of ``SynthesisOptions``.
+
+    Raises:
+        UsageFault: there is no such mission, or an option does not go with one.
+    """
+    from srgc.results.synthesis_run import SynthesisOptions
+    from srgc.search_options import named_search, named_smt_solvers, named_solver
+    from srgc.session import chosen, refuse_cycles
+
+    for option, value in refused.items():
+        if value is not None:
+            raise UsageFault(f"{option} is about one task, and --mission about all of a mission")
+    mission = chosen(program.missions, name, "mission")
+    refuse_cycles(program, program.grammars[program.tasks[mission.tasks[0]].grammar])
+    named_smt_solvers(options["smt"])
+    options["solver"] = named_solver(options["solver"])
+    options["search"] = named_search(options["search"])
+    folder = output or Path("out") / mission.name
+    return told(file, program, mission, SynthesisOptions(folder, **options), as_json=as_json)
+
+
+def told(
+    file: Path,
+    program: ir.Program,
+    mission: ir.Mission,
+    options: SynthesisOptions,
+    step: Step | None = None,
+    *,
+    as_json: bool,
+) -> int:
+    """Search for the robots of a mission, write them and print what was found."""
+    from srgc.results.mission_run import run_mission
+    from srgc.text_reports.mission_report import mission_text
+
+    result = run_mission(file, program, mission, options, step)
+    if as_json:
+        click.echo((options.output / "design.json").read_text(encoding="utf-8"), nl=False)
+    else:
+        click.echo(mission_text(result, str(options.output), frozenset(program.modules)))
+    return VERDICT_STATUS[result.verdict]

@@ -1,0 +1,125 @@
+"""A mission as plain text: its verdict, the line of robots, and what changes between them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+from compiler.expressions.exact_numbers import exact_text
+from compiler.missions.robot_changes import Changes
+from compiler.objectives.objective_text import amount_text, value_text
+from grammar_lang.diagnostics.wording import counted
+from grammar_lang.files.file_tree import visible
+from solvers.missions.mission_result import MissionResult
+from solvers.verifier.missions.mission_check import MissionReport
+from srgc.text_reports.verification_report import verification_json, verification_text
+
+
+def mission_text(result: MissionResult, folder: str, modules: frozenset[str]) -> str:
+    """What a search came to, and where it is.
+
+    Args:
+        result: the result.
+        folder: its folder.
+        modules: which symbols are modules.
+    """
+    return "\n".join([*_lines(result, modules), f"written to {folder}"])
+
+
+def _lines(result: MissionResult, modules: frozenset[str]) -> Iterator[str]:
+    name = result.mission.name
+    if result.verdict != "found":
+        yield f"mission {name}: {result.verdict}: {result.reason}"
+        return
+    one = result.mission.prices is None
+    yield f"mission {name}: found, {_claim(result)}"
+    if one:
+        yield f"  {_robot(result, 0)}"
+        yield f"  does {', '.join(result.mission.tasks)}"
+        return
+    before = None if result.existing is None else result.existing.word
+    width = max(map(len, result.mission.tasks))
+    if before is not None:
+        yield f"  {'':{width}}  {' '.join(before)}  (there before)"
+    for number, task in enumerate(result.mission.tasks):
+        step = result.steps[number]
+        if step is not None and before is not None:
+            word = result.designs[number].derivation.word
+            yield f"  {'':{width}}    {step_text(step, before, word, modules)}"
+        yield f"  {task:<{width}}  {_robot(result, number)}"
+        before = result.designs[number].derivation.word
+
+
+def _claim(result: MissionResult) -> str:
+    """What it costs or is worth, and what is proved of that."""
+    if result.mission.prices is None:
+        values = [
+            amount_text(each.objective, each.value)
+            + _least(each.value, each.least, value_text(each.objective, each.least))
+            for each in result.values
+        ]
+        said = ["one robot", *values]
+    else:
+        cost, least = result.cost or Fraction(0), result.least or Fraction(0)
+        said = [f"changes {exact_text(cost)}" + _least(cost, least, exact_text(least))]
+    if result.undecided:
+        said.append(f"{counted(result.undecided, 'robot')} undecided")
+    return "; ".join(said)
+
+
+def _least(value: Fraction, least: Fraction, text: str) -> str:
+    if least == value:
+        return ", proved least"
+    return f", none less than {text}" if least > 0 else ", not proved least"
+
+
+def _robot(result: MissionResult, number: int) -> str:
+    """The word of a robot with its parameters and the robustness of its motion."""
+    design = result.designs[number]
+    values = ", ".join(
+        f"{p.parameter.module}.{p.parameter.name} = {float(p):.4g} {p.parameter.unit}".rstrip(" 1")
+        for p in design.parameters
+    )
+    word = " ".join(design.derivation.word)
+    return f"{word}  ({values})" if values else word
+
+
+def step_text(
+    step: Changes, old: Sequence[str], new: Sequence[str], modules: frozenset[str]
+) -> str:
+    """What is changed, in words."""
+    before = [symbol for symbol in old if symbol in modules]
+    after = [symbol for symbol in new if symbol in modules]
+    parts = []
+    if step.removed:
+        parts.append(f"remove {', '.join(before[i] for i in step.removed)}")
+    if step.added:
+        parts.append(f"add {', '.join(after[j] for j in step.added)}")
+    for _, j, name in step.changed:
+        parts.append(f"change {after[j]}.{name}")
+    return f"{'; '.join(parts) or 'nothing is changed'}: {exact_text(step.cost)}"
+
+
+# --- What the verifier says of a mission ----------------------------------------------------------
+
+
+def mission_check_text(report: MissionReport) -> str:
+    """The verifier's answer on a mission, then that on each of its designs."""
+    lines = [verification_text(report.report)]
+    if report.mission is not None:
+        head, *rest = lines[0].split("\n")
+        lines = [head, f"mission: {visible(report.mission)}", *rest]
+    for task, own in report.tasks:
+        first = verification_text(own).split("\n")[0]
+        lines.append(f"  task {visible(task)}: {first}")
+    return "\n".join(lines)
+
+
+def mission_check_json(report: MissionReport) -> str:
+    """The same for other programs."""
+    content = json.loads(verification_json(report.report))
+    del content["task"]
+    content["mission"] = report.mission
+    content["tasks"] = {task: json.loads(verification_json(own)) for task, own in report.tasks}
+    return json.dumps(content, indent=1, ensure_ascii=False)
