@@ -39,6 +39,7 @@ GROUPS = {
         "fmt": ("fmt", "Write a spec in canonical form."),
         "expand": ("expand", "Print what grammars from ports stand for."),
         "synth": ("synth", "Find a robot and prove it, or prove that there is none."),
+        "evolve": ("evolve", "Rebuild the robot of a result for another task."),
         "verify": ("verify", "Check a result independently of the search."),
     },
     "Understand": {

@@ -173,6 +173,7 @@ def mission_design_text(
         "undecided": result.undecided,
         "modules": result.modules,
         "history": before,
+        "origin": identity.origin,
         "iterations": result.counts,
         "seed": identity.seed,
         "solver": identity.solver,

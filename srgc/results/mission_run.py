@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from compiler.missions.parameter_ranges import Ranges, single
@@ -54,6 +55,12 @@ class Step:
     history: Mapping[str, bytes]
     before: int
 
+    @property
+    def digest(self) -> str:
+        """What tells steps apart: the robot, the prices and what is free."""
+        text = json.dumps([asdict(self.posed), asdict(self.existing)], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
+
 
 def run_mission(
     path: Path,
@@ -93,7 +100,7 @@ def _run(
         spec_digest(files), ", ".join(mission.tasks), options.seed, VERSION, None,
         solver=options.solver, search=options.search, paths=unusual(options.paths, PATHS),
         evaluations=unusual(options.evaluations, EVALUATIONS), one_by_one=not options.lemmas,
-        smt=options.smt, mission=mission.name,
+        smt=options.smt, mission=mission.name, origin=None if step is None else step.digest,
     )  # fmt: skip
     with (
         open_folder(options.output, identity, force=options.force) as folder,

@@ -35,7 +35,7 @@ class Identity:
     usual ones; ``one_by_one``: without lemmas; ``smt`` are the solvers of scripts, None: z3 as
     a library; ``gap``, in percent, is the one that the search was to close, None: none; ``front``:
     of all designs those alone are kept that none dominates; ``mission`` is what the
-    tasks, in one text, belong to.
+    tasks, in one text, belong to; ``origin`` tells the robots apart that a step may begin with.
     """
 
     spec_sha256: str
@@ -53,6 +53,7 @@ class Identity:
     gap: float | None = None
     front: bool = False
     mission: str | None = None
+    origin: str | None = None
 
 
 @dataclass(slots=True)
@@ -219,6 +220,7 @@ def _owner(path: Path) -> Identity | None:
                 None if content.get("gap") is None else float(content["gap"]),
                 bool(content.get("front", False)),
                 None if content.get("mission") is None else str(content["mission"]),
+                None if content.get("origin") is None else str(content["origin"]),
             )
         except (OSError, ValueError, LookupError, TypeError, ArithmeticError, RecursionError):
             continue

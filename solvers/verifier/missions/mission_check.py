@@ -6,6 +6,7 @@ robot, or what rebuilding them costs, is computed from their certificates.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -48,7 +49,8 @@ from solvers.verifier.refutations.structure_evidence import FalseClaim, trusted_
 from solvers.verifier.report import Outcome, Refused, Report
 from solvers.verifier.verification import Expected, verify_directory
 
-HISTORY = "history"
+_SOURCE = re.compile(r"history/[0-9]{1,6}(/tasks/[A-Za-z_][A-Za-z0-9_]*)?")
+"""A result in the history of a folder, or the design of a task in it."""
 TASKS = "tasks"
 
 
@@ -203,9 +205,9 @@ def _existing(
 
 def _check_source(folder: Path, stated: ExistingClaim) -> None:
     """The robot that there is before is that of the result that it comes from."""
-    source = folder / stated.source
-    if not stated.source.startswith(f"{HISTORY}/") or not stated.source[8:].isdigit():
+    if not _SOURCE.fullmatch(stated.source):
         raise Refused("the robot before is of no result in the history")
+    source = folder / stated.source
     before = read_claim(source)
     if not isinstance(before, FoundClaim):
         raise Refused(f"{stated.source} has no robot")

@@ -1,0 +1,136 @@
+"""The command that rebuilds a robot for another task: ``evolve``."""
+
+from __future__ import annotations
+
+import os
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from srgc.cli.arguments import (
+    FILE,
+    FOLDER,
+    QUIET,
+    TASK,
+    DocumentedCommand,
+    PathOf,
+    limit_of_time,
+)
+from srgc.faults import UsageFault
+from srgc.time_limit import TimeLimit
+
+if TYPE_CHECKING:
+    from grammar_lang import ir
+
+
+@click.command(
+    cls=DocumentedCommand,
+    examples=[
+        "srgc synth specs/scene.srg --task Shelf -o out/shelf",
+        "srgc evolve out/shelf specs/scene.srg --task Window -o out/window",
+        "srgc verify out/window",
+    ],
+    statuses={
+        0: "found",
+        3: "impossible, within the changes allowed",
+        4: "unknown, or out of time",
+    },
+    read_on="docs/how-to/rebuild-robots.md",
+)
+@FOLDER
+@FILE
+@TASK
+@click.option("-o", "--output", type=PathOf(path_type=Path), help="Default: out/TASK.")
+@click.option("--add", metavar="PRICE", default="1", help="Of a module that is added; default 1.")
+@click.option("--remove", metavar="PRICE", default="1", help="Of one that is removed; default 1.")
+@click.option(
+    "--change", metavar="PRICE", default="0", help="Of a free parameter that changes; default 0."
+)
+@click.option(
+    "--free", metavar="M.P", multiple=True, help="A parameter that kept modules may change."
+)
+@click.option("--changes", metavar="MOST", help="What all changes may cost together.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
+@limit_of_time("Seconds.")
+@QUIET
+@click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
+@click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
+def evolve(
+    folder: Path,
+    file: Path,
+    task: str | None,
+    output: Path | None,
+    add: str,
+    remove: str,
+    change: str,
+    free: tuple[str, ...],
+    changes: str | None,
+    seed: int,
+    jobs: int | None,
+    time_limit: float | None,
+    quiet: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
+    force: bool,  # noqa: FBT001
+) -> int:
+    """Rebuild the robot of a result for another task, with as few changes as can be.
+
+    FOLDER holds a robot that was found: for a task, by a mission (its last robot), or by an
+    evolution before.  Modules that are kept keep the values of their parameters but for those that
+    are free.  The result has the history of the robot with it, and can evolve again.
+    """
+    limit = TimeLimit(time_limit)
+    from grammar_lang import ir
+    from solvers.execution.one_thread import ONE_THREAD
+    from srgc.session import chosen, program_of, refuse_cycles
+
+    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    program = program_of(file)
+    chosen_task = chosen(program.tasks, task, "task")
+    refuse_cycles(program, program.grammars[chosen_task.grammar])
+    from srgc.cli.mission import told
+    from srgc.results.evolution import Rebuilding, step_from
+    from srgc.results.synthesis_run import SynthesisOptions
+
+    prices = ir.Prices(_price("add", add), _price("remove", remove), _price("change", change))
+    most = None if changes is None else _price("changes", changes)
+    freed = tuple(_parameter(program, text) for text in free)
+    step = step_from(folder, program, chosen_task, Rebuilding(prices, freed, most))
+    mission = ir.Mission(chosen_task.name, (chosen_task.name,), prices, frozenset(freed), most)
+    options = SynthesisOptions(
+        output or Path("out") / chosen_task.name, seed, jobs or 1, limit, force, as_json or quiet
+    )
+    return told(file, program, mission, options, step, as_json=as_json)
+
+
+def _price(option: str, text: str) -> Fraction:
+    """A number from 0 on.
+
+    Raises:
+        UsageFault: it is none.
+    """
+    try:
+        value = Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        value = Fraction(-1)
+    if value < 0 or len(text) > 30:
+        raise UsageFault(f"--{option} takes a number from 0 on, as 2 or 0.5; `{text}` is none")
+    return value
+
+
+def _parameter(program: ir.Program, text: str) -> tuple[str, str]:
+    """The module and the parameter of ``M.p``.
+
+    Raises:
+        UsageFault: there is none of that name.
+    """
+    module, _, name = text.partition(".")
+    if module not in program.modules:
+        raise UsageFault(f"--free {text}: there is no module `{module}`; write it as L.length")
+    known = [parameter.name for parameter in program.modules[module].parameters]
+    if name not in known:
+        listed = ", ".join(f"`{module}.{each}`" for each in known) or "none"
+        raise UsageFault(f"--free {text}: the parameters of `{module}` are {listed}")
+    return module, name

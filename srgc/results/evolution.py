@@ -1,0 +1,123 @@
+"""The robot of a result as the one that there is, and the results that led to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from compiler.expressions.exact_numbers import exact_text
+from grammar_lang import ir
+from solvers.verifier.claims.certificate import FoundClaim
+from solvers.verifier.claims.mission_claim import MISSION, ExistingClaim, PosedClaim
+from srgc.faults import UsageFault
+from srgc.paths import no_folder
+from srgc.results.folder_writer import OWN_FILES, OWN_FOLDERS, refuse_links
+from srgc.results.found_design import found_design
+from srgc.results.mission_run import Step
+from srgc.results.result_folder import json_object
+
+HISTORY = "history"
+_LEFT_OUT = ("journal.jsonl", "log.json", "report.html", "landscape.csv")
+
+
+@dataclass(frozen=True, slots=True)
+class Rebuilding:
+    """What changes cost, which parameters of kept modules may change, and what all may cost."""
+
+    prices: ir.Prices
+    free: Sequence[tuple[str, str]]
+    most: Fraction | None
+
+    @property
+    def posed(self) -> PosedClaim:
+        """The same as a claim states it."""
+        prices = self.prices
+        add, remove, change = map(exact_text, (prices.add, prices.remove, prices.change))
+        most = None if self.most is None else exact_text(self.most)
+        return PosedClaim(add, remove, change, tuple(sorted(self.free)), most)
+
+
+def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebuilding) -> Step:
+    """One step from the robot of a result to a task.
+
+    Args:
+        folder: the result: of a task, of a mission (its last robot), or of a step before.
+        program: the spec of the task.
+        task: the task.
+        rebuilding: what may change.
+
+    Raises:
+        UsageFault: the folder has no robot, or the spec does not know its modules.
+    """
+    if task.origin is not None:
+        raise UsageFault(
+            f"task `{task.name}` says by `from` which robot there is, and {folder} has another "
+            "one: remove `from` from the task"
+        )
+    place = _last_robot(folder)
+    found = found_design(folder / place)
+    _check_known(folder, found.claim, found.program, program, task)
+    earlier = _earlier(folder)
+    number = len(earlier) + 1
+    source = f"{HISTORY}/{number}" + (f"/{place}" if place else "")
+    existing = ExistingClaim(found.claim.word, found.claim.parameters, source)
+    history = _files(folder, number)
+    for before in earlier:
+        history |= _files(folder / HISTORY / str(before), before)
+    return Step(rebuilding.posed, existing, history, number)
+
+
+def _last_robot(folder: Path) -> str:
+    """Where the last robot of a result is, below its folder."""
+    if not folder.is_dir():
+        raise no_folder(folder)
+    refuse_links(folder)
+    if not (folder / MISSION).is_file():
+        content = json_object(folder / "design.json", needed=False)
+        if "mission" in content:
+            raise UsageFault(f"{folder} has no robots: its verdict is {content.get('verdict')}")
+        return ""
+    content = json_object(folder / "design.json")
+    robots = content.get("robots")
+    if content.get("verdict") != "found" or not isinstance(robots, list) or not robots:
+        raise UsageFault(f"{folder} has no robots: its verdict is {content.get('verdict')}")
+    last = robots[-1]
+    name = last.get("task") if isinstance(last, dict) else None
+    if not isinstance(name, str) or not (folder / "tasks" / name).is_dir():
+        raise UsageFault(f"{folder / 'design.json'} does not say where the last robot is")
+    return f"tasks/{name}"
+
+
+def _check_known(
+    folder: Path, claim: FoundClaim, old: ir.Program, new: ir.Program, task: ir.Task
+) -> None:
+    """The spec has the modules of the robot."""
+    for symbol in claim.word:
+        if symbol in old.modules and symbol not in new.modules:
+            raise UsageFault(
+                f"the robot of {folder} has a module `{symbol}`, which the spec of "
+                f"`{task.name}` does not declare"
+            )
+
+
+def _earlier(folder: Path) -> list[int]:
+    """The numbers of the results in a history."""
+    top = folder / HISTORY
+    names = [path.name for path in top.iterdir()] if top.is_dir() else []
+    return sorted(int(name) for name in names if name.isdigit())
+
+
+def _files(folder: Path, number: int) -> dict[str, bytes]:
+    """The files of a result but for its history, by the names that they get in another one."""
+    found: dict[str, bytes] = {}
+    for name in (*OWN_FILES, *OWN_FOLDERS):
+        path = folder / name
+        if name in _LEFT_OUT or name == HISTORY or not path.exists():
+            continue
+        for file in [path] if path.is_file() else sorted(path.rglob("*")):
+            if file.is_file():
+                inner = file.relative_to(folder).as_posix()
+                found[f"{HISTORY}/{number}/{inner}"] = file.read_bytes()
+    return found
