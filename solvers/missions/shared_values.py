@@ -99,11 +99,11 @@ def _designs(
     sought: list[tuple[Candidate, MotionsSought | None]] = []
     for k, candidate in enumerate(candidates):
         own = {parameter: v for (task, parameter), v in values.items() if task == k}
+        robots, derivation, box = candidate.robots, candidate.derivation, pinned(candidate, own)
         if all(candidate.value(parameter) == value for parameter, value in own.items()):
-            sought.append((candidate, None))
+            better = robots.motions(derivation, box, number) if robots.minimizes else None
+            sought.append((candidate, better))
             continue
-        box = pinned(candidate, own)
-        robots, derivation = candidate.robots, candidate.derivation
         screening = robots.answer(derivation, box)
         if screening.refutation.refuted or screening.inadmissible is not None:
             return None
@@ -111,11 +111,10 @@ def _designs(
         if motions.first() is None:
             return None
         sought.append((candidate, motions))
-    found = [
-        candidate.design if motions is None else motions.best() for candidate, motions in sought
-    ]
-    designs = tuple(design for design in found if design is not None)
-    return designs if len(designs) == len(candidates) else None
+    return tuple(
+        candidate.design if motions is None else motions.best() or candidate.design
+        for candidate, motions in sought
+    )
 
 
 def pinned(candidate: Candidate, values: Mapping[int, Fraction]) -> Box:

@@ -14,7 +14,6 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.lemmas.variants import is_about_poses
 from compiler.missions.parameter_boxes import Box, box_key, whole_box, within_box
-from compiler.objectives.least_values import amounts
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import Candidate, robot_in_task
 from compiler.robots.normal_form import RobotFamily, family_of
@@ -139,6 +138,11 @@ class TaskRobots:
     def success(self) -> float:
         """The part of the refutations tried that succeeded, half where none was."""
         return (self.refuted + 1) / (self.screened + 2)
+
+    @property
+    def minimizes(self) -> bool:
+        """Whether motions are worth improving: by objectives, or by taking less time."""
+        return self.task.at_most or bool(self.task.minimize)
 
     # --- robots ---------------------------------------------------------------------------------
 
@@ -291,8 +295,7 @@ class TaskRobots:
             robot=robot_key_in_task(narrow, self.task),
             listener=listener,
         )
-        asked = bool(self.task.at_most or amounts(self.program, self.task))
-        search = ObjectiveSearch if asked else StructureSearch
+        search = ObjectiveSearch if self.minimizes else StructureSearch
         states = search(given, self.cells).states(self.effectors(derivation, narrow, box))
         return MotionsSought(states, listener)
 
