@@ -162,7 +162,9 @@ def _objectives(
         limits.append((amount, value))
         text = amount_text(amount.objective, value)
         if least > 0:
-            text += ": no robot has less" + ("" if least == value else f" than {stated.least}")
+            default = most is None and claim.modules is not None
+            which = f"no robot with up to {claim.modules} modules" if default else "no robot"
+            text += f": {which} has less" + ("" if least == value else f" than {stated.least}")
         said.append(CheckedCondition(text, Status.HOLDS, NO_MARGIN, ""))
     return said
 
