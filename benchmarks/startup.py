@@ -38,6 +38,7 @@ COMMANDS = {
     "fmt": ["fmt", "--check", ARM],
     "expand": ["expand", "specs/serial_kit.srg"],
     "synth": ["synth", ARM, "-o", "{scratch}", "--force", "--quiet"],
+    "evolve": ["evolve", DEMO, ARM, "-o", "{scratch}", "--force", "--quiet"],
     "verify": ["verify", DEMO],
     "words": ["words", ARM],
     "accepts": ["accepts", ARM, "--", *WORD.split()],
@@ -116,7 +117,7 @@ def starts(names: list[str], runs: int, result: Path, impossible: Path) -> list[
         for name in names:
             command = [each.format(**places) for each in COMMANDS[name]]
             # A command that works for seconds is not measured as often.
-            few = max(1, runs // 5) if name in ("synth", "landscape", "why") else runs
+            few = max(1, runs // 5) if name in ("synth", "evolve", "landscape", "why") else runs
             called = command[0]  # --version, of `version`
             found.append(start(f"srgc {called}", [*SRGC, *command], few))
     for name, (program, *arguments) in PEERS.items():

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 @click.command(
     cls=DocumentedCommand,
     examples=[
-        "srgc synth specs/scene.srg --task Shelf -o out/shelf",
-        "srgc evolve out/shelf specs/scene.srg --task Window -o out/window",
-        "srgc verify out/window",
+        "srgc synth specs/changing_scene.srg --task Monday -o out/monday",
+        "srgc evolve out/monday specs/changing_scene.srg --task Tuesday -o out/tuesday",
+        "srgc verify out/tuesday",
     ],
     statuses={
         0: "found",
