@@ -28,6 +28,7 @@ from solvers.missions.shared_values import (
     Group,
     agreed,
     cut_between,
+    is_within,
     widest_disagreement,
 )
 from solvers.missions.task_robots import Labels, TaskRobots
@@ -160,17 +161,19 @@ class OneRobotSearch:
     def _boxes(self, structure: Structure, cut: CutRobot) -> str:
         """Ask about the boxes of a structure; why some are left open, empty where none is."""
         waiting, open_ones, asked = [cut.tree], "", 0
+        known: list[Candidate] = []
         while waiting:
             if asked == MOST_LEAVES:
                 return f"no common parameters were found in {MOST_LEAVES} boxes"
             asked += 1
             box = waiting.pop(0)
-            candidates = self._candidates(structure, box, cut)
+            candidates = self._candidates(structure, box, cut, known)
             if candidates is None:
                 continue
             if isinstance(candidates, str):
                 open_ones = open_ones or candidates
                 continue
+            known += candidates
             groups = self._groups(candidates)
             result = agreed(candidates, groups, {}, structure.number)
             if result is not None:
@@ -183,38 +186,58 @@ class OneRobotSearch:
         return open_ones
 
     def _candidates(
-        self, structure: Structure, box: BoxTree, cut: CutRobot
+        self, structure: Structure, box: BoxTree, cut: CutRobot, known: Sequence[Candidate]
     ) -> list[Candidate] | str | None:
-        """A motion for each task with parameters in a box; None: it is refuted; else why not."""
-        derivation, whole = structure.derivation, box is cut.tree
-        ranked = sorted(enumerate(self.tasks), key=lambda pair: -pair[1].success)
+        """A motion for each task with parameters in a box; None: it is refuted; else why not.
+
+        Those that are ``known`` are not sought again.
+        """
         found: dict[int, Candidate] = {}
-        for k, robots in ranked:
-            screening = robots.answer(derivation, box.box)
-            if screening.refutation.refuted:
-                boxes = robots.covering(derivation, box.box)
-                if boxes is None:
-                    return "what a solver refutes has no covering by boxes"
-                box.refuted = True
-                cut.evidence[id(box)] = BoxEvidence(k, boxes)
-                return None
-            if screening.inadmissible is not None:
-                return screening.inadmissible
-        for k, robots in ranked:
-            sought = robots.motions(derivation, box.box, structure.number)
-            design = sought.first()
-            if design is None:
-                late = robots.too_weak(derivation, box.box)
-                if late is None:
-                    reason = f"{sought.state.reason}{sought.state.obstacle}"
-                    return f"no motion was found for `{robots.task.name}`: {reason}"
-                box.refuted = True
-                cut.evidence[id(box)] = BoxEvidence(k, late)
-                if whole:
-                    self._learn(robots, derivation)
-                return None
-            found[k] = Candidate(robots, derivation, box.box, design, sought)
+        for each in known:
+            if is_within(each.design, box.box):
+                found[self.tasks.index(each.robots)] = replace(each, box=box.box)
+        ranked = sorted(range(len(self.tasks)), key=lambda k: -self.tasks[k].success)
+        due = [k for k in ranked if k not in found]
+        for k in due:
+            reason = self._screened(k, structure, box, cut)
+            if reason is None or reason:
+                return reason
+        for k in due:
+            moving = self._moving(k, structure, box, cut)
+            if not isinstance(moving, Candidate):
+                return moving
+            found[k] = moving
         return [found[k] for k in range(len(self.tasks))]
+
+    def _screened(self, k: int, structure: Structure, box: BoxTree, cut: CutRobot) -> str | None:
+        """Ask whether a task refutes a box: None if so, else why no motion is sought, or nothing."""
+        robots, derivation = self.tasks[k], structure.derivation
+        screening = robots.answer(derivation, box.box)
+        if not screening.refutation.refuted:
+            return screening.inadmissible or ""
+        boxes = robots.covering(derivation, box.box)
+        if boxes is None:
+            return "what a solver refutes has no covering by boxes"
+        box.refuted, cut.evidence[id(box)] = True, BoxEvidence(k, boxes)
+        return None
+
+    def _moving(
+        self, k: int, structure: Structure, box: BoxTree, cut: CutRobot
+    ) -> Candidate | str | None:
+        """A motion for a task with parameters in a box; None: it is refuted; else why not."""
+        robots, derivation = self.tasks[k], structure.derivation
+        sought = robots.motions(derivation, box.box, structure.number)
+        design = sought.first()
+        if design is not None:
+            return Candidate(robots, derivation, box.box, design)
+        late = robots.too_weak(derivation, box.box)
+        if late is None:
+            reason = f"{sought.state.reason}{sought.state.obstacle}"
+            return f"no motion was found for `{robots.task.name}`: {reason}"
+        box.refuted, cut.evidence[id(box)] = True, BoxEvidence(k, late)
+        if box is cut.tree:
+            self._learn(robots, derivation)
+        return None
 
     def _groups(self, candidates: Sequence[Candidate]) -> list[Group]:
         """Every parameter has one value in all tasks."""

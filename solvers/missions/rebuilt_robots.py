@@ -27,9 +27,10 @@ from solvers.missions.shared_values import (
     Group,
     agreed,
     cut_between,
+    is_within,
     widest_disagreement,
 )
-from solvers.missions.task_robots import Labels, MotionsSought, TaskRobots
+from solvers.missions.task_robots import Labels, TaskRobots
 from solvers.search.path_task import Design
 
 MOST_ROBOTS = 1000
@@ -50,13 +51,8 @@ class Node:
     screened: bool = False
     undecided: str = ""
     design: Design | None = None
-    sought: MotionsSought | None = None
     narrow: bool = False
     """Whether its parameters are known closer than their domains."""
-
-    def take(self, design: Design | None, sought: MotionsSought | None) -> None:
-        """It has a design."""
-        self.design, self.sought = design, sought
 
 
 @dataclass(slots=True)
@@ -214,7 +210,7 @@ class RebuiltSearch:
         sought = robots.motions(node.derivation, node.leaf.box, node.rank)
         design = sought.first()
         if design is not None:
-            node.take(design, sought)
+            node.design = design
             return
         late = robots.too_weak(node.derivation, node.leaf.box)
         if late is None:
@@ -238,7 +234,7 @@ class RebuiltSearch:
     def _agree(self, nodes: Sequence[Node]) -> None:
         """Look for common values of what kept modules have in common; else cut, or give up."""
         candidates = [
-            Candidate(self.tasks[k], node.derivation, node.leaf.box, node.design, node.sought)
+            Candidate(self.tasks[k], node.derivation, node.leaf.box, node.design)
             for k, node in enumerate(nodes)
             if node.design is not None
         ]
@@ -269,6 +265,11 @@ class RebuiltSearch:
                 Node(layer, node.rank, node.derivation, node.cut, leaf, narrow=True)
                 for leaf in (low_part, high_part)
             ]
+            if node.design is not None:
+                # The design is in one of the parts, which is not asked about again.
+                own = next((part for part in parts if is_within(node.design, part.leaf.box)), None)
+                if own is not None:
+                    own.screened, own.design = True, node.design
             place = self.layers[layer].index(node)
             self.layers[layer][place : place + 1] = parts
         return parted

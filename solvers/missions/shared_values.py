@@ -34,7 +34,6 @@ class Candidate:
     derivation: Derivation
     box: Box
     design: Design
-    sought: MotionsSought | None = None
 
     def value(self, parameter: int) -> Fraction:
         """The value that the design has of a parameter."""
@@ -137,6 +136,12 @@ def _choice(domain: ir.Interval | ir.Choices, value: Fraction, exact: ir.Expr) -
         ]
         return meant[0] if meant else exact
     return exact
+
+
+def is_within(design: Design, box: Box) -> bool:
+    """Whether the parameters of a design are in a box."""
+    pairs = zip(design.parameters, box, strict=True)
+    return all(meet(single(value.stated), ranges_of(domain)) for value, domain in pairs)
 
 
 # --- Where to cut boxes whose robots do not agree -------------------------------------------------

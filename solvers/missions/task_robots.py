@@ -183,7 +183,6 @@ class TaskRobots:
         model = self.model(derivation)
         if model is None:
             return False
-        self.examined.add(derivation.labels)
         key = robot_key_in_task(model, self.task)
         first = self._keys.setdefault(key, derivation.labels)
         if first != derivation.labels:
@@ -192,6 +191,7 @@ class TaskRobots:
                 self._refuted(derivation, replace(known, word=derivation.word), same=first)
                 return True
             return False
+        self.examined.add(derivation.labels)
         answer = self.answer(derivation, self.box(derivation)).refutation
         if not answer.refuted:
             return False
