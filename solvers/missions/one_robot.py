@@ -210,7 +210,7 @@ class OneRobotSearch:
         return [found[k] for k in range(len(self.tasks))]
 
     def _screened(self, k: int, structure: Structure, box: BoxTree, cut: CutRobot) -> str | None:
-        """Ask whether a task refutes a box: None if so, else why no motion is sought, or nothing."""
+        """Whether a task refutes a box: None if so; else why no motion is sought, if none is."""
         robots, derivation = self.tasks[k], structure.derivation
         screening = robots.answer(derivation, box.box)
         if not screening.refutation.refuted:

@@ -11,7 +11,8 @@ from compiler.missions.robot_changes import Changes
 from compiler.objectives.objective_text import amount_text, value_text
 from grammar_lang.diagnostics.wording import counted
 from grammar_lang.files.file_tree import visible
-from solvers.missions.mission_result import MissionResult
+from solvers.missions.mission_result import Existing, MissionResult
+from solvers.search.path_task import Design
 from solvers.verifier.missions.mission_check import MissionReport
 from srgc.text_reports.verification_report import verification_json, verification_text
 
@@ -39,16 +40,18 @@ def _lines(result: MissionResult, modules: frozenset[str]) -> Iterator[str]:
         yield f"  does {', '.join(result.mission.tasks)}"
         return
     before = None if result.existing is None else result.existing.word
+    labels = [] if result.existing is None else existing_labels(result.existing)
     width = max(map(len, result.mission.tasks))
     if before is not None:
         yield f"  {'':{width}}  {' '.join(before)}  (there before)"
     for number, task in enumerate(result.mission.tasks):
         step = result.steps[number]
         if step is not None and before is not None:
-            word = result.designs[number].derivation.word
-            yield f"  {'':{width}}    {step_text(step, before, word, modules)}"
+            after = design_labels(result.designs[number], modules)
+            yield f"  {'':{width}}    {step_text(step, labels, after)}"
         yield f"  {task:<{width}}  {_robot(result, number)}"
         before = result.designs[number].derivation.word
+        labels = design_labels(result.designs[number], modules)
 
 
 def _claim(result: MissionResult) -> str:
@@ -85,20 +88,44 @@ def _robot(result: MissionResult, number: int) -> str:
     return f"{word}  ({values})" if values else word
 
 
-def step_text(
-    step: Changes, old: Sequence[str], new: Sequence[str], modules: frozenset[str]
-) -> str:
-    """What is changed, in words."""
-    before = [symbol for symbol in old if symbol in modules]
-    after = [symbol for symbol in new if symbol in modules]
+def step_text(step: Changes, old: Sequence[str], new: Sequence[str]) -> str:
+    """What is changed, in words.
+
+    Args:
+        step: the changes.
+        old: what the modules of the old robot are called, in their order.
+        new: those of the new one.
+    """
     parts = []
     if step.removed:
-        parts.append(f"remove {', '.join(before[i] for i in step.removed)}")
+        parts.append(f"remove {', '.join(old[i] for i in step.removed)}")
     if step.added:
-        parts.append(f"add {', '.join(after[j] for j in step.added)}")
-    for _, j, name in step.changed:
-        parts.append(f"change {after[j]}.{name}")
+        parts.append(f"add {', '.join(new[j] for j in step.added)}")
+    for i, j, name in step.changed:
+        parts.append(f"change {name} of {old[i]} to that of {new[j]}")
     return f"{'; '.join(parts) or 'nothing is changed'}: {exact_text(step.cost)}"
+
+
+def design_labels(design: Design, modules: frozenset[str]) -> list[str]:
+    """What the modules of a design are called: their names with the values of their parameters."""
+    values: dict[int, list[str]] = {}
+    for each in design.parameters:
+        unit = "" if each.parameter.unit == "1" else f" {each.parameter.unit}"
+        values.setdefault(each.parameter.symbol, []).append(f"{float(each):.4g}{unit}")
+    return [
+        f"{symbol} ({', '.join(values[index])})" if index in values else symbol
+        for index, symbol in enumerate(design.derivation.word)
+        if symbol in modules
+    ]
+
+
+def existing_labels(existing: Existing) -> list[str]:
+    """The same of the robot that there is before; values in SI units."""
+    found = []
+    for module in existing.robot:
+        known = [f"{float(ranges[0].low):.4g}" for ranges in module.values.values() if ranges]
+        found.append(f"{module.name} ({', '.join(known)})" if known else module.name)
+    return found
 
 
 # --- What the verifier says of a mission ----------------------------------------------------------
