@@ -73,5 +73,5 @@ def told(
     if as_json:
         click.echo((options.output / "design.json").read_text(encoding="utf-8"), nl=False)
     else:
-        click.echo(mission_text(result, str(options.output), frozenset(program.modules)))
+        click.echo(mission_text(result, str(options.output), program))
     return VERDICT_STATUS[result.verdict]

@@ -9,6 +9,7 @@ from fractions import Fraction
 from compiler.expressions.exact_numbers import exact_text
 from compiler.missions.robot_changes import Changes
 from compiler.objectives.objective_text import amount_text, value_text
+from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
 from grammar_lang.files.file_tree import visible
 from solvers.missions.mission_result import Existing, MissionResult
@@ -17,18 +18,18 @@ from solvers.verifier.missions.mission_check import MissionReport
 from srgc.text_reports.verification_report import verification_json, verification_text
 
 
-def mission_text(result: MissionResult, folder: str, modules: frozenset[str]) -> str:
+def mission_text(result: MissionResult, folder: str, program: ir.Program) -> str:
     """What a search came to, and where it is.
 
     Args:
         result: the result.
         folder: its folder.
-        modules: which symbols are modules.
+        program: what it is about.
     """
-    return "\n".join([*_lines(result, modules), f"written to {folder}"])
+    return "\n".join([*_lines(result, program), f"written to {folder}"])
 
 
-def _lines(result: MissionResult, modules: frozenset[str]) -> Iterator[str]:
+def _lines(result: MissionResult, program: ir.Program) -> Iterator[str]:
     name = result.mission.name
     if result.verdict != "found":
         yield f"mission {name}: {result.verdict}: {result.reason}"
@@ -40,18 +41,18 @@ def _lines(result: MissionResult, modules: frozenset[str]) -> Iterator[str]:
         yield f"  does {', '.join(result.mission.tasks)}"
         return
     before = None if result.existing is None else result.existing.word
-    labels = [] if result.existing is None else existing_labels(result.existing)
+    labels = [] if result.existing is None else existing_labels(result.existing, program)
     width = max(map(len, result.mission.tasks))
     if before is not None:
         yield f"  {'':{width}}  {' '.join(before)}  (there before)"
     for number, task in enumerate(result.mission.tasks):
         step = result.steps[number]
         if step is not None and before is not None:
-            after = design_labels(result.designs[number], modules)
+            after = design_labels(result.designs[number], program)
             yield f"  {'':{width}}    {step_text(step, labels, after)}"
         yield f"  {task:<{width}}  {_robot(result, number)}"
         before = result.designs[number].derivation.word
-        labels = design_labels(result.designs[number], modules)
+        labels = design_labels(result.designs[number], program)
 
 
 def _claim(result: MissionResult) -> str:
@@ -81,7 +82,9 @@ def _robot(result: MissionResult, number: int) -> str:
     """The word of a robot with its parameters and the robustness of its motion."""
     design = result.designs[number]
     values = ", ".join(
-        f"{p.parameter.module}.{p.parameter.name} = {float(p):.4g} {p.parameter.unit}".rstrip(" 1")
+        f"{p.parameter.module}.{p.parameter.name} = {float(p):.4g} {p.parameter.unit}".removesuffix(
+            " 1"
+        ).rstrip()
         for p in design.parameters
     )
     word = " ".join(design.derivation.word)
@@ -106,7 +109,7 @@ def step_text(step: Changes, old: Sequence[str], new: Sequence[str]) -> str:
     return f"{'; '.join(parts) or 'nothing is changed'}: {exact_text(step.cost)}"
 
 
-def design_labels(design: Design, modules: frozenset[str]) -> list[str]:
+def design_labels(design: Design, program: ir.Program) -> list[str]:
     """What the modules of a design are called: their names with the values of their parameters."""
     values: dict[int, list[str]] = {}
     for each in design.parameters:
@@ -115,15 +118,19 @@ def design_labels(design: Design, modules: frozenset[str]) -> list[str]:
     return [
         f"{symbol} ({', '.join(values[index])})" if index in values else symbol
         for index, symbol in enumerate(design.derivation.word)
-        if symbol in modules
+        if symbol in program.modules
     ]
 
 
-def existing_labels(existing: Existing) -> list[str]:
-    """The same of the robot that there is before; values in SI units."""
+def existing_labels(existing: Existing, program: ir.Program) -> list[str]:
+    """The same of the robot that there is before."""
     found = []
     for module in existing.robot:
-        known = [f"{float(ranges[0].low):.4g}" for ranges in module.values.values() if ranges]
+        units = {each.name: each.unit for each in program.modules[module.name].parameters}
+        known = [
+            f"{float(ranges[0].low):.4g} {units.get(name, '')}".removesuffix(" 1").rstrip()
+            for name, ranges in module.values.items()
+        ]
         found.append(f"{module.name} ({', '.join(known)})" if known else module.name)
     return found
 
