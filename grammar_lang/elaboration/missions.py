@@ -194,8 +194,8 @@ class _Reader:
             for item in self.mission.items:
                 if isinstance(item, m.Free | m.Changes):
                     what = _CLAUSES[type(item)]
-                    message = f"`{what}` is about changes, and nothing is changed"
-                    hint = "write `reconfigure;`, or remove the clause"
+                    message = f"`{what}` without `reconfigure`: nothing is changed"
+                    hint = f"write `reconfigure;` instead of `one robot;`, or remove `{what}`"
                     self.sink.error(Code.CONTRADICTORY_MISSION, message, item.span, hint)
             return
         if one_robot is not None:
@@ -238,8 +238,8 @@ class _Reader:
         for objective in found:
             self._check_end(objective, tasks)
             if rebuilt is False and objective.kind == "changes":
-                message = "`changes` are to be few, and nothing is changed"
-                hint = "write `reconfigure;`, or remove `changes`"
+                message = "`minimize changes` without `reconfigure`: nothing is changed"
+                hint = "write `reconfigure;` instead of `one robot;`, or remove `changes`"
                 self.sink.error(Code.CONTRADICTORY_MISSION, message, objective.span, hint)
         # What is no objective was reported, and may be a misspelt `changes`.
         first = found[0] if found and found[0].span == item.objectives[0].span else None

@@ -395,13 +395,13 @@ def test_a_mission_of_a_task_with_errors_is_not_of_the_sound_part() -> None:
         (
             "one robot; free L.length;",
             "SRG0734",
-            "`free` is about changes, and nothing is changed",
+            "`free` without `reconfigure`: nothing is changed",
             "free L.length;",
         ),
         (
             "one robot; changes <= 3;",
             "SRG0734",
-            "`changes` is about changes, and nothing is changed",
+            "`changes` without `reconfigure`: nothing is changed",
             "changes <= 3;",
         ),
         (
@@ -526,7 +526,7 @@ def test_changes_are_no_objective_of_tasks() -> None:
 
 def test_changes_where_nothing_is_changed() -> None:
     clauses = "tasks Morning, Noon; one robot; minimize modules then changes;"
-    message = "`changes` are to be few, and nothing is changed"
+    message = "`minimize changes` without `reconfigure`: nothing is changed"
     assert marked(clauses) == [("error SRG0734", message, "changes")]
 
 
