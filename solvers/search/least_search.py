@@ -2,7 +2,8 @@
 
 Objectives come in turn.  For each, structures are tried in the order of the least that they can
 have of it, among those that are within what the objectives before leave; once there is a design,
-only structures that may have less are searched on.
+only structures that may have less are searched on.  Of time, effort and energy words say nothing,
+so that each structure may have less: an objective behind others does not wait for all of them.
 """
 
 from __future__ import annotations
@@ -24,6 +25,9 @@ from solvers.search.family_search import FamilySearch
 from solvers.search.search_queue import StructureUnderWay
 from solvers.search.structures_left import StructuresLeft
 
+IN_VAIN = 3
+"""After so many structures in a row without less of it the search for a later objective ends."""
+
 
 @dataclass(slots=True)
 class LeastSearch:
@@ -34,12 +38,18 @@ class LeastSearch:
     place: int = 0
     """The objective that is the present one."""
     tried: set[tuple[str, ...]] = field(default_factory=set[tuple[str, ...]])
+    least: Fraction | None = None
+    """What designs have of the present objective at least, as far as that was looked at."""
+    before: int = 0
+    """How many structures were searched when there was so little first."""
+    ended: dict[str, str] = field(default_factory=dict[str, str])
+    """By the kind of an objective which limit ended the search for less of it."""
 
     def search(self) -> None:
         """Try structures until no other one may have less, as far as the limits of the run go."""
         run = self.run
         for place in range(len(self.amounts)):
-            self.place = place
+            self.place, self.least = place, None
             left = StructuresLeft(
                 run.program, run.task, run.context, run.whole, run.lemmas, self.tried, self.order
             )
@@ -74,6 +84,8 @@ class LeastSearch:
         if best is None:
             return
         least = limits[self.place].least
+        if least != self.least:
+            self.least, self.before = least, len(self.run.searched)
         before = limits[: self.place]
         self.run.queue.give_turns(lambda each: self.may_be_less(each, before, least))
         following = left.following
@@ -81,6 +93,28 @@ class LeastSearch:
             word = following.derivation.word
             if self.amount.of_robot(word, following.model) >= least:
                 left.stop()
+        if self.is_in_vain() and (left.following is not None or self.run.queue.under_way):
+            self.end(left)
+
+    def is_in_vain(self) -> bool:
+        """Whether enough structures were searched since a design had less of the objective.
+
+        Never for the first objective, which is what is asked for, nor where words are in order of
+        it: each structure that is refuted there adds to what is proved.
+        """
+        if self.run.every or not self.place or self.amount.is_ordering:
+            return False
+        return len(self.run.searched) - self.before >= IN_VAIN
+
+    def end(self, left: StructuresLeft) -> None:
+        """Have no other structure searched for the present objective, and say so."""
+        left.stop()
+        self.run.queue.give_turns(lambda _: False)
+        kind = self.amount.objective.kind
+        self.ended[kind] = (
+            f"the search for less {kind} ended at its limit of {IN_VAIN} robots in a row that have "
+            "no less: narrow `accept`, or search all with `--all`"
+        )
 
     def may_be_less(
         self, structure: StructureUnderWay, before: Sequence[Limit], least: Fraction

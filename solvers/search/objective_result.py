@@ -34,10 +34,10 @@ class ObjectiveResult:
     @property
     def is_least(self) -> bool:
         """Whether no robot has less than the design."""
-        return self.least >= self.value and self._is_settled
+        return self.least >= self.value and self.is_settled
 
     @property
-    def _is_settled(self) -> bool:
+    def is_settled(self) -> bool:
         """Whether no robot has less than some design."""
         return self.least >= self.reached and not self.undecided and not self.more
 
@@ -45,6 +45,12 @@ class ObjectiveResult:
     def gap(self) -> Fraction | None:
         """By which part of the proved least the best design is above it; None where that is 0."""
         return self.reached / self.least - 1 if self.least > 0 else None
+
+    def with_least(self, least: Fraction) -> ObjectiveResult:
+        """The same with what no robot has less of; no robot is open where some design has that."""
+        if least < self.reached:
+            return replace(self, least=least)
+        return replace(self, least=least, undecided=0, more=False)
 
     @property
     def text(self) -> str:
@@ -56,7 +62,7 @@ class ObjectiveResult:
 
     def _best_text(self) -> str:
         best = amount_text(self.amount.objective, self.reached)
-        if self._is_settled:
+        if self.is_settled:
             return f"least {best}"
         unsettled = self.amount.is_ordering and (self.undecided or self.more)
         if unsettled and not self.other:
@@ -101,7 +107,7 @@ class Optimality:
         It needs no ``bound`` where the task allows no motion of fewer steps.
         """
         objectives = (
-            replace(each, least=least, more=False) if each.amount.objective.kind == "time" else each
+            each.with_least(least) if each.amount.objective.kind == "time" else each
             for each in self.objectives
         )
         return replace(self, objectives=tuple(objectives), time=bound)

@@ -27,6 +27,7 @@ from solvers.search.parameter_bounds import ParameterBounds
 
 MOST_RAISED = 20
 """So many structures are shown to have more of an objective than their words say."""
+UNDECIDED = ("unresolved", "inadmissible")
 NOT_WITH_LESS = "no robot of it with less does the task"
 
 
@@ -83,8 +84,10 @@ def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction])
 def _may_be_less(
     record: StructureRecord, before: Sequence[Limit], amount: Amount, bound: Fraction
 ) -> bool:
-    """Whether a structure may be within limits and below a bound, by its word."""
+    """Whether a structure may be within limits and below a bound that words tell, by its word."""
     word = record.word
+    if not amount.is_ordering:  # No covering of a structure is evidence of it.
+        return False
     within = all(limit.amount.of_word(word) <= limit.most for limit in before)
     return within and amount.of_word(word) < bound
 
@@ -191,9 +194,9 @@ class _Judgement:
         """What is known of an objective, and proved of robots within limits."""
         value, reached = self.values[place], self.reached[place]
         amount, best = reached.amount, reached.least
-        if not amount.is_ordering:
-            return ObjectiveResult(amount, value, Fraction(0), best, 0, more=False)
         before = self.reached[:place]
+        if not amount.is_ordering:
+            return self._of_motions(amount, before, best, value)
         found = self._open(amount, before, best)
         least, bound = found.least, best
         if [limit.most for limit in limits] != [limit.most for limit in before]:
@@ -202,6 +205,18 @@ class _Judgement:
             least = self._raised(amount, limits, bound)
         undecided = 0 if least >= best else found.undecided
         return ObjectiveResult(amount, value, least, best, undecided, found.more, found.other)
+
+    def _of_motions(
+        self, amount: Amount, before: Sequence[Limit], best: Fraction, value: Fraction
+    ) -> ObjectiveResult:
+        """What is known of an objective that words say nothing of: any robot may have less."""
+        known = [
+            self.records.get(candidate.derivation.labels)
+            for candidate in self._below(amount, before, best)
+        ]
+        undecided = sum(each is not None and each.verdict in UNDECIDED for each in known)
+        more = None in known
+        return ObjectiveResult(amount, value, Fraction(0), best, undecided, more)
 
     def _open(self, amount: Amount, limits: Sequence[Limit], bound: Fraction) -> _Open:
         """What structures below a bound that are not refuted come to."""

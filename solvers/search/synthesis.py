@@ -9,7 +9,7 @@ by a covering that the verifier's own replay accepts, or by both.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -122,14 +122,16 @@ def synthesise(
         told(_result(search, "found", None, cells, OutOfTimeError()))
 
     run = FamilySearch(program, task, context, family, finer, every, better, gap)
+    least = LeastSearch(run, run.amounts)
     try:
         if run.amounts:
-            LeastSearch(run, run.amounts).search()
+            least.search()
         else:
             run.structures()
         if run.designs:
             check_time()
-            return replace(_result(run, "found", None, cells), optimality=_optimality(run))
+            found = _result(run, "found", None, cells)
+            return found if not run.amounts else _with_least(found, _optimality(run), least.ended)
         records: Sequence[StructureRecord] = run.all_records(PUT_OFF)
         verdict, reason = conclude(records, run.family, task, run.stopped)
     except OutOfTimeError as late:
@@ -143,10 +145,20 @@ def synthesise(
     return _result(run, verdict, reason, cells, uncovered, records)
 
 
-def _optimality(run: FamilySearch) -> Optimality | None:
+def _with_least(found: Synthesis, optimality: Optimality, limits: Mapping[str, str]) -> Synthesis:
+    """A result with what is proved of its objectives.
+
+    ``limits`` are those of the search for less of a kind, which matter where less is possible.
+    """
+    unsettled = [each for each in optimality.objectives if not each.is_settled]
+    kinds = [each.amount.objective.kind for each in unsettled]
+    said = [found.ended, *(limits.get(kind) for kind in kinds)]
+    ended = "; ".join(text for text in said if text)
+    return replace(found, optimality=optimality, ended=ended or None)
+
+
+def _optimality(run: FamilySearch) -> Optimality:
     """What is proved of the objectives of the best design."""
-    if not run.amounts:
-        return None
     values, records = run.values(run.designs[0].design), run.all_records(PUT_OFF)
     limits, _ = limits_of(run.all_values, run.amounts)
     found = optimality(run.whole, run.task, values, limits, records, run.lemmas, run.context)

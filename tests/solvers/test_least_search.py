@@ -15,6 +15,8 @@ from srgc.cli import run
 from tests.conftest import srgc_process
 from tests.oracles.least_specs import link, spec
 from tests.oracles.result_files import read
+from tests.oracles.slides import slides
+from tests.oracles.small_specs import replaced
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
@@ -169,3 +171,54 @@ def test_the_same_bytes_whatever_jobs_and_hashes(name: str, tmp_path: Path) -> N
         certificate = (folder / "certificate.json").read_text(encoding="utf-8")
         found.add((certificate, "".join([*names, *texts])))
     assert len(found) == 1
+
+
+SLIDES = [4, 2, 5, 6, 7, 8]
+"""Masses in kg, in the order of words: the lighter a slide, the faster it is."""
+
+
+def slides_for_less(minimize: str) -> str:
+    """Slides of as many modules each, and the least of what words say nothing of."""
+    masses = "; ".join(f"const mass = {mass} kg" for mass in SLIDES)
+    text = slides(masses, kinds=" ".join(f"S{mass}" for mass in SLIDES))
+    asked = f"horizon at most 20 steps of 0.1 s; minimize {minimize};"
+    return replaced(text, "horizon 20 steps of 0.1 s;", asked)
+
+
+def slides_tried(found: Found) -> list[str]:
+    return [each["word"][2] for each in found.design["structures_tried"]]
+
+
+def test_a_later_objective_of_motions_ends_at_a_limit_that_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing is proved of energies, however many robots are searched."""
+    found = Found(slides_for_less("modules then energy"), tmp_path)
+    assert slides_tried(found) == ["S4", "S2", "S5", "S6", "S7"]
+    assert found.word[2] == "S2"
+    assert [entry["all_tried"] for entry in found.design["objectives"]] == [True, False]
+    said = "ended:   the search for less energy ended at its limit of 3 robots in a row that have"
+    assert said in capsys.readouterr().out
+
+
+def test_a_limit_is_not_named_where_nobody_has_less(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The drives show that none of the robots that were not searched is faster."""
+    found = Found(slides_for_less("modules then time"), tmp_path)
+    assert slides_tried(found) == ["S4", "S2", "S5", "S6", "S7"]
+    (_, (value, least)) = found.values
+    assert value == least
+    assert all(entry["all_tried"] for entry in found.design["objectives"])
+    assert "ended:" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("minimize", "options"), [("energy", ()), ("modules then energy", ("--all",))]
+)
+def test_all_robots_are_searched_where_that_is_asked(
+    minimize: str, options: tuple[str, ...], tmp_path: Path
+) -> None:
+    found = Found(slides_for_less(minimize), tmp_path, *options)
+    assert slides_tried(found) == [f"S{mass}" for mass in SLIDES]
+    assert all(entry["all_tried"] for entry in found.design["objectives"])
