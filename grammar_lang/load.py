@@ -227,15 +227,7 @@ def lower(
         if lowered is not None:
             tasks[name] = lowered
             check_ownership(lowered, grammars, sink)
-    missions: dict[str, ir.Mission] = {}
-    for name, mission in declared.missions.items():
-        from grammar_lang.elaboration.missions import lower_mission
-
-        made = lower_mission(mission, around, tasks, sink)
-        if made is not None:
-            missions[name] = made
-    report_unused(names, sink)
-    return ir.Program(
+    program = ir.Program(
         modules={name: info.module for name, info in modules.items()},
         terminals=tuple(declared.terminals),
         grammars=grammars,
@@ -243,5 +235,13 @@ def lower(
         tasks=tasks,
         sources=sources,
         terminal_spans={name: found.span for name, found in declared.terminals.items()},
-        missions=missions,
     )
+    if declared.missions:
+        from grammar_lang.elaboration.missions import lower_missions
+
+        # Of what has an error a mission says nothing more.
+        sound = sound_part(program, file, sink.found) if sink.has_errors else program
+        missions = lower_missions(declared.missions, around, sound.tasks, sink)
+        program = replace(program, missions=missions)
+    report_unused(names, sink)
+    return program

@@ -88,6 +88,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (word_of("semantics"), Keyword.Declaration, ("semantics", "heading", "namespace")),
             (word_of("workspace"), Keyword.Declaration, ("workspace", "heading", "namespace")),
             (word_of("task"), Keyword.Declaration, ("task", "heading", "namespace")),
+            (word_of("mission"), Keyword.Declaration, ("mission", "heading", "namespace")),
         ],
         "from ports": [
             include("gap"),

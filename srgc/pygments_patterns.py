@@ -10,7 +10,7 @@ from grammar_lang.units import UNIT_NAMES
 FUNCTIONS = ("rot", "move", "sin", "cos", "tan", "sqrt", "abs", "rate")
 EMISSIONS = ("rod", "point", "solid", "effector", "sphere", "capsule", "cylinder", "box", "hull")
 ROLES = ("base", "joint", "link", "effector")
-ITEMS = "module|grammar|semantics|workspace|task"
+ITEMS = "module|grammar|semantics|workspace|task|mission"
 END = r"(?![A-Za-z0-9_])"
 NAME = rf"(?!(?:and|or|not|empty|this|world|start|accept|x|y|z){END})[A-Za-z_][A-Za-z0-9_]*"
 GAP = r"(?:[ \t\r\n\f\v]++|//[^\n]*+|/\*(?:[^*]++|\*(?!/))*+\*/)*+"

@@ -1,4 +1,4 @@
-"""The states of the lexer for Pygments inside tasks and formulas."""
+"""The states of the lexer for Pygments inside tasks, missions and formulas."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ TASK_STATES = MappingProxyType({
     "objective": [
         include("gap"),
         (
-            word_of("modules", "mass", "time", "energy", "effort", "sum"),
+            word_of("modules", "mass", "time", "energy", "effort", "sum", "changes"),
             Name.Builtin,
             ("#pop", "within", "summed"),
         ),
@@ -132,6 +132,24 @@ TASK_STATES = MappingProxyType({
         default("#pop"),
     ],
     "control": [include("gap"), (word_of("open", "loop", "feedback"), Keyword), default("#pop")],
+    # --- missions -----------------------------------------------------------------------
+    "mission": [
+        include("block"),
+        (word_of("tasks"), Keyword, "names"),
+        (word_of("one"), Keyword, "one robot"),
+        (word_of("reconfigure"), Keyword, "prices"),
+        (word_of("free"), Keyword, "fixed"),
+        (word_of("changes"), Keyword, "bound"),
+        (word_of("minimize"), Keyword, "objective"),
+        include("stray"),
+    ],
+    "one robot": [include("gap"), (word_of("robot"), Keyword, "#pop"), default("#pop")],
+    "prices": [
+        include("gap"),
+        (word_of("add", "remove", "change"), Keyword, "operand"),
+        (",", Punctuation),
+        default("#pop"),
+    ],
     # --- formulas -----------------------------------------------------------------------
     "formula": [
         include("gap"),

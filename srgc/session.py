@@ -78,10 +78,7 @@ def check_loaded(loaded: Loaded) -> Checked:
         from compiler.checks.self_collision_checks import self_collision_diagnostics
 
         self_collision_diagnostics(loaded.sound, sink)
-    if complete and any(task.minimize for task in tasks):
-        from compiler.checks.objective_checks import objective_diagnostics
-
-        objective_diagnostics(loaded.sound, sink)
+    _check_aims(loaded.sound, sink, complete=complete)
     if complete and _has_solids(loaded.sound):
         from compiler.checks.shape_checks import shape_diagnostics
 
@@ -103,6 +100,20 @@ def check_loaded(loaded: Loaded) -> Checked:
             formula_diagnostics(program, sink)
     checked = None if sink.has_errors else loaded.program
     return Checked(checked, sink.sorted(), loaded.sources)
+
+
+def _check_aims(program: ir.Program, sink: Sink, *, complete: bool) -> None:
+    """What tasks and missions minimize, and what missions allow to be changed."""
+    tasks, missions = program.tasks.values(), program.missions.values()
+    least = any(task.minimize for task in tasks) or any(each.minimize for each in missions)
+    if complete and least:
+        from compiler.checks.objective_checks import objective_diagnostics
+
+        objective_diagnostics(program, sink)
+    if missions:
+        from compiler.checks.mission_checks import mission_diagnostics
+
+        mission_diagnostics(program, sink)
 
 
 def _has_solids(program: ir.Program) -> bool:

@@ -42,7 +42,10 @@ LARK = (ROOT / "grammar_lang" / "parsing" / "srg.lark").read_text(encoding="utf-
 BLOCKS = blocks(PAGE)
 PROGRAMS = [block for block in BLOCKS if block.kind == "srg"]
 SPEC = "spec.srg"
-UNSEEN = {"module_item", "grammar_item", "statement", "workspace_item", "task_item", "item"}
+UNSEEN = {
+    "module_item", "grammar_item", "statement", "workspace_item", "task_item", "mission_item",
+    "item",
+}  # fmt: skip
 """Rules that only choose."""
 
 

@@ -1,4 +1,4 @@
-"""Whether the first objective of a task leaves finitely many robots of each value."""
+"""Whether the first objective of a task or mission leaves finitely many robots of each value."""
 
 from __future__ import annotations
 
@@ -22,28 +22,37 @@ _SHOWN = 6
 def objective_diagnostics(program: ir.Program, sink: Sink) -> None:
     """Report the tasks whose first objective has the same value for infinitely many words.
 
-    Nothing is said of tasks with ``modules <= n``, of objectives that are not made of what each
-    module adds, and of languages that are too large to be looked at.
+    So are missions with one robot.  Nothing is said of tasks with ``modules <= n``, of missions
+    that have one, of objectives that are not made of what each module adds, and of languages that
+    are too large to be looked at.
     """
-    order = {name: i for i, name in enumerate(program.terminals)}
     for task in program.tasks.values():
-        if not task.minimize or task.modules is not None:
-            continue
-        grammar = program.grammars[task.grammar]
-        alphabet = alphabet_of(grammar, order)
-        weights = weights_of_modules(program, task.minimize[0], _least)
-        if weights is None:
-            continue
-        rules = srg(grammar, alphabet, program.modules)
-        try:
-            language = restrict(rules, accept_dfa(grammar.accept, alphabet), CHECKED_RULES)
-        except (AutomatonTooLargeError, IntersectionTooLargeError):
-            continue
-        free = free_terminals(
-            language.product, [weights.get(name, Fraction(0)) for name in alphabet]
-        )
-        if free:
-            _report(program, task, [alphabet[number] for number in sorted(free)], sink)
+        if task.minimize and task.modules is None:
+            _check(program, program.grammars[task.grammar], task.minimize[0], "", sink)
+    for mission in program.missions.values():
+        tasks = [program.tasks[name] for name in mission.tasks]
+        if mission.minimize and all(task.modules is None for task in tasks):
+            grammar = program.grammars[tasks[0].grammar]
+            _check(program, grammar, mission.minimize[0], " in a task", sink)
+
+
+def _check(
+    program: ir.Program, grammar: ir.Grammar, objective: ir.Objective, where: str, sink: Sink
+) -> None:
+    order = {name: i for i, name in enumerate(program.terminals)}
+    alphabet = alphabet_of(grammar, order)
+    weights = weights_of_modules(program, objective, _least)
+    if weights is None:
+        return
+    rules = srg(grammar, alphabet, program.modules)
+    try:
+        language = restrict(rules, accept_dfa(grammar.accept, alphabet), CHECKED_RULES)
+    except (AutomatonTooLargeError, IntersectionTooLargeError):
+        return
+    free = free_terminals(language.product, [weights.get(name, Fraction(0)) for name in alphabet])
+    if free:
+        named = [alphabet[number] for number in sorted(free)]
+        _report(program, grammar.name, objective, named, where, sink)
 
 
 def _least(domain: ir.Interval | ir.Choices) -> Fraction:
@@ -57,8 +66,14 @@ def _value(expr: ir.Expr) -> Fraction:
     return Fraction(constants.to_float(expr)) if found is None else found
 
 
-def _report(program: ir.Program, task: ir.Task, free: Sequence[str], sink: Sink) -> None:
-    objective = task.minimize[0]
+def _report(
+    program: ir.Program,
+    grammar: str,
+    objective: ir.Objective,
+    free: Sequence[str],
+    where: str,
+    sink: Sink,
+) -> None:
     name = objective.attribute
     what = "number of modules" if name is None else f"sum of `{name}`"
     modules = [f"`{each}`" for each in free if program.is_module(each)]
@@ -66,10 +81,10 @@ def _report(program: ir.Program, task: ir.Task, free: Sequence[str], sink: Sink)
     if modules:
         more = ", …" if len(modules) > _SHOWN else ""
         which = ", ".join(modules[:_SHOWN]) + more
-        hint = f"write `modules <= n;`, or give `{name}` of {which} a value above zero"
+        hint = f"write `modules <= n;`{where}, or give `{name}` of {which} a value above zero"
     sink.error(
         Code.ENDLESS_OBJECTIVE,
-        f"infinitely many words of grammar `{task.grammar}` have the same {what}",
+        f"infinitely many words of grammar `{grammar}` have the same {what}",
         objective.span,
         hint,
     )

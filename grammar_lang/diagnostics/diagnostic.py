@@ -11,7 +11,7 @@ from grammar_lang.source import Span
 # --- Every diagnostic code, in one place ----------------------------------------------------------
 #
 # Ranges: 01xx files and syntax, 02xx names, 03xx sorts, units and numbers, 04xx grammars, 05xx
-# semantics, 06xx geometry, 07xx tasks.
+# semantics, 06xx geometry, 07xx tasks and missions.
 
 
 class Code(Enum):

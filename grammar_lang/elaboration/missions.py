@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeVar
@@ -29,10 +29,14 @@ _CLAUSES: dict[type, str] = {
     m.Minimize: "minimize",
 }
 _ONE_OF_TWO = "write `one robot;`, or `reconfigure;` for robots that are rebuilt between tasks"
+_ENDLESS: frozenset[ir.ObjectiveKind] = frozenset({"time", "energy"})
+"""What motions for ever have no least value of."""
 
 
 @dataclass(slots=True)
 class _Reader:
+    """Reads the clauses of a mission; ``tasks`` are those of the file without errors."""
+
     mission: m.Mission
     around: Surroundings
     tasks: Mapping[str, ir.Task]
@@ -115,13 +119,14 @@ class _Reader:
 
     def prices(self, item: m.Reconfigure) -> ir.Prices:
         """What changes cost; a price that stands twice is reported."""
-        found: dict[str, Fraction] = {}
+        found, seen = dict[str, Fraction](), dict[str, Span]()
         for price in item.prices:
-            value = self._not_negative(price.value, "a price")
+            value = self._not_negative(price.value, f"the price of `{price.of}`")
             if price.of in found:
-                message = f"a second price of `{price.of}`"
-                self.sink.error(Code.REPEATED_CLAUSE, message, price.span, "remove one")
+                message, notes = f"a second price of `{price.of}`", [(seen[price.of], "first here")]
+                self.sink.error(Code.REPEATED_CLAUSE, message, price.span, "remove one", notes)
             found.setdefault(price.of, value)
+            seen.setdefault(price.of, price.span)
         return ir.Prices(**found)
 
     def _not_negative(self, value: s.Expr, what: str) -> Fraction:
@@ -130,24 +135,49 @@ class _Reader:
             self.sink.error(Code.BAD_VALUE, f"{what} is negative", value.span, "write zero or more")
         return found or Fraction(0)
 
-    def free(self, item: m.Free | None) -> frozenset[tuple[str, str]]:
-        """The parameters that modules may change when they are kept."""
-        found = set[tuple[str, str]]()
+    def free(self, item: m.Free | None, grammar: str | None) -> frozenset[tuple[str, str]]:
+        """The parameters that modules may change when they are kept.
+
+        Args:
+            item: the clause.
+            grammar: that of the tasks; None where it is not known.
+        """
+        found = dict[tuple[str, str], Span]()
+        family = None if grammar is None else self.around.families.get(grammar)
         for freed in () if item is None else item.parameters:
-            module, name = freed.module, freed.name
-            info = self.around.modules.get(module.text)
-            if info is None:
-                known = self.around.modules
-                report_unknown(module, "a module", known, self.around.names.declared, self.sink)
+            if not self._is_parameter(freed):
                 continue
-            parameters = {each.name for each in info.module.parameters}
-            if name.text not in parameters:
-                message = f"module `{module.text}` has no parameter `{name.text}`"
-                hint = did_you_mean(name.text, parameters, "parameter", self.sink)
-                self.sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
-                continue
-            found.add((module.text, name.text))
+            module, key = freed.module, (freed.module.text, freed.name.text)
+            if key in found:
+                message, notes = f"`{'.'.join(key)}` is free twice", [(found[key], "first here")]
+                self.sink.error(Code.REPEATED_CLAUSE, message, freed.span, "remove one", notes)
+            elif family is not None and module.text not in family.modules:
+                message = f"no robot of `{grammar}` has a module `{module.text}`"
+                hint = "remove it, or name a module of the grammar"
+                self.sink.warning(Code.CONTRADICTORY_MISSION, message, module.span, hint)
+            found.setdefault(key, freed.span)
         return frozenset(found)
+
+    def _is_parameter(self, freed: m.Freed) -> bool:
+        """Whether a name of ``free`` is that of a parameter; reported where it is not."""
+        module, name = freed.module, freed.name
+        info = self.around.modules.get(module.text)
+        if info is None:
+            known = self.around.modules
+            report_unknown(module, "a module", known, self.around.names.declared, self.sink)
+            return False
+        parameters = [each.name for each in info.module.parameters]
+        if name.text in parameters:
+            return True
+        hint = did_you_mean(name.text, parameters, "parameter", self.sink)
+        if name.text in info.names:
+            kind = "a degree of freedom" if name.text in info.dofs else "no parameter"
+            message = f"`{name.text}` of module `{module.text}` is {kind}; parameters are free"
+            self.sink.error(Code.WRONG_KIND, message, name.span, hint)
+        else:
+            message = f"module `{module.text}` has no parameter `{name.text}`"
+            self.sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
+        return False
 
     def most(self, item: m.Changes | None) -> Fraction | None:
         """What all changes may cost together."""
@@ -160,48 +190,80 @@ class _Reader:
 
     def check_changes(self, rebuilt: m.Reconfigure | None, one_robot: m.OneRobot | None) -> None:
         """Report clauses about changes where nothing is changed, or where both kinds are said."""
-        if rebuilt is not None and one_robot is not None:
+        if rebuilt is None:
+            for item in self.mission.items:
+                if isinstance(item, m.Free | m.Changes):
+                    what = _CLAUSES[type(item)]
+                    message = f"`{what}` without `reconfigure`: nothing is changed"
+                    hint = f"write `reconfigure;` instead of `one robot;`, or remove `{what}`"
+                    self.sink.error(Code.CONTRADICTORY_MISSION, message, item.span, hint)
+            return
+        if one_robot is not None:
             message = "`one robot` and `reconfigure` contradict each other"
             notes = [(one_robot.span, "one robot for all tasks")]
             self.sink.error(
                 Code.CONTRADICTORY_MISSION, message, rebuilt.span, "remove one of them", notes
             )
-        for item in self.mission.items:
-            if rebuilt is None and isinstance(item, m.Free | m.Changes):
-                what = _CLAUSES[type(item)]
-                message = f"`{what}` is about changes, and nothing is changed"
-                hint = "write `reconfigure;`, or remove the clause"
-                self.sink.error(Code.CONTRADICTORY_MISSION, message, item.span, hint)
-        priced = () if rebuilt is None else rebuilt.prices
         if not any(isinstance(item, m.Free) for item in self.mission.items):
-            for price in (each for each in priced if each.of == "change"):
+            for price in (each for each in rebuilt.prices if each.of == "change"):
                 message = "a price of changing parameters, and none may change"
                 hint = "say which by `free M.p;`, or remove the price"
                 self.sink.error(Code.CONTRADICTORY_MISSION, message, price.span, hint)
 
+    def check_rebuilt(self, rebuilt: m.Reconfigure, tasks: Sequence[ir.Task]) -> None:
+        """Warn of a robot that is to be rebuilt and has nothing to be rebuilt from or for."""
+        if len(tasks) == 1 and tasks[0].origin is None:
+            message = "nothing is rebuilt: there is one task, and no robot before it"
+            hint = f"name another task, write `from W;` in task `{tasks[0].name}`, or `one robot;`"
+            self.sink.warning(Code.CONTRADICTORY_MISSION, message, rebuilt.span, hint)
+
     # --- what is to be least -------------------------------------------------------------------
 
     def minimize(
-        self, item: m.Minimize | None, grammar: str, *, rebuilt: bool
+        self, item: m.Minimize | None, tasks: Sequence[ir.Task], *, rebuilt: bool | None
     ) -> tuple[ir.Objective, ...]:
-        if item is None:
+        """The objectives in their order; whatever is wrong with them is reported.
+
+        Args:
+            item: the clause.
+            tasks: those of the mission; of none nothing is said.
+            rebuilt: whether robots are rebuilt; None where the mission does not say.
+        """
+        if item is None or not tasks:
             return ()
-        around = self.around
+        around, family = self.around, self.around.families.get(tasks[0].grammar)
         found = lower_objectives(
-            item, around.families.get(grammar), around.modules, around.names, self.sink,
-            with_changes=True,
-        )  # fmt: skip
-        for place, objective in enumerate(found):
-            if rebuilt and (objective.kind == "changes") is not (place == 0):
-                message = "the first objective of robots that are rebuilt is `changes`"
-                hint = "write `minimize changes;`, or `minimize changes then …;`"
-                self.sink.error(Code.CONTRADICTORY_MISSION, message, item.span, hint)
-                break
-            if not rebuilt and objective.kind == "changes":
-                message = "`changes` are to be few, and nothing is changed"
-                hint = "write `reconfigure;`, or remove `changes`"
+            item, family, around.modules, around.names, self.sink, of_mission=True
+        )
+        for objective in found:
+            self._check_end(objective, tasks)
+            if rebuilt is False and objective.kind == "changes":
+                message = "`minimize changes` without `reconfigure`: nothing is changed"
+                hint = "write `reconfigure;` instead of `one robot;`, or remove `changes`"
                 self.sink.error(Code.CONTRADICTORY_MISSION, message, objective.span, hint)
+        # What is no objective was reported, and may be a misspelt `changes`.
+        first = found[0] if found and found[0].span == item.objectives[0].span else None
+        if rebuilt and first is not None and first.kind != "changes":
+            message = "the first objective of robots that are rebuilt is `changes`"
+            hint = "write `minimize changes;`, or `minimize changes then …;`"
+            self.sink.error(Code.CONTRADICTORY_MISSION, message, first.span, hint)
         return found
+
+    def _check_end(self, objective: ir.Objective, tasks: Sequence[ir.Task]) -> None:
+        """Report what motions for ever have no least of, and warn of a time that is given."""
+        if objective.kind not in _ENDLESS:
+            return
+        endless = [task for task in tasks if task.repeat]
+        if endless:
+            kind, names = objective.kind, ", ".join(f"`{task.name}`" for task in endless)
+            message = f"a motion that goes on for ever takes no {kind} that could be least"
+            hint = f"remove `{kind}`, or `repeat;` from {names}"
+            notes = [(task.clauses["repeat"], "the motion goes on for ever") for task in endless]
+            self.sink.error(Code.TIME_WITHOUT_END, message, objective.span, hint, notes)
+        elif objective.kind == "time" and not any(task.at_most for task in tasks):
+            message = "all motions of a task take the same time"
+            hint = "write `horizon at most n steps of dt;` in a task, or remove `time`"
+            self.sink.warning(Code.FIXED_TIME, message, objective.span, hint)
 
 
 def _efforts(task: ir.Task) -> str:
@@ -213,7 +275,7 @@ def _efforts(task: ir.Task) -> str:
 def lower_mission(
     mission: m.Mission, around: Surroundings, tasks: Mapping[str, ir.Task], sink: Sink
 ) -> ir.Mission | None:
-    """The mission; None where it has no tasks, or does not say for which robots, reported.
+    """The mission; None where it has no tasks, or one that is unknown or has an error, reported.
 
     Args:
         mission: its syntax.
@@ -225,30 +287,54 @@ def lower_mission(
     listed, one_robot = reader.one(m.MissionTasks), reader.one(m.OneRobot)
     rebuilt, free = reader.one(m.Reconfigure), reader.one(m.Free)
     changes, minimize = reader.one(m.Changes), reader.one(m.Minimize)
-    name = mission.name
+    said, name = one_robot is not None or rebuilt is not None, mission.name
     if listed is None:
         message = f"mission `{name.text}` has no tasks"
         sink.error(Code.EMPTY_MISSION, message, name.span, "write `tasks A, B;`")
-    elif one_robot is None and rebuilt is None:
+    if listed is not None and not said:
         message = f"mission `{name.text}` does not say whether one robot does all tasks"
         sink.error(Code.MISSING_CLAUSE, message, name.span, _ONE_OF_TWO)
     found = reader.named(listed)
+    known = [task for _, task in found]
     reader.check_alike(found)
-    reader.check_origins(found, one_robot=rebuilt is None)
-    reader.check_changes(rebuilt, one_robot)
+    if said:
+        reader.check_origins(found, one_robot=rebuilt is None)
+        reader.check_changes(rebuilt, one_robot)
+    complete = listed is not None and len(known) == len(listed.names)
+    if rebuilt is not None and complete:
+        reader.check_rebuilt(rebuilt, known)
     prices = None if rebuilt is None else reader.prices(rebuilt)
-    freed, most = reader.free(free), reader.most(changes)
-    if not found:
+    freed = reader.free(free, known[0].grammar if known else None)
+    most = reader.most(changes)
+    least = reader.minimize(minimize, known, rebuilt=rebuilt is not None if said else None)
+    if not complete:
         return None
-    grammar = found[0][1].grammar
     return ir.Mission(
         name=name.text,
-        tasks=tuple(task.name for _, task in found),
+        tasks=tuple(task.name for task in known),
         prices=prices,
         free=freed,
         most=most,
-        minimize=reader.minimize(minimize, grammar, rebuilt=rebuilt is not None),
+        minimize=least,
         span=mission.span,
         clauses={_CLAUSES[type(item)]: item.span for item in mission.items},
         named=tuple(ident.span for ident, _ in found),
     )
+
+
+def lower_missions(
+    missions: Mapping[str, m.Mission],
+    around: Surroundings,
+    tasks: Mapping[str, ir.Task],
+    sink: Sink,
+) -> dict[str, ir.Mission]:
+    """The missions of a file by name; whatever is wrong with them is reported.
+
+    Args:
+        missions: their syntax.
+        around: what was made of the rest of the file.
+        tasks: the tasks of the file that have no error.
+        sink: where findings go.
+    """
+    found = {name: lower_mission(each, around, tasks, sink) for name, each in missions.items()}
+    return {name: mission for name, mission in found.items() if mission is not None}

@@ -31,6 +31,7 @@ _KINDS: Mapping[str, ir.ObjectiveKind] = {
 }
 _OF_MISSIONS: Mapping[str, ir.ObjectiveKind] = {**_KINDS, "changes": "changes"}
 _THERE_ARE = "the objectives are `modules`, `mass`, `time`, `energy`, `effort` and `sum(NAME)`"
+_CHANGES_TOO = "; of missions with `reconfigure` also `changes`"
 _SHOWN = 6
 
 
@@ -40,7 +41,7 @@ class _Reader:
     modules: Mapping[str, ModuleInfo]
     names: NameTable
     sink: Sink
-    with_changes: bool = False
+    of_mission: bool = False
     seen: dict[tuple[ir.ObjectiveKind, str | None], Span] = field(
         default_factory=dict[tuple[ir.ObjectiveKind, str | None], Span]
     )
@@ -85,7 +86,11 @@ class _Reader:
 
     @property
     def _kinds(self) -> Mapping[str, ir.ObjectiveKind]:
-        return _OF_MISSIONS if self.with_changes else _KINDS
+        return _OF_MISSIONS if self.of_mission else _KINDS
+
+    @property
+    def _there_are(self) -> str:
+        return f"{_THERE_ARE}{_CHANGES_TOO}" if self.of_mission else _THERE_ARE
 
     def _kind(self, item: m.Objective) -> ir.ObjectiveKind | None:
         name, kind = item.name, self._kinds.get(item.name.text)
@@ -98,7 +103,7 @@ class _Reader:
             return None
         elif kind != "sum" and item.attribute is not None:
             message = f"the objective `{kind}` takes nothing in brackets"
-            hint = f"write `{kind}` alone; {_THERE_ARE}"
+            hint = f"write `{kind}` alone; {self._there_are}"
             self.sink.error(Code.NO_OBJECTIVE, message, item.attribute.span, hint)
             return None
         return kind
@@ -106,11 +111,14 @@ class _Reader:
     def _meant(self, item: m.Objective) -> str:
         """What to write instead of a name that is no objective."""
         name = item.name.text
+        if name == "changes":
+            return f"`changes` belongs to a `mission` with `reconfigure`; {_THERE_ARE}"
         if item.attribute is None and any(name in info.members for info in self.modules.values()):
-            return f"did you mean `sum({name})`? {_THERE_ARE}"
+            return f"did you mean `sum({name})`? {self._there_are}"
         known = [kind for kind in self._kinds if (kind == "sum") == (item.attribute is not None)]
         close = nearest(name, known, self.sink)
-        return _THERE_ARE if close is None else f"did you mean `{close}`? {_THERE_ARE}"
+        meant = "" if close is None else f"did you mean `{close}`? "
+        return f"{meant}{self._there_are}"
 
 
 # --- Sums: the attribute of each module of the family ---------------------------------------------
@@ -286,9 +294,9 @@ def lower_objectives(
     names: NameTable,
     sink: Sink,
     *,
-    with_changes: bool = False,
+    of_mission: bool = False,
 ) -> tuple[ir.Objective, ...]:
-    """The objectives of a task in their order; whatever is wrong with them is reported.
+    """The objectives of a task or mission in their order; whatever is wrong with them is reported.
 
     Args:
         clause: the clause.
@@ -296,9 +304,9 @@ def lower_objectives(
         modules: the modules of the file.
         names: what the names of the file stand for.
         sink: where findings go.
-        with_changes: whether the changes of a robot are an objective, as in missions.
+        of_mission: whether they are those of a mission, of which ``changes`` is one, too.
     """
-    reader = _Reader(family, modules, names, sink, with_changes)
+    reader = _Reader(family, modules, names, sink, of_mission)
     final = clause.objectives[-1]
     found = [reader.objective(item, last=item is final) for item in clause.objectives]
     return tuple(objective for objective in found if objective is not None)

@@ -100,6 +100,7 @@ _MISSING = frozenset(
     {
         Code.MISSING_CLAUSE,
         Code.EMPTY_MISSION,
+        Code.CONTRADICTORY_MISSION,
         Code.MISSING_START,
         Code.MISSING_BLOCK,
         Code.BAD_DOF_USE,

@@ -6,7 +6,7 @@ teach a lemma about many others; what is found is a design that the verifier's o
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
@@ -14,6 +14,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.lemmas.variants import is_about_poses
 from compiler.missions.parameter_boxes import Box, box_key, whole_box, within_box
+from compiler.objectives.least_values import amounts
 from compiler.robots.attributes import SemanticsError
 from compiler.robots.candidate import Candidate, robot_in_task
 from compiler.robots.normal_form import RobotFamily, family_of
@@ -32,6 +33,7 @@ from solvers.impossibility.distance_lemmas import distance_lemma
 from solvers.impossibility.variant_lemmas import variant_lemma, weights_lemma
 from solvers.lemma import Lemma
 from solvers.run_context import Journal, Memory, Recorded, RunContext
+from solvers.search.design_values import design_values, limits_of
 from solvers.search.objective_search import ObjectiveSearch
 from solvers.search.path_search import StructureTask
 from solvers.search.path_task import Design
@@ -81,6 +83,7 @@ class MotionsSought:
 
     states: Iterator[StructureState]
     listener: Listener
+    best_of: Callable[[Sequence[Design]], Design]
     state: StructureState = field(default_factory=StructureState)
 
     def first(self) -> Design | None:
@@ -90,10 +93,11 @@ class MotionsSought:
         return self.state.design
 
     def best(self) -> Design | None:
-        """The best design of all attempts."""
+        """The best design of all attempts, by what the task is to have little of."""
         while not self.state.is_over:
             self.state = next(self.states)
-        return self.state.design
+        found = self.listener.designs
+        return self.best_of(found) if found else self.state.design
 
 
 @dataclass(slots=True, eq=False)
@@ -297,7 +301,15 @@ class TaskRobots:
         )
         search = ObjectiveSearch if self.minimizes else StructureSearch
         states = search(given, self.cells).states(self.effectors(derivation, narrow, box))
-        return MotionsSought(states, listener)
+        return MotionsSought(states, listener, self.best_of)
+
+    def best_of(self, designs: Sequence[Design]) -> Design:
+        """The best of some designs by the objectives of the task; of equal ones the most robust."""
+        asked = amounts(self.program, self.task)
+        ranked = sorted(designs, key=lambda design: -design.robustness)
+        values = [design_values(design, asked, self.task) for design in ranked]
+        _, first = limits_of(values, asked)
+        return ranked[first or 0]
 
     def effectors(self, derivation: Derivation, model: RobotModel, box: Box) -> list[int]:
         """The effectors that may start and reach, the one of the poses that were found first."""

@@ -11,6 +11,7 @@ _TOP = {
     "semantics": "`semantics GRAMMAR { … }`: what every production adds to the robot.",
     "workspace": "`workspace NAME { … }`: bounds, regions, obstacles and targets.",
     "task": "`task NAME { … }`: which robots are to do what, where and in what time.",
+    "mission": "`mission NAME { … }`: several tasks, for one robot or with changes between them.",
     "include": '`include "FILE";`: the items of another file, relative to this one.',
     "std": '`include std "FILE";`: a file of the library that comes with srgc.',
 }
@@ -153,6 +154,24 @@ _TASK = {
     "last": "`last[d] F`: F throughout the last d of the motion.",
     "implies": "`F implies G`: not F, or G.",
 }
+_MISSION = {
+    "tasks": "`tasks A, B;`: the tasks in their order, all about robots of one grammar.",
+    "one robot": "`one robot;`: the same word and parameters do every task, each in its own way.",
+    "one": "`one robot;`: the same word and parameters do every task, each in its own way.",
+    "robot": "`one robot;`: the same word and parameters do every task, each in its own way.",
+    "reconfigure": "`reconfigure add 2, remove 1;`: between two tasks the robot is rebuilt.",
+    "add": "`add v`: what a module costs that is added; 1 if not given.",
+    "remove": "`remove v`: what a module costs that is removed; 1 if not given.",
+    "change": "`change v`: what a free parameter costs that is changed; 0 if not given.",
+    "free": "`free M.p;`: modules that are kept may change this parameter; all others they keep.",
+    "changes": "`changes <= n;`: what all changes cost together; `minimize changes;`: little.",
+    **{
+        word: _TASK[word]
+        for word in (
+            "minimize", "modules", "mass", "time", "energy", "effort", "sum", "then", "within",
+        )
+    },
+}  # fmt: skip
 _ANYWHERE = {
     "pi": "The circle's ratio, 3.14159…",
     "sin": "The sine of an angle in rad.",
@@ -172,6 +191,7 @@ _BY_ITEM = MappingProxyType(
         "semantics": _SEMANTICS,
         "workspace": _WORKSPACE,
         "task": _TASK,
+        "mission": _MISSION,
     }
 )
 

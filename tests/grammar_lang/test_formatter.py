@@ -108,6 +108,13 @@ STATEMENTS = [
     ("task", "minimize mass within (2 + 3) * 2 % then sum(sum) within -k % then effort;"),
     ("task", "satisfy eventually[0 s, 5 s] (A or B by effector 2);"),
     ("task", "satisfy not (not A) and always (A implies next B) until last[1 s] C;"),
+    ("mission", "tasks Morning, Noon, tasks;"),
+    ("mission", "one robot;"),
+    ("mission", "reconfigure;"),
+    ("mission", "reconfigure add 2, remove -1 * k, change (1 + 2);"),
+    ("mission", "free L.length, M.free;"),
+    ("mission", "changes <= 2 * (1 + 3);"),
+    ("mission", "minimize changes within 5 % then sum(price);"),
 ]  # fmt: skip
 
 
@@ -159,6 +166,13 @@ SQUEEZED = [
     ("task", "minimize   time\nthen mass;", "minimize time then mass;"),
     ("task", "horizon at  most\t3\nsteps of 2s;", "horizon at most 3 steps of 2 s;"),
     ("task", "horizon at most(3)steps of(2)s;", "horizon at most (3) steps of (2) s;"),
+    ("mission", "tasks A ,B;one\nrobot;", "tasks A, B;\none robot;"),
+    (
+        "mission",
+        "reconfigure add 2,remove(1),change-1;",
+        "reconfigure add 2, remove (1), change -1;",
+    ),
+    ("mission", "free L . a,M.b;changes<=3;", "free L.a, M.b;\nchanges <= 3;"),
 ]
 
 

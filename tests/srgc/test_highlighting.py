@@ -135,6 +135,13 @@ task Turn {
   robust payload 3 %;
   control open loop; control feedback; repeat;
 }
+mission Day {
+  tasks Turn, tasks, one , free; one /* */ robot;
+  reconfigure; reconfigure add 2, remove -1 * (3 + add), change change; reconfigure remove remove;
+  free L.length, free.free, one . tasks; changes <= 2 * changes - 1; changes < (1 + 2);
+  minimize changes within 5 % then sum(changes) within changes % then tasks then effort;
+}
+mission mission { tasks mission; }
 """
 
 
@@ -536,7 +543,7 @@ def test_no_text_stops_the_textmate_grammar(text: str) -> None:
     assert shown == lines
 
 
-@pytest.mark.parametrize("kind", ["module", "grammar", "semantics", "workspace", "task"])
+@pytest.mark.parametrize("kind", ["module", "grammar", "semantics", "workspace", "task", "mission"])
 @pytest.mark.parametrize(
     "broken",
     [
@@ -546,6 +553,8 @@ def test_no_text_stops_the_textmate_grammar(text: str) -> None:
         "semantics S { a { }",
         "workspace W { plane xy;",
         "task T { reach R;",
+        "mission M { tasks A, B;",
+        "mission M",
         "task T",
         "task",
         "};",

@@ -33,6 +33,8 @@ def _keywords(cursor: Cursor) -> Iterator[Offer]:
         if word.isidentifier() and not word.isupper():
             if word == "at" and cursor.statement == ("horizon",):
                 word = "at most"  # noqa: PLW2901
+            elif word == "one":
+                word = "one robot"  # noqa: PLW2901
             means = explained(word, cursor.item[0]) or "keyword"
             yield Offer(word, _KINDS.Keyword, means)
 
@@ -158,6 +160,10 @@ ITEMS = MappingProxyType(
             "  start in ${4:S} at rest;\n  reach ${5:T};\n  effort <= ${6:10} N*m;\n"
             "  horizon ${7:40} steps of ${8:0.1} s;\n  $0\n}"
         ),
+        "mission": (
+            "mission ${1:Day} {\n  tasks ${2:Morning}, ${3:Noon};\n"
+            "  ${4|one robot,reconfigure|};\n  $0\n}"
+        ),
     }
 )
 
@@ -227,6 +233,14 @@ STATEMENTS = MappingProxyType(
             "carry": "carry ${1:0.5} kg from ${2:A} to ${3:B};",
             "minimize": "minimize ${1|modules,mass,time,energy,effort|};",
             "control": "control ${1|open loop,feedback|};",
+        },
+        "mission": {
+            "tasks": "tasks ${1:Morning}, ${2:Noon};",
+            "one robot": "one robot;",
+            "reconfigure": "reconfigure add ${1:1}, remove ${2:1};",
+            "free": "free ${1:L}.${2:length};",
+            "changes": "changes <= ${1:3};",
+            "minimize": "minimize ${1|changes,effort,modules,mass|};",
         },
     }
 )

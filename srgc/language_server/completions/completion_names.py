@@ -19,6 +19,7 @@ from grammar_lang.names.declarations import (
     occurrences,
     productions,
 )
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.completions.cursor import Cursor, open_call
@@ -82,6 +83,8 @@ class NamesDue:
                 return list(self._semantics())
             case "task":
                 return list(self._task())
+            case "mission":
+                return list(self._mission())
             case _:
                 return []
 
@@ -242,7 +245,7 @@ class NamesDue:
         elif head == ("carry",) and self._last in {"from", "to"}:
             yield from self._regions(maps=False)
         elif head == ("minimize",) and not self._value:
-            yield from self._objectives()
+            yield from self._objectives(self._chosen("robot", t.Robot))
         elif head == ("avoid",) and "except" in self._said:
             yield from _named(declared.modules, _KINDS.Class, "module")
         elif head in {("start",), ("reach",), ("avoid",), ("satisfy",)} and not self._value:
@@ -252,12 +255,12 @@ class NamesDue:
         elif self._value:
             yield Offer("pi", _KINDS.Constant, "3.14159…")
 
-    def _objectives(self) -> Iterator[Offer]:
-        """What can be minimized, or inside of ``sum(…)`` what the modules have."""
+    def _objectives(self, robots: str) -> Iterator[Offer]:
+        """What can be minimized, or inside of ``sum(…)`` what the modules of a grammar have."""
         if self._last != "(":
             yield from OBJECTIVES
         elif self._said[-2:] == ("sum", "("):
-            grammar = self._declared.grammars.get(self._chosen("robot", t.Robot))
+            grammar = self._declared.grammars.get(robots)
             symbols = {} if grammar is None else dict.fromkeys(symbols_of(grammar))
             for offer in (o for name in symbols for o in self._members(name, semantics=True)):
                 if offer.detail in {"constant", "parameter"}:
@@ -295,6 +298,46 @@ class NamesDue:
                 if word[place] in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place]}")
 
+    # --- missions ------------------------------------------------------------------------------
+
+    def _mission(self) -> Iterator[Offer]:
+        head = self._said[:1]
+        if head == ("tasks",):
+            left = (name for name in self._declared.tasks if name not in self._said)
+            yield from _named(left, _KINDS.Event, "task")
+        elif head == ("free",):
+            yield from self._free()
+        elif head == ("minimize",) and not self._value:
+            if self._last != "(" and "one" not in self._cursor.before:
+                yield CHANGES
+            yield from self._objectives(self._robots())
+        elif self._value:
+            yield Offer("pi", _KINDS.Constant, "3.14159…")
+
+    def _free(self) -> Iterator[Offer]:
+        """The modules of the grammar that have parameters, or behind a dot these."""
+        if self._last == ".":
+            found = self._members(self._said[-2], semantics=True)
+            yield from (offer for offer in found if offer.detail == "parameter")
+            return
+        grammar = self._declared.grammars.get(self._robots())
+        symbols = self._declared.modules if grammar is None else dict.fromkeys(symbols_of(grammar))
+        for name in symbols:
+            if any(each.detail == "parameter" for each in self._members(name, semantics=True)):
+                yield Offer(name, _KINDS.Class, "module")
+
+    def _robots(self) -> str:
+        """The grammar of the tasks of the mission; nothing where they are not known."""
+        mission = self._declared.missions.get(self._cursor.item[1])
+        items = () if mission is None else mission.items
+        listed = (name.text for i in items if isinstance(i, m.MissionTasks) for name in i.names)
+        for name in (*self._cursor.before, *listed):
+            task = self._declared.tasks.get(name)
+            for item in () if task is None else task.items:
+                if isinstance(item, t.Robot):
+                    return item.name.text
+        return ""
+
 
 OBJECTIVES = (
     Offer("modules", _KINDS.EnumMember, "the number of modules"),
@@ -304,3 +347,4 @@ OBJECTIVES = (
     Offer("effort", _KINDS.EnumMember, "the largest share of its bound that an input uses"),
     Offer("sum", _KINDS.Function, "the sum of an attribute over the modules", "sum($0)"),
 )
+CHANGES = Offer("changes", _KINDS.EnumMember, "what the changes between the tasks cost")

@@ -11,6 +11,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.code_pages import has_page, page_text, read_page
 from grammar_lang.parsing.tokens import NUMBER, Tokens, tokenise
 from grammar_lang.source import Span
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from grammar_lang.units import UNIT_NAMES, describe, unit
 from srgc.language_server.documents.analysis import Analysis
@@ -27,6 +28,7 @@ _ITEMS: dict[type, str] = {
     s.Semantics: "semantics",
     t.Workspace: "workspace",
     t.Task: "task",
+    m.Mission: "mission",
     t.Include: "include",
 }
 

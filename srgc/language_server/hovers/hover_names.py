@@ -13,6 +13,7 @@ from grammar_lang.names.table import Mention
 from grammar_lang.source import written
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.places import described
+from srgc.language_server.hovers.hover_tasks import mission_text, task_text
 from srgc.language_server.hovers.production_physics import (
     added_physics,
     closed_text,
@@ -61,6 +62,7 @@ def _name(analysis: Analysis, entity: Entity) -> str:
         "workspace": _workspace,
         "map": _map,
         "task": _task,
+        "mission": _mission,
     }
     if entity.kind in REGIONS:
         return _region(analysis, entity)
@@ -275,7 +277,7 @@ def _port_grammar(analysis: Analysis, grammar: s.Grammar) -> str:
     return f"{_code(chr(10).join(lines))}\n\n{text}" if lines else text
 
 
-# --- workspaces and tasks ----------------------------------------------------------------------
+# --- workspaces, tasks and missions ------------------------------------------------------------
 
 
 def _workspace(analysis: Analysis, entity: Entity) -> str:
@@ -306,42 +308,21 @@ def _map(analysis: Analysis, entity: Entity) -> str:
 def _task(analysis: Analysis, entity: Entity) -> str:
     program = analysis.program
     task = None if program is None else program.tasks.get(entity.name)
-    if task is None:
-        return f"{described(entity).capitalize()}."
-    end = rounded(float(task.steps * task.step))
-    step = rounded(float(task.step))
-    lines = [
-        f"A task for robots of `{task.grammar}` in `{task.workspace}`.",
-        "",
-        f"- horizon: at most {task.steps} steps of {step} s, {end} s"
-        if task.at_most
-        else f"- horizon: {task.steps} steps of {step} s, T = {end} s",
-    ]
-    if task.minimize:
-        lines.append(f"- minimizes {' then '.join(map(_objective, task.minimize))}")
-    for effort in task.effort:
-        unit = "N*m" if effort.kind == "revolute" else "N"
-        norm = " (Euclidean norm)" if effort.norm2 else ""
-        bound = f"{number_text(effort.bound)} {unit}{norm}"
-        lines.append(f"- effort of {effort.kind} joints: at most {bound}")
-    if task.modules is not None:
-        lines.append(f"- at most {task.modules} modules")
-    if any(task.gravity):
-        gravity = ", ".join(number_text(each) for each in task.gravity)
-        lines.append(f"- gravity: ({gravity}) m/s^2")
-    if task.control is not None:
-        lines.append(f"- control: {task.control}")
-    if task.repeat:
-        lines.append("- goes on for ever")
-    return "\n".join(lines)
+    return _unread(entity) if task is None else task_text(task)
 
 
-def _objective(objective: ir.Objective) -> str:
-    name = f"`{objective.kind}`"
-    if objective.attribute is not None:
-        name = f"`sum({objective.attribute})`"
-    within = objective.within
-    return f"{name} within {number_text(100 * within)} %" if within else name
+def _mission(analysis: Analysis, entity: Entity) -> str:
+    program = analysis.program
+    mission = None if program is None else program.missions.get(entity.name)
+    if program is None or mission is None:
+        return _unread(entity)
+    return mission_text(mission, program)
+
+
+def _unread(entity: Entity) -> str:
+    """What can be said of an item with errors: its kind and its name."""
+    text = described(entity)
+    return f"{text[:1].upper()}{text[1:]}."
 
 
 # --- The box, the area or volume and the corners of a region --------------------------------------

@@ -15,6 +15,7 @@ from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.names.declarations import Kind
 from grammar_lang.source import Span, written
 from grammar_lang.syntax import Ident
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.line_map import LineMap
@@ -79,6 +80,8 @@ class _Outline:
                 yield self.symbol(item.name, _KINDS.Package, item.span, "workspace", parts)
             case t.Task():
                 yield self.symbol(item.name, _KINDS.Event, item.span, "task")
+            case m.Mission():
+                yield self.symbol(item.name, _KINDS.Event, item.span, "mission")
             case t.Include(path=path):
                 yield self.symbol(path, _KINDS.File, item.span, "include")
 
@@ -120,6 +123,7 @@ _INDEXED: dict[Kind, lsp.SymbolKind] = {
     "obstacle": _KINDS.Field,
     "target": _KINDS.Field,
     "task": _KINDS.Event,
+    "mission": _KINDS.Event,
 }
 
 

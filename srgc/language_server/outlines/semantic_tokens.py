@@ -39,6 +39,7 @@ _OF_KIND: dict[Kind, str] = {
     "target": "variable",
     "map": "variable",
     "task": "event",
+    "mission": "event",
 }
 LEGEND = lsp.SemanticTokensLegend(list(TYPES), list(MODIFIERS))
 
