@@ -1,4 +1,4 @@
-"""Missions of arms on one joint, which reach the points at the sum of their lengths from the base."""
+"""Missions of arms on one joint: these reach the points at the sum of their lengths."""
 
 from __future__ import annotations
 
