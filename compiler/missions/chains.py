@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +20,13 @@ import numpy.typing as npt
 from compiler.missions.robot_changes import Built, Free, cost_of_changes
 from grammar_lang import ir
 
-Ints = npt.NDArray[np.int64]
-NONE = np.iinfo(np.int64).max // 4
-"""The cost of what is impossible."""
+Ints: TypeAlias = npt.NDArray[Any]
+"""Whole numbers of 64 bits, or objects where those are too few."""
+NONE = 2**61
+"""The cost of what is impossible, where costs have 64 bits."""
+
+
+Words: TypeAlias = tuple[tuple[str, ...], ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,8 +54,8 @@ class ChainCosts:
     free: Free
     existing: Link | None = None
     scale: int = field(init=False)
-    _words: dict[tuple[tuple[str, ...], ...], Ints] = field(
-        default_factory=dict[tuple[tuple[str, ...], ...], Ints]
+    _words: dict[tuple[bool, Words, Words], Ints] = field(
+        default_factory=dict[tuple[bool, Words, Words], Ints]
     )
     _pairs: dict[tuple[int, int], tuple[Link, Link, int]] = field(
         default_factory=dict[tuple[int, int], tuple[Link, Link, int]]
@@ -64,14 +69,25 @@ class ChainCosts:
         """A cost as a whole number."""
         return int(cost * self.scale)
 
-    def steps(self, before: Sequence[Link], after: Sequence[Link]) -> Ints:
-        """The costs (len(before), len(after)) of all steps from one layer to the next."""
+    def most(self, layers: Sequence[Sequence[Link]]) -> int:
+        """What no chain costs more than, as a whole number."""
+        given = 0 if self.existing is None else len(self.existing.robot)
+        longest = [max(len(link.robot) for link in layer) for layer in layers]
+        prices = self.prices
+        each = self.whole(max(prices.add, prices.remove, prices.change))
+        return 2 * (given + 2 * sum(longest)) * each
+
+    def steps(self, before: Sequence[Link], after: Sequence[Link], *, wide: bool = False) -> Ints:
+        """The costs (len(before), len(after)) of all steps from one layer to the next.
+
+        ``wide``: they may have more than 64 bits.
+        """
         add, remove = self.whole(self.prices.add), self.whole(self.prices.remove)
         first = list(dict.fromkeys(link.names for link in before))
         second = list(dict.fromkeys(link.names for link in after))
-        key = (*first, (), *second)
+        key = wide, tuple(first), tuple(second)
         if key not in self._words:
-            self._words[key] = word_costs(first, second, add, remove)
+            self._words[key] = word_costs(first, second, add, remove, wide=wide)
         at_first = {names: i for i, names in enumerate(first)}
         at_second = {names: j for j, names in enumerate(second)}
         rows = np.array([at_first[link.names] for link in before], dtype=np.int64)
@@ -92,9 +108,16 @@ class ChainCosts:
 
 
 def word_costs(
-    old: Sequence[tuple[str, ...]], new: Sequence[tuple[str, ...]], add: int, remove: int
+    old: Sequence[tuple[str, ...]],
+    new: Sequence[tuple[str, ...]],
+    add: int,
+    remove: int,
+    *,
+    wide: bool = False,
 ) -> Ints:
     """What it costs to make words of words by their modules alone, (len(old), len(new)).
+
+    ``wide``: costs may have more than 64 bits.
 
     All pairs are computed at once, one cell of the table of Wagner & Fischer after another.
     """
@@ -105,11 +128,12 @@ def word_costs(
     n, m = (max(map(len, words), default=0) for words in (old, new))
     left, right = _padded(old, names, n), _padded(new, names, m)
     lengths = np.array([len(word) for word in old]), np.array([len(word) for word in new])
-    costs = np.full((len(old), len(new)), NONE, dtype=np.int64)
-    rows = [np.full(costs.shape, j * add, dtype=np.int64) for j in range(m + 1)]
+    kind = object if wide else np.int64
+    costs: Ints = np.zeros((len(old), len(new)), dtype=kind)
+    rows: list[Ints] = [np.full(costs.shape, j * add, dtype=kind) for j in range(m + 1)]
     for i in range(n + 1):
         if i:
-            above, rows = rows, [np.full(costs.shape, i * remove, dtype=np.int64)]
+            above, rows = rows, [np.full(costs.shape, i * remove, dtype=kind)]
             for j in range(1, m + 1):
                 cell = np.minimum(above[j] + remove, rows[j - 1] + add)
                 same = left[:, i - 1, None] == right[None, :, j - 1]
@@ -120,7 +144,9 @@ def word_costs(
     return costs
 
 
-def _padded(words: Sequence[tuple[str, ...]], names: dict[str, int], length: int) -> Ints:
+def _padded(
+    words: Sequence[tuple[str, ...]], names: dict[str, int], length: int
+) -> npt.NDArray[np.int64]:
     table = np.full((len(words), length), -1, dtype=np.int64)
     for i, word in enumerate(words):
         table[i, : len(word)] = [names[name] for name in word]
@@ -150,22 +176,26 @@ def cheapest_chain(
     """
     if not all(layers):
         return None
-    ranks = [np.array([link.rank for link in layer], dtype=np.int64) for layer in layers]
-    unit = int(sum(int(rank.max()) for rank in ranks)) + 1
+    unit = sum(max(link.rank for link in layer) for layer in layers) + 1
+    most = (costs.most(layers) + 1) * unit
+    wide = most >= NONE
+    none = max(most, NONE)
+    kind = object if wide else np.int64
+    ranks: list[Ints] = [np.array([link.rank for link in layer], dtype=kind) for layer in layers]
     best = ranks[0].copy()
     if costs.existing is not None:
-        best += costs.steps([costs.existing], layers[0])[0] * unit
+        best += costs.steps([costs.existing], layers[0], wide=wide)[0] * unit
     behind: list[Ints] = []
     for number, (before, after) in enumerate(pairwise(layers)):
-        steps = costs.steps(before, after) * unit
+        steps = costs.steps(before, after, wide=wide) * unit
         for layer, i, j in blocked:
             if layer == number:
-                steps[i, j] = NONE
+                steps[i, j] = none
         total = best[:, None] + steps
         behind.append(total.argmin(axis=0))
-        best = np.minimum(total.min(axis=0), NONE) + ranks[number + 1]
+        best = np.minimum(total.min(axis=0), none) + ranks[number + 1]
     last = int(best.argmin())
-    if best[last] >= NONE:
+    if best[last] >= none:
         return None
     found = [last]
     for choice in reversed(behind):

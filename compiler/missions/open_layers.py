@@ -6,11 +6,12 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from compiler.missions.chains import Link
-from compiler.missions.parameter_boxes import BoxTree
+from compiler.missions.parameter_boxes import BoxTree, whole_box
 from compiler.missions.parameter_ranges import Ranges
 from compiler.missions.robot_changes import built
 from compiler.robots.robot import RobotModel
 from compiler.words.derivation import Derivation
+from grammar_lang import ir
 
 Labels = tuple[str, ...]
 
@@ -21,12 +22,19 @@ class OpenRobots:
 
     ``most`` bounds their modules, None: nothing does; ``is_refuted`` tells of a structure whatever
     its parameters are; ``trees`` are the boxes of those structures that are refuted in some.
+    ``fixed``: the task has one value for some parameters of modules that are kept.
     """
 
     most: int | None
     is_refuted: Callable[[Derivation], bool]
     trees: Mapping[Labels, BoxTree]
     model: Callable[[Derivation], RobotModel | None]
+    fixed: bool = False
+
+
+def fixes(task: ir.Task) -> bool:
+    """Whether a task has one value for some parameters of modules that are kept before it."""
+    return task.origin is not None and bool(task.origin.fixed)
 
 
 def open_links(
@@ -38,12 +46,13 @@ def open_links(
         count = sum(symbol in modules for symbol in derivation.word)
         if (robots.most is not None and count > robots.most) or robots.is_refuted(derivation):
             continue
-        tree = robots.trees.get(derivation.labels)
-        if tree is None:
+        tree, model = robots.trees.get(derivation.labels), None
+        if tree is not None or robots.fixed:
+            model = robots.model(derivation)
+        if model is None:
             found.append(Link(built(derivation.word, modules, {}), rank))
             continue
-        model = robots.model(derivation)
-        parameters = () if model is None else model.parameters
+        tree, parameters = tree or BoxTree(whole_box(model)), model.parameters
         for leaf in tree.open_leaves():
             values: dict[tuple[int, str], Ranges] = {
                 (parameter.symbol, parameter.name): ranges

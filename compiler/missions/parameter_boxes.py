@@ -7,7 +7,7 @@ that end is not in the other any more.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TypeAlias
@@ -20,8 +20,6 @@ from grammar_lang import ir
 Domain: TypeAlias = ir.Interval | ir.Choices
 Box: TypeAlias = tuple[Domain, ...]
 """A domain for each parameter of a robot, in their order."""
-SHORT = 2**20
-"""Denominators of the values that intervals are cut at, where finer ones are not needed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,14 +69,6 @@ def parts(box: Box, cut: Cut) -> tuple[Box, Box]:
 
 def _with(box: Box, place: int, domain: Domain) -> Box:
     return (*box[:place], domain, *box[place + 1 :])
-
-
-def is_single(domain: Domain) -> bool:
-    """Whether a domain is not worth a cut: it has one value, or hardly more."""
-    if isinstance(domain, ir.Choices):
-        return len(domain.values) == 1
-    low, high = rational_bounds(domain.lower)[1], rational_bounds(domain.upper)[0]
-    return low >= high
 
 
 def box_key(box: Box) -> str:
@@ -151,40 +141,8 @@ def _opened(range_: Range, at: Fraction, *, high: bool) -> Range:
     return range_
 
 
-def halved(box: Box, whole: Box, among: Sequence[int]) -> Cut | None:
-    """Where to halve a box: the side that is longest relative to the whole; None: nowhere.
-
-    Args:
-        box: the box.
-        whole: all parameters of the structure.
-        among: the parameters that may be cut.
-    """
-    best: tuple[Fraction, Cut] | None = None
-    for place in among:
-        domain, all_of_it = box[place], whole[place]
-        if is_single(domain):
-            continue
-        if isinstance(domain, ir.Choices) and isinstance(all_of_it, ir.Choices):
-            share = Fraction(len(domain.values), len(all_of_it.values))
-            cut = Cut(place, (len(domain.values) + 1) // 2)
-        elif isinstance(domain, ir.Interval) and isinstance(all_of_it, ir.Interval):
-            low, high = _ends(domain)
-            first, last = _ends(all_of_it)
-            share, cut = (high - low) / (last - first), Cut(place, _middle(low, high))
-        else:
-            continue
-        if best is None or share > best[0]:
-            best = share, cut
-    return None if best is None else best[1]
-
-
-def _ends(domain: ir.Interval) -> tuple[Fraction, Fraction]:
-    """Rationals that are in an interval, near its ends."""
-    return rational_bounds(domain.lower)[1], rational_bounds(domain.upper)[0]
-
-
-def _middle(low: Fraction, high: Fraction) -> Fraction:
-    """The middle, or a value near it whose text is shorter."""
-    middle = (low + high) / 2
-    near = middle.limit_denominator(SHORT)
-    return near if low < near < high else middle
+def choices_halved(box: Box) -> Cut | None:
+    """Where to halve the longest list of choices of a box; None: no parameter has any choice."""
+    counts = [len(d.values) if isinstance(d, ir.Choices) else 0 for d in box]
+    most = max(counts, default=0)
+    return None if most < 2 else Cut(counts.index(most), (most + 1) // 2)

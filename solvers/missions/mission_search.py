@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from compiler.expressions.exact_numbers import rational_bounds
-from compiler.missions.chains import cheapest_chain
-from compiler.missions.open_layers import OpenRobots, open_links
+from compiler.missions.chains import Link, cheapest_chain
+from compiler.missions.open_layers import OpenRobots, fixes, open_links
 from compiler.missions.parameter_boxes import BoxTree
 from compiler.missions.parameter_ranges import Range
 from compiler.missions.robot_changes import built
@@ -29,6 +29,7 @@ from solvers.missions.mission_result import (
 )
 from solvers.missions.one_robot import OneRobotSearch
 from solvers.missions.rebuilt_robots import RebuiltSearch, structures_within
+from solvers.missions.refuted_parts import RefutedParts
 from solvers.missions.task_robots import TaskRobots
 from solvers.run_context import RunContext
 from solvers.search.design_values import design_values
@@ -176,11 +177,12 @@ def _one_robot(mission: ir.Mission, tasks: Sequence[TaskRobots]) -> MissionResul
         late, known = True, []
     evidence = tuple(each.evidence for each in known)
     if search.found:
-        values = _values(search, known)
+        parts = RefutedParts(tasks, shared=True)
+        values = _values(search, known, parts)
         return MissionResult(
             mission, "found", None, search.found, (None,) * len(tasks), values=values,
-            evidence=evidence, cut=cut, modules=bound, undecided=len(search.undecided),
-            counts=counts, unfinished=late,
+            evidence=evidence, cut=(*cut, *parts.cut.values()), modules=bound,
+            undecided=len(search.undecided), counts=counts, unfinished=late or parts.late,
         )  # fmt: skip
     verdict, reason = _without_robot(search, tasks, late=late)
     return MissionResult(
@@ -218,7 +220,9 @@ def _without_robot(
     return "impossible", f"no robot {within} does all tasks: each is refuted in one of them"
 
 
-def _values(search: OneRobotSearch, known: Sequence[_Known]) -> tuple[ObjectiveValue, ...]:
+def _values(
+    search: OneRobotSearch, known: Sequence[_Known], parts: RefutedParts
+) -> tuple[ObjectiveValue, ...]:
     """What the robot has of the objectives, and what no other one has less of."""
     task, limits, found = search.task, list[Limit](), list[ObjectiveValue]()
     family = search.tasks[0].family
@@ -226,7 +230,7 @@ def _values(search: OneRobotSearch, known: Sequence[_Known]) -> tuple[ObjectiveV
     bound = searched_modules(family, task, search.amounts) if search.amounts else None
     for amount in search.amounts:
         (value,) = design_values(search.found[0], (amount,), search.tasks[0].task)
-        least = _least(amount, search, known, refuted, limits, value, bound)
+        least = _least(amount, search, known, parts, refuted, limits, value, bound)
         found.append(
             ObjectiveValue(
                 amount.objective, amount.text, value, least, objective_unit(amount.objective)
@@ -240,6 +244,7 @@ def _least(
     amount: Amount,
     search: OneRobotSearch,
     known: Sequence[_Known],
+    parts: RefutedParts,
     refuted: set[tuple[str, ...]],
     limits: Sequence[Limit],
     value: Fraction,
@@ -250,6 +255,8 @@ def _least(
     for word in words_below(amount, search.tasks[0].family, bound, limits, value):
         for derivation in structures_of(language, [word]):
             if derivation.labels in refuted or any(each.refutes(derivation) for each in known):
+                continue
+            if any(parts.refutes(k, derivation) for k in range(len(known))):
                 continue
             return amount.of_word(word)
     return value
@@ -280,20 +287,25 @@ def _rebuilt(
         known = [_known(each, covered=bool(search.found)) for each in tasks]
     except OutOfTimeError:
         late, known = True, [_Known((), ()) for _ in tasks]
-    cut = tuple(search.cut.values())
     undecided = sum(bool(node.undecided) for layer in search.layers for node in layer)
+    parts = RefutedParts(tasks, shared=False)
+    cost = search.cost
+    least = _least_cost(search, known, parts)
     common = MissionResult(
-        mission, "unknown", None, evidence=tuple(each.evidence for each in known), cut=cut,
-        existing=existing, modules=modules, by_default=by_default, undecided=undecided,
-        counts=counts_of(tasks, robots), unfinished=late,
+        mission, "unknown", None, evidence=tuple(each.evidence for each in known),
+        cut=(*search.cut.values(), *parts.cut.values()), existing=existing, modules=modules,
+        by_default=by_default, undecided=undecided, counts=counts_of(tasks, robots),
+        unfinished=late or parts.late,
     )  # fmt: skip
-    least = _least_cost(search, known)
     if search.found:
-        steps = search.steps
-        cost = sum((step.cost for step in steps if step is not None), Fraction(0))
         bound = Fraction(0) if by_default or least is None else min(cost, least)
         return replace(
-            common, verdict="found", designs=search.found, steps=steps, cost=cost, least=bound
+            common,
+            verdict="found",
+            designs=search.found,
+            steps=search.steps,
+            cost=cost,
+            least=bound,
         )
     verdict, reason = _without_chain(search, least, common)
     return replace(common, verdict=verdict, reason=reason, least=least)
@@ -309,21 +321,39 @@ def _ranked(
     return sorted(structures, key=lambda d: [amount.of_word(d.word) for amount in weights])
 
 
-def _least_cost(search: RebuiltSearch, known: Sequence[_Known]) -> Fraction | None:
-    """What no chain of robots that are not refuted costs less than; None: there is none."""
+def _least_cost(
+    search: RebuiltSearch, known: Sequence[_Known], parts: RefutedParts
+) -> Fraction | None:
+    """What no chain of robots that are not refuted costs less than; None: there is none.
+
+    Where that is less than the cost of the chain that was found, structures of the cheapest chain
+    that solvers alone refute are looked at part by part.
+    """
+    while True:
+        layers = _open_layers(search, known, parts)
+        chain = cheapest_chain(search.costs, layers)
+        if chain is None or not search.found or chain.cost >= search.cost:
+            return None if chain is None else chain.cost
+        pairs = enumerate(zip(layers, chain.robots, strict=True))
+        open_ones = [(k, search.ranked[layer[place].rank]) for k, (layer, place) in pairs]
+        if not any(parts.refutes(k, derivation) for k, derivation in open_ones):
+            return chain.cost
+
+
+def _open_layers(
+    search: RebuiltSearch, known: Sequence[_Known], parts: RefutedParts
+) -> list[list[Link]]:
     trees: list[dict[tuple[str, ...], BoxTree]] = [{} for _ in search.tasks]
-    for (layer, labels), cut in search.cut.items():
+    for (layer, labels), cut in (search.cut | parts.cut).items():
         trees[layer][labels] = cut.tree
-    layers = [
+    return [
         open_links(
             search.ranked,
             robots.program.modules,
-            OpenRobots(robots.task.modules, what.refutes, own, robots.model),
+            OpenRobots(robots.task.modules, what.refutes, own, robots.model, fixes(robots.task)),
         )
         for robots, what, own in zip(search.tasks, known, trees, strict=True)
     ]
-    chain = cheapest_chain(search.costs, layers)
-    return None if chain is None else chain.cost
 
 
 def _without_chain(

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from compiler.missions.parameter_boxes import BoxTree
+from compiler.missions.parameter_boxes import BoxTree, choices_halved
 from compiler.objectives.least_values import Amount, amounts
 from compiler.objectives.ordered_structures import Limit, structures_by
 from compiler.robots.candidate import Candidate as Structure
@@ -171,7 +171,11 @@ class OneRobotSearch:
             if candidates is None:
                 continue
             if isinstance(candidates, str):
-                open_ones = open_ones or candidates
+                choices = choices_halved(box.box)
+                if choices is None:
+                    open_ones = open_ones or candidates
+                else:
+                    waiting += box.split(choices)
                 continue
             known += candidates
             groups = self._groups(candidates)

@@ -14,7 +14,8 @@ from fractions import Fraction
 from itertools import islice, pairwise
 
 from compiler.missions.chains import Chain, ChainCosts, Link, cheapest_chain
-from compiler.missions.parameter_boxes import BoxTree, whole_box
+from compiler.missions.open_layers import fixes
+from compiler.missions.parameter_boxes import BoxTree, Cut, choices_halved, whole_box
 from compiler.missions.parameter_ranges import Ranges
 from compiler.missions.robot_changes import Built, Changes, built, built_of, changes
 from compiler.words.derivation import Derivation
@@ -103,7 +104,7 @@ class RebuiltSearch:
         model = self.tasks[layer].model(derivation)
         leaf = BoxTree(() if model is None else whole_box(model))
         cut = CutRobot(layer, derivation.word, derivation.labels, leaf)
-        node = Node(layer, rank, derivation, cut, leaf)
+        node = Node(layer, rank, derivation, cut, leaf, narrow=fixes(self.tasks[layer].task))
         if model is None:
             node.undecided = self.tasks[layer].fault(derivation)
         return node
@@ -197,10 +198,10 @@ class RebuiltSearch:
         screening = robots.answer(node.derivation, node.leaf.box)
         if screening.refutation.refuted and not whole:
             boxes = robots.covering(node.derivation, node.leaf.box)
-            if boxes is None:
-                node.undecided = "what a solver refutes has no covering by boxes"
-            else:
+            if boxes is not None:
                 self._refute(node, BoxEvidence(node.layer, boxes))
+            elif not self._choose(node):
+                node.undecided = "what a solver refutes has no covering by boxes"
         elif screening.inadmissible is not None:
             node.undecided = screening.inadmissible
 
@@ -214,8 +215,9 @@ class RebuiltSearch:
             return
         late = robots.too_weak(node.derivation, node.leaf.box)
         if late is None:
-            self.failed += 1
-            node.undecided = f"{sought.state.reason}{sought.state.obstacle}"
+            if not self._choose(node):
+                self.failed += 1
+                node.undecided = f"{sought.state.reason}{sought.state.obstacle}"
         elif node.leaf is node.cut.tree:
             robots.teaches(node.derivation)
         else:
@@ -242,7 +244,10 @@ class RebuiltSearch:
         result = agreed(candidates, groups, fixed, nodes[0].rank)
         if result is not None:
             self.found = result.designs
-            return
+            if self.mission.most is None or self.cost <= self.mission.most:
+                return
+            # Values that are no rationals may be taken for equal, and are not.
+            self.found = ()
         whole = [node.cut.tree.box for node in nodes]
         widest = widest_disagreement(candidates, groups, whole, fixed)
         parted = widest is not None and self._part(nodes, *widest)
@@ -257,22 +262,33 @@ class RebuiltSearch:
             cut = cut_between(node.leaf.box, parameter, low, high)
             if cut is None or self.cuts >= MOST_CUTS:
                 continue
-            self.cuts += 1
-            self.cut[layer, node.derivation.labels] = node.cut
+            self._split(node, cut)
             parted = True
-            low_part, high_part = node.leaf.split(cut)
-            parts = [
-                Node(layer, node.rank, node.derivation, node.cut, leaf, narrow=True)
-                for leaf in (low_part, high_part)
-            ]
-            if node.design is not None:
-                # The design is in one of the parts, which is not asked about again.
-                own = next((part for part in parts if is_within(node.design, part.leaf.box)), None)
-                if own is not None:
-                    own.screened, own.design = True, node.design
-            place = self.layers[layer].index(node)
-            self.layers[layer][place : place + 1] = parts
         return parted
+
+    def _choose(self, node: Node) -> bool:
+        """Cut the choices of a robot, of which some may be refuted or do the task; whether so."""
+        cut = choices_halved(node.leaf.box)
+        if cut is None or self.cuts >= MOST_CUTS:
+            return False
+        self._split(node, cut)
+        return True
+
+    def _split(self, node: Node, cut: Cut) -> None:
+        """Two nodes in the place of one."""
+        self.cuts += 1
+        self.cut[node.layer, node.derivation.labels] = node.cut
+        parts = [
+            Node(node.layer, node.rank, node.derivation, node.cut, leaf, narrow=True)
+            for leaf in node.leaf.split(cut)
+        ]
+        if node.design is not None:
+            # The design is in one of the parts, which is not asked about again.
+            own = next((part for part in parts if is_within(node.design, part.leaf.box)), None)
+            if own is not None:
+                own.screened, own.design = True, node.design
+        place = self.layers[node.layer].index(node)
+        self.layers[node.layer][place : place + 1] = parts
 
     def _block(self, nodes: Sequence[Node]) -> None:
         """The robots of a path do not agree, and nothing shows that they cannot."""
@@ -324,6 +340,11 @@ class RebuiltSearch:
             if value.parameter.symbol == symbols[module] and value.parameter.name == name:
                 return node.layer, number
         raise LookupError(name)
+
+    @property
+    def cost(self) -> Fraction:
+        """What all changes cost, by the values of the designs that were found."""
+        return sum((step.cost for step in self.steps if step is not None), Fraction(0))
 
     @property
     def steps(self) -> tuple[Changes | None, ...]:

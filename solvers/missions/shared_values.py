@@ -162,12 +162,17 @@ def widest_disagreement(
         values = [candidates[task].value(parameter) for task, parameter in group]
         values += [fixed[group]] if group in fixed else []
         low, high = min(values), max(values)
-        task, parameter = group[0]
-        ranges = ranges_of(whole[task][parameter])
-        width = max(r.high for r in ranges) - min(r.low for r in ranges)
+        # Where `from` fixes a parameter, it has one value in the first task and others in the rest.
+        width = max(_width(whole[task][parameter]) for task, parameter in group) or Fraction(1)
         if low < high and (best is None or (high - low) / width > best[0]):
             best = (high - low) / width, group, low, high
     return None if best is None else best[1:]
+
+
+def _width(domain: ir.Interval | ir.Choices) -> Fraction:
+    """How far the values of a domain are apart."""
+    ranges = ranges_of(domain)
+    return max(r.high for r in ranges) - min(r.low for r in ranges)
 
 
 def _index(domain: ir.Choices, value: Fraction) -> int:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import islice
 
 from compiler.missions.chains import ChainCosts, Link, cheapest_chain
-from compiler.missions.open_layers import OpenRobots, open_links
+from compiler.missions.open_layers import OpenRobots, fixes, open_links
 from compiler.missions.parameter_boxes import BoxTree
 from compiler.missions.robot_changes import Built
 from compiler.objectives.least_values import Amount
@@ -141,7 +141,9 @@ def least_cost(
         open_links(
             found,
             first.program.modules,
-            OpenRobots(each.task.modules, each.is_refuted, each.trees, each.model),
+            OpenRobots(
+                each.task.modules, each.is_refuted, each.trees, each.model, fixes(each.task)
+            ),
         )
         for each in robots
     ]

@@ -1,0 +1,106 @@
+"""Missions of arms on one joint: these reach the points at the sum of their lengths."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from grammar_lang.load import load_text
+from solvers.missions.mission_result import MissionResult
+from solvers.missions.mission_search import solve
+from solvers.run_context import RunContext
+
+ARMS = """\
+module Base {{ role base; const price = 1; }}
+module J {{ role joint; dof q: revolute z; const price = 1; }}
+module L {{ role link; param length in {L} m; const price = 1; }}
+module K {{ role link; param length in {K} m; const price = 2; }}
+module Hand {{ role effector; const price = 1; }}
+edge eps;
+grammar Arms {{
+  start Arm;
+  base: Arm -> Base; j: Arm -> Arm eps J;
+  l: Arm -> Arm eps L; k: Arm -> Arm eps K; hand: Arm -> Arm eps Hand;
+  accept matches Base eps J (eps (L | K))+ eps Hand;
+}}
+semantics Arms {{
+  base {{ this.frame = world; }}
+  j {{ this.frame = Arm.frame * rot(z, J.q); point(frame: Arm.frame, mass: 0.1 kg); }}
+  l {{ this.frame = Arm.frame * move(x, L.length); point(frame: this.frame, mass: 0.1 kg); }}
+  k {{ this.frame = Arm.frame * move(x, K.length); point(frame: this.frame, mass: 0.1 kg); }}
+  hand {{ this.frame = Arm.frame; effector(frame: Arm.frame); }}
+}}
+workspace Hall {{
+  plane xy; bounds box [-5, 5] x [-5, 5] m;
+  {regions}
+}}
+{tasks}
+mission M {{ tasks {names}; {clauses} }}
+"""
+TASK = """\
+task {0} {{
+  robot Arms; workspace Hall; start in Home{0} at rest; reach Shelf{0};
+  effort <= 50 N*m; control open loop; horizon 10 steps of 0.3 s; modules <= {1}; {2}
+}}"""
+
+
+def arms(
+    clauses: str, *radii: str, lengths: str, others: str = "{0.3, 0.9}", modules: int = 5,
+    origin: str = "",
+) -> str:  # fmt: skip
+    """A mission of tasks at some distances, each from the right of the base to above it."""
+    regions, tasks = list[str](), list[str]()
+    for name, radius in zip("ABCD", radii, strict=False):
+        low, high = Fraction(radius) - Fraction(3, 100), Fraction(radius) + Fraction(3, 100)
+        side, around = f"[{float(low)}, {float(high)}]", "[-0.05, 0.05]"
+        regions.append(f"region Home{name} box {side} x {around} m;")
+        regions.append(f"region Shelf{name} box {around} x {side} m;")
+        tasks.append(TASK.format(name, modules, origin if name == "A" else ""))
+    return ARMS.format(
+        L=lengths, K=others, regions=" ".join(regions), tasks="\n".join(tasks),
+        names=", ".join("ABCD"[: len(radii)]), clauses=clauses,
+    )  # fmt: skip
+
+
+def solved(text: str) -> MissionResult:
+    program = load_text(text, "arms.srg", Path()).program
+    assert program is not None
+    return solve(program, program.missions["M"], RunContext())
+
+
+def test_a_fixed_length_is_not_taken_for_another_one() -> None:
+    """K is 0.78 m long by `from`; arms of about 0.79 m keep it only without L of 0.35 m."""
+    text = arms(
+        "reconfigure add 2, remove 1; changes <= 2; minimize changes;", "1.13", "0.79",
+        lengths="{0.35, 0.9}", others="{0.45, 0.78}",
+        origin="from Base eps J eps L eps K eps Hand fixed K.length = 0.78 m;",
+    )  # fmt: skip
+    result = solved(text)
+    assert result.verdict == "found"
+    assert (result.cost, result.least) == (1, 1)
+
+
+def test_what_a_solver_refutes_is_covered_choice_by_choice() -> None:
+    """One link L does not reach 0.72 m, which lies between its 0.4 m and 0.95 m."""
+    text = arms(
+        "reconfigure add 2, remove 1, change 0.3; free L.length; minimize changes;",
+        "1.9", "0.72", lengths="{0.4, 0.95}", others="{0.3, 0.32}",
+    )  # fmt: skip
+    result = solved(text)
+    assert result.verdict == "found"
+    assert (result.cost, result.least) == (Fraction("3.3"), Fraction("3.3"))
+
+
+def test_robots_are_refuted_choice_by_choice() -> None:
+    """Arms of two links are 0.6, 0.9, 1.2, 1.5 or 1.8 m long: none is of 0.9 m and of 1.5 m."""
+    text = arms("one robot;", "0.9", "1.5", lengths="{0.3, 0.6, 0.9}", others="{0.3, 0.9}")
+    assert solved(text).verdict == "impossible"
+
+
+@pytest.mark.parametrize("clauses", ["one robot;", "reconfigure; changes <= 0; minimize changes;"])
+def test_no_common_choice(clauses: str) -> None:
+    """Arms of 0.4 and 0.95 m, of which none has both lengths, by choices of two parameters."""
+    text = arms(clauses, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}", modules=5)
+    assert solved(text).verdict == "impossible"
