@@ -8,10 +8,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from srgc.api.export import export as export
     from srgc.api.graph import graph as graph
+    from srgc.api.opened import open_result as open_result
     from srgc.api.program import check as check
     from srgc.api.program import load as load
     from srgc.api.program import words as words
-    from srgc.api.result import open_result as open_result
     from srgc.api.robot import robot as robot
     from srgc.api.synthesis import plan as plan
     from srgc.api.synthesis import synthesize as synthesize
@@ -25,7 +25,7 @@ _HOMES = {
     "export": "srgc.api.export",
     "graph": "srgc.api.graph",
     "load": "srgc.api.program",
-    "open_result": "srgc.api.result",
+    "open_result": "srgc.api.opened",
     "plan": "srgc.api.synthesis",
     "robot": "srgc.api.robot",
     "synthesize": "srgc.api.synthesis",

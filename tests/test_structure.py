@@ -31,6 +31,9 @@ def test_a_strictly_typed_program_is_accepted(tmp_path):
         "    total: float = robot.mass_matrix([0.1, 0.2]).sum()\n"
         "    urdf: str = srgc.export(result, 'urdf')\n"
         "    left: float = min(srgc.verify(result).margins.values())\n"
+        "costs: list[float] = [\n"
+        "    step.cost for step in srgc.synthesize(program, mission='Day').steps if step\n"
+        "]\n"
         "try:\n    srgc.check(text='module')\n"
         "except srgc.SrgcError as error:\n    print(str(error).upper())\n"
         "wrong: int = srgc.words(program)\n"
@@ -46,7 +49,7 @@ def test_a_strictly_typed_program_is_accepted(tmp_path):
     )  # fmt: skip
     # What mypy remembers of an earlier run has the folder of that run in it.
     told, named = [line for line in found.stdout.splitlines() if "sample.py:" in line]
-    assert "sample.py:14: error: Incompatible types in assignment" in told
+    assert "sample.py:17: error: Incompatible types in assignment" in told
     assert '"list[str]", variable has type "int"' in told
     assert 'Module has no attribute "synthesise"' in named
 

@@ -168,6 +168,9 @@ def _declared(program: ir.Program) -> Iterator[tuple[str, str, str]]:
         seconds = float(task.steps * task.step)
         most = "at most " if task.at_most else ""
         yield "task", task.name, f"{task.grammar} in {task.workspace}, {most}{seconds:g} s"
+    for mission in program.missions.values():
+        kind = "one robot" if mission.prices is None else "rebuilt robots"
+        yield "mission", mission.name, f"{kind} for {', '.join(mission.tasks)}"
 
 
 def _of_module(module: ir.Module) -> str:
@@ -343,12 +346,18 @@ def _robot_rows(chosen: ChosenRobot, theta: Array) -> Iterator[list[str]]:
 # --- verifications --------------------------------------------------------------------------------
 
 
-def verification_html(report: Report) -> str:
-    """A display of the answer: what was claimed, and every condition with its margin."""
+def verification_html(report: Report, of_tasks: Sequence[tuple[str, Report]] = ()) -> str:
+    """A display of the answer: what was claimed, and every condition with its margin.
+
+    ``of_tasks`` has the answers on the designs of a mission, which are told of in a line each.
+    """
     outcome = report.outcome.value
     level = f"level {report.level}" if report.level else ""
     said = ", ".join(filter(None, [report.verdict, level, report.reason]))
-    return block(head(said, outcome, _COLOURS.get(outcome, "open")), conditions_table(report))
+    tasks = [f"task {task}: {own.outcome.value}" for task, own in of_tasks]
+    return block(
+        head(said, outcome, _COLOURS.get(outcome, "open")), conditions_table(report), lines(*tasks)
+    )
 
 
 def conditions_table(report: Report) -> str:

@@ -35,11 +35,11 @@ def export(
     """The robot of a result or its motion in another format, as ``srgc export`` writes it.
 
     Args:
-        result: one with the verdict found, or its folder.
+        result: one with the verdict found, or its folder; of a mission every design is written.
         to: the robot as "urdf" or "mjcf"; its motion as "csv", "json", "ros2" or "npz"; a folder
             for "mujoco", with a script that replays the motion, or for the "controller" in C and
             Python; a folder with "all" of them.
-        path: the file or the folder to write.
+        path: the file or the folder to write; of a mission a folder, which gets one for each task.
         efforts: whether the points of "ros2" have efforts, which older controllers refuse.
 
     Returns:
@@ -49,6 +49,8 @@ def export(
         SrgcError: there is no robot, it has no such form, or the path cannot be written.
     """
     from srgc.exports.design_export import BINARY, FOLDERS, FORMS, written_export
+    from srgc.exports.mission_export import written_mission_export
+    from srgc.results.mission_refusal import is_mission_folder
 
     if to not in (*FORMS, *FOLDERS):
         raise UsageFault(f"there is no format `{to}`: there are {', '.join((*FORMS, *FOLDERS))}")
@@ -57,7 +59,8 @@ def export(
     if not efforts and to != "ros2":
         raise UsageFault("`efforts` goes with ros2 alone")
     file = None if path is None else Path(path)
-    written = written_export(Path(result), to, file, efforts=efforts)
+    write = written_mission_export if is_mission_folder(Path(result)) else written_export
+    written = write(Path(result), to, file, efforts=efforts)
     if written.content is None:
         return written.files
     return written.content if to in BINARY else written.content.decode()

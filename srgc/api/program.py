@@ -23,7 +23,7 @@ class Program:
     """A checked specification, which everything else begins with.
 
     Attributes:
-        ir: its modules, grammars, workspaces and tasks in full; not a stable interface.
+        ir: its modules, grammars, workspaces, tasks and missions in full; not a stable interface.
         findings: the warnings and notes about it.
     """
 
@@ -59,6 +59,11 @@ class Program:
     def tasks(self) -> tuple[str, ...]:
         """The names of the tasks."""
         return tuple(self.ir.tasks)
+
+    @property
+    def missions(self) -> tuple[str, ...]:
+        """The names of the missions."""
+        return tuple(self.ir.missions)
 
     def __repr__(self) -> str:
         return f"<Program {self.name}: tasks {', '.join(self.tasks) or 'none'}>"

@@ -243,16 +243,6 @@ class Result:
         return result_html(self.folder, self.design, self._used(), said)
 
 
-@spoken
-def open_result(folder: str | PathLike[str]) -> Result:
-    """A result that ``srgc synth`` or ``Result.save`` has written.
-
-    Raises:
-        SrgcError: there are no results in the folder, or they have been altered.
-    """
-    return opened(Path(folder))
-
-
 def opened(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
     """The result in a folder.
 
@@ -262,6 +252,11 @@ def opened(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
     from srgc.results.why_folder import tried_folder
 
     tried_folder(folder)
+    return result_in(folder, keeper)
+
+
+def result_in(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
+    """The result in a folder that is known to have one."""
     return Result(folder, _design(folder), keeper)
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, overload
 
+from srgc.api.mission_result import MissionResult, mission_in
 from srgc.api.program import Program
 from srgc.api.result import Result, TemporaryFolder, opened
 from srgc.api.spoken_faults import spoken
@@ -22,12 +24,13 @@ if TYPE_CHECKING:
 # --- The search for a robot and its proof ---------------------------------------------------------
 
 
-@spoken
+@overload
 def synthesize(
     program: Program,
     task: str | None = None,
     folder: str | PathLike[str] | None = None,
     *,
+    mission: None = None,
     seed: int = 0,
     jobs: int = 1,
     time_limit: float | None = None,
@@ -40,12 +43,49 @@ def synthesize(
     smt: str | None = None,
     lemmas: bool = True,
     force: bool = False,
-) -> Result:
+) -> Result: ...
+@overload
+def synthesize(
+    program: Program,
+    task: None = None,
+    folder: str | PathLike[str] | None = None,
+    *,
+    mission: str,
+    seed: int = 0,
+    jobs: int = 1,
+    time_limit: float | None = None,
+    solver: str | None = None,
+    search: str | None = None,
+    smt: str | None = None,
+    lemmas: bool = True,
+    force: bool = False,
+) -> MissionResult: ...
+@spoken
+def synthesize(
+    program: Program,
+    task: str | None = None,
+    folder: str | PathLike[str] | None = None,
+    *,
+    mission: str | None = None,
+    seed: int = 0,
+    jobs: int = 1,
+    time_limit: float | None = None,
+    cells: int | None = None,
+    every: bool = False,
+    pareto: bool = False,
+    gap: float | str | None = None,
+    solver: str | None = None,
+    search: str | None = None,
+    smt: str | None = None,
+    lemmas: bool = True,
+    force: bool = False,
+) -> Result | MissionResult:
     """Search a task for a robot that is proved to do it, or for a proof that there is none.
 
     Args:
         program: the specification.
         task: which one; may be left out where there is one.
+        mission: solve all tasks of this mission together, instead of one.
         folder: where the results are written, as by ``srgc synth -o``; a search that was
             interrupted goes on from there.  By default a temporary folder, which lasts as long as
             the result; ``Result.save`` keeps it.
@@ -66,13 +106,24 @@ def synthesize(
         force: replace the results of another synthesis in the folder.
 
     Returns:
-        The result, not verified yet: ``Result.verify`` does that.
+        The result, not verified yet: its ``verify`` does that.
 
     Raises:
-        SrgcError: there is no such task, it has a clause that is not supported, or the folder
-            holds something else.
+        SrgcError: there is no such task or mission, it has a clause that is not supported, or the
+            folder holds something else.
     """
     limit = TimeLimit(time_limit)
+    if mission is not None:
+        refused = {
+            "task": task, "cells": cells, "every": every or None, "pareto": pareto or None,
+            "gap": gap,
+        }  # fmt: skip
+        _refuse_of_tasks(refused)
+        _refuse_numbers(seed, jobs, None, time_limit)
+        return _mission(
+            program, mission, folder, limit, seed=seed, jobs=jobs, solver=solver, search=search,
+            smt=smt, lemmas=lemmas, force=force,
+        )  # fmt: skip
     chosen_task = chosen(program.ir.tasks, task, "task")
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
     _refuse_numbers(seed, jobs, cells, time_limit)
@@ -86,8 +137,7 @@ def synthesize(
             f"`{option}` does not go with `gap`, which keeps the most robust robot alone"
         )
 
-    keeper = TemporaryFolder.made() if folder is None else None
-    place = Path(folder) if folder is not None else keeper.path if keeper is not None else Path()
+    place, keeper = _place(folder)
     options = SynthesisOptions(
         place, seed, jobs, limit, force, quiet=True, cells=cells,
         every=every or pareto, front=pareto, solver=named_solver(solver),
@@ -95,6 +145,52 @@ def synthesize(
     )  # fmt: skip
     run_synthesis(Path(program.name), program.ir, chosen_task, options)
     return opened(place, keeper)
+
+
+def _refuse_of_tasks(given: Mapping[str, object]) -> None:
+    """Refuse arguments that are about one task."""
+    for name, value in given.items():
+        if value is not None:
+            raise UsageFault(f"`{name}` is about one task, and `mission` about all of a mission")
+
+
+def _mission(
+    program: Program,
+    name: str,
+    folder: str | PathLike[str] | None,
+    limit: TimeLimit,
+    *,
+    seed: int,
+    jobs: int,
+    solver: str | None,
+    search: str | None,
+    smt: str | None,
+    lemmas: bool,
+    force: bool,
+) -> MissionResult:
+    """Search for the robots of a mission."""
+    from srgc.results.mission_run import run_mission
+    from srgc.results.synthesis_run import SynthesisOptions
+    from srgc.search_options import named_search, named_smt_solvers, named_solver
+
+    mission = chosen(program.ir.missions, name, "mission")
+    refuse_cycles(program.ir, program.ir.grammars[program.ir.tasks[mission.tasks[0]].grammar])
+    named_smt_solvers(smt)
+    place, keeper = _place(folder)
+    options = SynthesisOptions(
+        place, seed, jobs, limit, force, quiet=True, solver=named_solver(solver),
+        search=named_search(search), lemmas=lemmas, smt=smt,
+    )  # fmt: skip
+    run_mission(Path(program.name), program.ir, mission, options)
+    return mission_in(place, keeper)
+
+
+def _place(folder: str | PathLike[str] | None) -> tuple[Path, TemporaryFolder | None]:
+    """Where the results are written, and what keeps it where that is a temporary folder."""
+    if folder is not None:
+        return Path(folder), None
+    keeper = TemporaryFolder.made()
+    return keeper.path, keeper
 
 
 def _refuse_numbers(seed: int, jobs: int, cells: int | None, time_limit: float | None) -> None:
@@ -229,13 +325,19 @@ def why(
         time_limit: seconds; what is known by then is given.
 
     Raises:
-        SrgcError: there are no results, or a robot was found.
+        SrgcError: there are no results, or a robot was found, or it is the result of a mission,
+            which has a ``why`` of its own.
     """
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
+    from srgc.results.mission_refusal import is_mission_folder
     from srgc.results.why_folder import tried_folder
 
     limit = TimeLimit(time_limit)
+    if is_mission_folder(Path(result)):
+        raise UsageFault(
+            f"{Path(result)} holds the results of a mission: `open_result(…).why()` explains it"
+        )
     tried = tried_folder(Path(result))
     if tried.tried is None:
         raise UsageFault("a robot was found: there is nothing to explain, `verify` checks it")

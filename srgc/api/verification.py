@@ -12,6 +12,7 @@ from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
+    from solvers.verifier.missions.mission_check import MissionReport
     from solvers.verifier.proofs.checked_condition import CheckedCondition
     from solvers.verifier.report import Outcome, Report
 
@@ -22,9 +23,18 @@ class Verification:
 
     Attributes:
         report: the answer itself; not a stable interface.
+        of_tasks: of a mission the answers on its designs; not a stable interface.
+        mission: the name of the mission that the claim is about; None of a task.
     """
 
     report: Report
+    of_tasks: tuple[tuple[str, Report], ...] = ()
+    mission: str | None = None
+
+    @property
+    def tasks(self) -> dict[str, Verification]:
+        """Of a mission the answer on each design, by the name of its task."""
+        return {task: Verification(report) for task, report in self.of_tasks}
 
     @property
     def valid(self) -> bool:
@@ -80,14 +90,24 @@ class Verification:
         return f"<Verification: {str(self).partition(chr(10))[0]}>"
 
     def __str__(self) -> str:
+        if self.mission is not None:
+            from srgc.text_reports.mission_report import mission_check_text
+
+            return mission_check_text(self._of_mission)
         from srgc.text_reports.verification_report import verification_text
 
         return verification_text(self.report)
 
+    @property
+    def _of_mission(self) -> MissionReport:
+        from solvers.verifier.missions.mission_check import MissionReport
+
+        return MissionReport(self.report, self.of_tasks, self.mission)
+
     def _repr_html_(self) -> str:
         from srgc.api.displays import verification_html
 
-        return verification_html(self.report)
+        return verification_html(self.report, self.of_tasks)
 
 
 @spoken
@@ -96,6 +116,7 @@ def verify(
     *,
     spec: str | PathLike[str] | None = None,
     task: str | None = None,
+    mission: str | None = None,
     expect: Literal["found", "impossible"] | None = None,
     trust: str | None = None,
 ) -> Verification:
@@ -105,6 +126,7 @@ def verify(
         result: what ``synthesize`` or ``open_result`` gives, or the folder of ``srgc synth``.
         spec: also check that it is about this file.
         task: it has to be about the task of this name.
+        mission: it has to be about the mission of this name.
         expect: it has to have this verdict.
         trust: names of SMT solvers, as "z3,cvc5": run the scripts of refutations again, each solver
             in a process of its own, and believe "unsat" if all say so.
@@ -112,6 +134,7 @@ def verify(
     Raises:
         SrgcError: there is no such folder or file.
     """
+    from solvers.verifier.missions.mission_check import is_mission, verify_mission
     from solvers.verifier.verification import Expected, verify_directory
     from srgc.search_options import named_smt_solvers
 
@@ -123,5 +146,10 @@ def verify(
     named_smt_solvers(trust)
     if expect not in (None, "found", "impossible"):
         raise UsageFault("`expect` is found, impossible or None")
+    if mission is not None or is_mission(folder):
+        if task is not None:
+            raise UsageFault(f"{folder} is about a mission: give the folder of a task in it")
+        found = verify_mission(folder, file, trust, mission=mission, verdict=expect)
+        return Verification(found.report, found.tasks, found.mission)
     expected = Expected(task, expect)
     return Verification(verify_directory(folder, file, trust, expected=expected))

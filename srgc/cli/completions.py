@@ -25,7 +25,7 @@ MOST_READ = 2000
 """So many words are looked at for what goes on as has been typed."""
 MOST_FILES = 50
 """So many files of includes are read for names."""
-_NAMED = re.compile(r"^\s*(task|grammar|workspace)\s+([^\W\d]\w*)", re.MULTILINE)
+_NAMED = re.compile(r"^\s*(task|grammar|workspace|mission)\s+([^\W\d]\w*)", re.MULTILINE)
 _INCLUDE = re.compile(r'^\s*include\s+"([^"\n]+)"', re.MULTILINE)
 
 

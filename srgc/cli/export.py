@@ -51,7 +51,8 @@ def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int
     """Write the robot of a result folder, or its motion, for other tools.
 
     FOLDER is one that `srgc synth` has written with the verdict found.  Nothing is proved here, and
-    none of its results is overwritten.
+    none of its results is overwritten.  Of a mission every design is written, into a folder with
+    the name of its task.
     """
     if no_effort and form != "ros2":
         raise UsageFault("--no-effort goes with --to ros2 alone")
@@ -59,8 +60,11 @@ def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int
     if file is None and form in BINARY and sys.stdout.isatty():
         raise UsageFault(f"{form} is not for a terminal; name a file with -o")
     from srgc.exports.design_export import written_export
+    from srgc.exports.mission_export import written_mission_export
+    from srgc.results.mission_refusal import is_mission_folder
 
-    written = written_export(folder, form, file, efforts=not no_effort)
+    write = written_mission_export if is_mission_folder(folder) else written_export
+    written = write(folder, form, file, efforts=not no_effort)
     for note in written.notes:
         click.echo(f"note: {note}", err=True)
     if written.content is not None:

@@ -40,7 +40,8 @@ def why(
 
     FOLDER is one that `srgc synth` has written with the verdict impossible or unknown.  Every
     suggestion was found and proved by a run of its own.  Of a design of a task with `minimize` it
-    says what the next cheaper robots lack.
+    says what the next cheaper robots lack.  Of a mission, whatever its verdict, it says what is
+    refuted in each task, and what the cheapest robots cost that are left.
     """
     limit = TimeLimit(time_limit)
     from solvers.execution.one_thread import ONE_THREAD
@@ -48,11 +49,14 @@ def why(
     os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
+    from srgc.results.mission_refusal import is_mission_folder
     from srgc.results.progress_display import progress
     from srgc.results.why_folder import tried_folder
     from srgc.terminal import out_colours
     from srgc.text_reports.why_report import why_json, why_text
 
+    if is_mission_folder(folder):
+        return _of_mission(folder, quiet=quiet or as_json, as_json=as_json)
     tried = tried_folder(folder)
     if tried.tried is None:
         return _of_found(folder, tried, limit, quiet=quiet, as_json=as_json)
@@ -62,6 +66,19 @@ def why(
         found = explain(tried.posed, tried.tried, asked)
     text = why_json(found) if as_json else why_text(found, colour=out_colours())
     click.echo(text, nl=False)
+    return 0
+
+
+def _of_mission(folder: Path, *, quiet: bool, as_json: bool) -> int:
+    """Say of a mission what rules robots out in each task, and which are left."""
+    from solvers.verifier.proofs.scene import Watch
+    from srgc.comparisons.mission_reasons import mission_reasons
+    from srgc.comparisons.mission_reasons_text import mission_reasons_json, mission_reasons_text
+    from srgc.results.progress_display import progress
+
+    with progress("why", quiet=quiet, unit="parts", plain=False) as display:
+        found = mission_reasons(folder, Watch(part=display.part))
+    click.echo(mission_reasons_json(found) if as_json else mission_reasons_text(found), nl=False)
     return 0
 
 

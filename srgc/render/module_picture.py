@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -25,26 +26,43 @@ ORDER = {"link": 0, "base": 1, "joint": 2, "effector": 3}
 """What is drawn later lies above."""
 
 
-def robot_picture(drawing: ModuleDrawing, values: Mapping[int, Sequence[str]]) -> str:
+SIGNS = {"added": "+", "removed": "\N{MINUS SIGN}", "changed": "\N{GREEK CAPITAL LETTER DELTA}"}
+"""What stands before the name of a module to which this happens; it is also a class of its mark."""
+
+
+def robot_picture(
+    drawing: ModuleDrawing,
+    values: Mapping[int, Sequence[str]],
+    fates: Mapping[int, Collection[str]] = MappingProxyType({}),
+    beside: Sequence[ModuleDrawing] = (),
+    width: float | None = None,
+) -> str:
     """The picture as SVG.
 
     Args:
         drawing: the robot.
         values: per place in the word, what a name says below itself: parameters with their units.
+        fates: per place in the word, which of the ``SIGNS`` it has.
+        beside: robots whose pictures are to have the same scale.
+        width: that of the picture, in units of the letters' 13; default: as wide as a page.
     """
-    view = _view(drawing)
+    view = _view(drawing, beside)
+    view = view if width is None else view.scaled(width)
     others = "".join(
         f'<path class="other" d="{line_path(view.project(line))}"/>' for line in drawing.others
     )
     ordered = sorted(drawing.modules, key=lambda module: (ORDER[module.role], module.place))
     names = _Names(view, _obstacles(drawing, view))
     labels = {
-        module.place: names.label(module, values.get(module.place, ()))
+        module.place: names.label(
+            module, values.get(module.place, ()), signs_of(fates.get(module.place, ()))
+        )
         for module in drawing.modules
     }
     shapes = "".join(
-        f'<g class="module {module.role}" data-symbol="{module.place}" tabindex="-1">'
-        f"<title>{text(module.name)}, symbol {module.place}: {module.role}</title>"
+        f'<g class="{_classes(module, fates)}" data-symbol="{module.place}" tabindex="-1">'
+        f"<title>{text(module.name)}, symbol {module.place}: {module.role}"
+        f"{_said(fates.get(module.place, ()))}</title>"
         f"{_shape(module, view)}</g>"
         for module in ordered
     )
@@ -56,11 +74,35 @@ def robot_picture(drawing: ModuleDrawing, values: Mapping[int, Sequence[str]]) -
     )
 
 
-def _view(drawing: ModuleDrawing) -> View:
+def signs_of(fates: Collection[str]) -> str:
+    """The signs of what happens to a module, in their order."""
+    return "".join(sign for fate, sign in SIGNS.items() if fate in fates)
+
+
+def _classes(module: DrawnModule, fates: Mapping[int, Collection[str]]) -> str:
+    return " ".join(["module", module.role, *sorted(fates.get(module.place, ()))])
+
+
+def _said(fates: Collection[str]) -> str:
+    return "".join(f", {fate}" for fate in SIGNS if fate in fates)
+
+
+def _view(drawing: ModuleDrawing, beside: Sequence[ModuleDrawing]) -> View:
     corners = drawing.corners()
-    size = float(np.ptp(corners, axis=0).max())
+    found = [corners, *(_about(_middle(corners), each.corners()) for each in beside)]
+    size = max(float(np.ptp(each, axis=0).max()) for each in found)
     room = ROOM * (size if size > 0 else 1.0)
-    return fitted([corners - room, corners + room], turning=False)
+    return fitted([each + way for each in found for way in (-room, room)], turning=False)
+
+
+def _middle(points: Array) -> Array:
+    middle: Array = (points.min(axis=0) + points.max(axis=0)) / 2
+    return middle
+
+
+def _about(middle: Array, points: Array) -> Array:
+    """Points (m, d) moved so that they lie about another middle."""
+    return points - _middle(points) + middle
 
 
 def _shape(module: DrawnModule, view: View) -> str:
@@ -157,12 +199,12 @@ class _Names:
         self.drawn = drawn
         self.taken: list[tuple[float, float, float, float]] = []
 
-    def label(self, module: DrawnModule, values: Sequence[str]) -> str:
-        """The name of a module with its place, and what is said of it below."""
+    def label(self, module: DrawnModule, values: Sequence[str], signs: str = "") -> str:
+        """The name of a module with its signs and its place, and what is said of it below."""
         anchor = module.anchor()
         if anchor is None:
             return ""
-        lines = [f"{name_in_picture(module.name)} {module.place}", *values]
+        lines = [f"{signs} {name_in_picture(module.name)} {module.place}".lstrip(), *values]
         at = self.view.project(anchor)
         half = np.array([LETTER * max(map(len, lines)) / 2 + 3, HALF_LINE * len(lines) + 2])
         middle = self._free(at, half)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import degrees, floor, log10
-from typing import Any
 
 import numpy as np
 
 from compiler.arrays import Array
 from srgc.render.html_text import json_script, number, text, with_unit
-from srgc.render.robot_drawing import THINNEST_CAPSULE, DrawnRobot, pose_marks
-from srgc.render.svg import NAMED, View, line_path, sight
+from srgc.render.robot_drawing import DrawnRobot, pose_marks
+from srgc.render.svg import NAMED, View, line_path
 from srgc.render.workspace_drawing import (
     boxes_path,
     scale_bar,
@@ -20,6 +20,7 @@ from srgc.render.workspace_drawing import (
     triad,
 )
 from srgc.report.evidence import Evidence
+from srgc.report.motion_data import scene_data
 from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes, motion_scene
 from srgc.results.found_design import FoundDesign
 
@@ -40,15 +41,17 @@ def motion_section(evidence: Evidence) -> str:
     if scene.motion is None or evidence.found is None:
         return _workspace_alone(evidence, scene)
     motion = scene.motion
-    factor = _factor(motion.tube, scene.view)
+    factor = magnified(motion.tube, scene.view)
     data = {**scene_data(scene), "factor": factor}
-    caption = _caption(scene, motion, factor, repeats=evidence.task.repeat)
+    caption = (
+        f"{robot_caption(scene)} {tube_caption(motion.tube, factor, repeats=evidence.task.repeat)}"
+    )
     return (
         '<section id="motion"><h2>Motion</h2>'
-        f"<figure>{_picture(scene, motion, factor)}{_controls(scene, motion)}"
-        f"{_readings(evidence.found, motion)}"
+        f"<figure>{motion_picture(scene, motion, factor)}{controls([scene])}"
+        f"{readings(evidence.found, motion)}"
         f"<figcaption>{caption}</figcaption></figure>"
-        f"{_poses(scene, motion)}{json_script('motion-data', data)}</section>"
+        f"{poses(scene, motion)}{json_script('motion-data', data)}</section>"
     )
 
 
@@ -78,7 +81,8 @@ def scene_picture(view: View, title: str, content: str, *, turned: bool = True) 
     )
 
 
-def _picture(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
+def motion_picture(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
+    """The robot at the beginning, in its workspace; a script moves it."""
     view = scene.view
     parts = [shape_marks(scene.shapes, view)]
     if motion.tube is not None:
@@ -104,7 +108,7 @@ def _instant_boxes(tips: Array, half_widths: Array, factor: float) -> Array:
     return np.stack([tips - factor * half_widths, tips + factor * half_widths], axis=-1)
 
 
-def _factor(tube: TubeBoxes | None, view: View) -> float:
+def magnified(tube: TubeBoxes | None, view: View) -> float:
     """A power of ten by which boxes of instants are magnified so that they can be seen."""
     if tube is None:
         return 1.0
@@ -139,29 +143,32 @@ def _views(scene: MotionScene) -> str:
     )
 
 
-def _controls(scene: MotionScene, motion: RobotMotion) -> str:
-    total = motion.steps * motion.step
+def controls(scenes: Sequence[MotionScene]) -> str:
+    """What plays the motions of the scenes one after the other, and what they show."""
+    motions = [scene.motion for scene in scenes if scene.motion is not None]
+    total = sum(motion.steps * motion.step for motion in motions)
     choice = show_speeds(total)
-    wanted = next(speed for speed in choice if speed * LONGEST_SHOW >= total)
+    wanted = next(speed for speed in choice if speed * LONGEST_SHOW * len(motions) >= total)
     selected, checked = ' selected=""', ' checked=""'
     speeds = "".join(
         f'<option value="{speed:g}"{selected if speed == wanted else ""}>{number(speed)}×</option>'
         for speed in choice
     )
-    switches = [("cells", "cells", scene.dimension == 2), ("trail", "trace", True)]
-    if motion.tube is not None:
+    switches = [("cells", "cells", scenes[0].dimension == 2), ("trail", "trace", True)]
+    if any(motion.tube is not None for motion in motions):
         switches += [("tube", "tube", True), ("ribbon", "its width, magnified", False)]
     boxes = "".join(
         f'<label><input type="checkbox" data-show="{name}"{checked if on else ""}/> {label}</label>'
         for name, label, on in switches
     )
+    samples = sum(motion.steps + 1 for motion in motions) - 1
     return (
         '<div class="controls screen-only" hidden=""><div class="player">'
         '<button type="button" class="play" aria-label="Play">▶</button>'
-        f'<input type="range" min="0" max="{motion.steps}" step="1" value="0" '
+        f'<input type="range" min="0" max="{samples}" step="1" value="0" '
         'aria-label="Time, by samples"/>'
         f'<label class="speed">speed <select>{speeds}</select></label></div>'
-        f'<div class="switches">{boxes}</div></div>{_views(scene)}'
+        f'<div class="switches">{boxes}</div></div>{_views(scenes[0])}'
     )
 
 
@@ -175,7 +182,7 @@ def show_speeds(total: float) -> list[float]:
     return found
 
 
-def _readings(found: FoundDesign, motion: RobotMotion) -> str:
+def readings(found: FoundDesign, motion: RobotMotion) -> str:
     """Time, cells and coordinates, which the script keeps up to date."""
     last = with_unit(motion.steps * motion.step, "s")
     rows = [("t", '<dd class="time">0 s</dd>')]
@@ -199,17 +206,19 @@ def _coordinate(value: float, *, turning: bool) -> str:
     return f"{degrees(value):.1f}°" if turning else f"{number(value)} m"
 
 
-def _caption(scene: MotionScene, motion: RobotMotion, factor: float, *, repeats: bool) -> str:
+def robot_caption(scene: MotionScene) -> str:
+    """What the marks of a robot are."""
     words = (
         "The robot at its real lengths: rods as thick lines, joints as circles (turning) and "
         "squares (sliding), effectors as rings, other bodies by their centres of mass as dots."
     )
     if scene.dimension == 3:
         words += " A short line through a joint is its axis."
-    return f"{words}{_beyond(scene)} {_tube_words(motion.tube, factor, repeats=repeats)}"
+    return f"{words}{_beyond(scene)}"
 
 
-def _tube_words(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str:
+def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str:
+    """What the boxes of a tube are."""
     if tube is None:
         return "No tube is drawn: the motion was not enclosed for this page."
     sides = 2 * tube.half_widths
@@ -239,12 +248,15 @@ def _length(metres: float) -> str:
     return f"{metres:.1g} m"
 
 
-def _poses(scene: MotionScene, motion: RobotMotion) -> str:
-    """The robot at equal distances of time, for paper and where no script runs."""
+def poses(scene: MotionScene, motion: RobotMotion, name: str = "pose") -> str:
+    """The robot at equal distances of time, for paper and where no script runs.
+
+    ``name`` begins the ids of what all of them show.
+    """
     total = motion.steps * motion.step
-    sets = "".join(f'<path id="pose-{kind}" d="{data}"/>' for kind, data in _sets(scene) if data)
+    sets = "".join(f'<path id="{name}-{kind}" d="{data}"/>' for kind, data in _sets(scene) if data)
     uses = "".join(
-        f'<use class="all {kind}" href="#pose-{kind}"/>' for kind, data in _sets(scene) if data
+        f'<use class="all {kind}" href="#{name}-{kind}"/>' for kind, data in _sets(scene) if data
     )
     found: list[str] = []
     for time in np.linspace(0.0, total, POSES):
@@ -277,98 +289,3 @@ def _pose(robot: DrawnRobot, motion: RobotMotion, index: int, view: View) -> str
         for tips in np.swapaxes(motion.tips, 0, 1)
     )
     return f'{traces}<g class="robot">{pose_marks(robot, motion.points[index], view)}</g>'
-
-
-# --- The data of the animation for the page's script, on a grid that is finer than the picture ----
-
-
-GRID = 0.04
-"""Width of the grid in units of the picture."""
-
-
-def scene_data(scene: MotionScene) -> dict[str, Any]:
-    """What the script needs.
-
-    Coordinates are whole multiples of ``unit`` metres from ``centre``.  In space there are views,
-    each with its name, azimuth and elevation.
-    """
-    grid = Grid(scene.view)
-    view = scene.view
-    data: dict[str, Any] = {
-        "dimension": scene.dimension,
-        "unit": grid.unit,
-        "scale": view.scale,
-        "width": view.width,
-        "height": view.height,
-        "axes": sight(*NAMED[0][1:]).tolist() if scene.dimension == 3 else view.axes.tolist(),
-        "views": [list(named) for named in NAMED] if scene.dimension == 3 else [],
-    }
-    if scene.dimension == 3:
-        data["shapes"] = [
-            {"corners": grid.whole(shape.corners), "edges": np.ravel(shape.edges).tolist()}
-            for shape in scene.shapes
-        ]
-    cells = [shape.name for shape in scene.shapes if shape.kind == "cell"]
-    if scene.motion is not None:
-        data["motion"] = motion_data(scene.motion, grid, cells, view)
-    return data
-
-
-class Grid:
-    """Rounds points to the grid."""
-
-    def __init__(self, view: View) -> None:
-        self.centre = view.centre
-        self.unit = GRID / view.scale
-
-    def whole(self, points: Array) -> list[int]:
-        """The coordinates of points (..., d) in turn."""
-        found: list[int] = np.rint((points - self.centre) / self.unit).astype(int).ravel().tolist()
-        return found
-
-
-def motion_data(motion: RobotMotion, grid: Grid, cells: list[str], view: View) -> dict[str, Any]:
-    """A motion for a script; ``cells`` are the names of those that are drawn, in order."""
-    robot = motion.robot
-    visits = [
-        [[visit.since, cells.index(visit.cell) if visit.cell in cells else -1] for visit in each]
-        for each in motion.visits
-    ]
-    return {
-        "steps": motion.steps,
-        "step": motion.step,
-        "times": [_short(t) for t in motion.times],
-        "q": [[_short(v) for v in row] for row in motion.q],
-        "points": [grid.whole(row) for row in motion.points],
-        "bones": [list(bone) for bone in robot.bones],
-        "rods": [
-            [*rod.ends, int(2 * (rod.radius or 0.0) * view.scale > THINNEST_CAPSULE)]
-            for rod in robot.rods
-        ],
-        "joints": [[joint.point, -1 if joint.tip is None else joint.tip] for joint in robot.joints],
-        "solids": [list(shape.corners) for shape in robot.shapes],
-        "masses": [mass.point for mass in robot.masses],
-        "effectors": list(robot.effectors),
-        "kinds": [dof.kind for dof in robot.numeric.graph.model.dofs],
-        "cells": cells,
-        "visits": visits,
-        "tube": None if motion.tube is None else _tube(motion.tube, grid),
-    }
-
-
-def _short(value: float) -> float:
-    """A number to seven digits, whatever its size."""
-    return float(f"{value:.7g}")
-
-
-def _tube(tube: TubeBoxes, grid: Grid) -> dict[str, Any]:
-    """Boxes on the grid rounded outwards; half widths as they are, to three digits."""
-    low = np.floor((tube.boxes[..., 0] - grid.centre) / grid.unit).astype(int)
-    high = np.ceil((tube.boxes[..., 1] - grid.centre) / grid.unit).astype(int)
-    return {
-        "times": [_short(t) for t in tube.times],
-        "low": low.reshape(len(low), -1).tolist(),
-        "high": high.reshape(len(high), -1).tolist(),
-        "instants": [_short(t) for t in tube.instants],
-        "half": [[float(f"{v:.3g}") for v in row.ravel()] for row in tube.half_widths],
-    }

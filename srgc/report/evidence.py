@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -211,6 +211,11 @@ def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Ev
         _coverings(folder, design),
         _digests(folder),
     )
+
+
+def judged(evidence: Evidence, report: Report | None) -> Evidence:
+    """Evidence that was read without a check, with what the verifier says of its folder."""
+    return replace(evidence, report=report, tube=_tube(evidence.folder, report))
 
 
 def _coverings(folder: Path, design: Mapping[str, Any]) -> dict[str, CoveringSize]:

@@ -14,10 +14,11 @@ from srgc.render.html_text import json_script, many, text
 from srgc.render.robot_drawing import pose_marks
 from srgc.render.svg import View, fitted, line_path
 from srgc.render.workspace_drawing import WorkspaceShape, shape_marks, shape_names, workspace_shapes
-from srgc.report.animation import Grid, measure, motion_data, scene_picture
+from srgc.report.animation import measure, scene_picture
 from srgc.report.compared_designs import Axis, Compared, ComparedDesigns, shown
 from srgc.report.evidence import Evidence
 from srgc.report.front_motions import MOST_MOTIONS
+from srgc.report.motion_data import Grid, motion_data
 from srgc.report.motion_scene import MotionScene, RobotMotion, robot_motion, seen_corners
 
 WIDTH, HEIGHT = 560, 300

@@ -100,14 +100,17 @@ class MotionScene:
         return bool((corners < -0.5).any() or (corners > size + 0.5).any())
 
 
-def motion_scene(evidence: Evidence) -> MotionScene:
-    """What the animation of a result shows; the workspace alone where there is no robot."""
+def motion_scene(evidence: Evidence, most: int = MOST_NUMBERS) -> MotionScene:
+    """What the animation of a result shows; the workspace alone where there is no robot.
+
+    ``most`` is about how many coordinates of points it holds.
+    """
     motion = None
     if evidence.found is not None and evidence.trajectory is not None:
         tube = None
         if evidence.tube is not None:
             tube = tube_boxes(evidence.tube, len(evidence.found.model.effectors))
-        motion = robot_motion(evidence.found, evidence.trajectory, tube)
+        motion = robot_motion(evidence.found, evidence.trajectory, tube, most=most)
     shapes = _shapes(evidence, motion)
     return MotionScene(
         evidence.workspace.dimension, shapes, motion, fitted(seen_corners(shapes, motion))

@@ -103,7 +103,7 @@ def check_section(evidence: Evidence) -> str:
         f"<p>{_rests(evidence)} In the folder of this page:</p>"
         f'<pre class="commands">{text(commands)}</pre>{_verifier(evidence)}'
         f'<div class="scroll"><table class="identity"><tbody>{rows}</tbody></table></div>'
-        f"<h3>The specification</h3>{spec_source(evidence)}</section>"
+        f"<h3>The specification</h3>{spec_source(evidence.program)}</section>"
     )
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pygments import highlight
 from pygments.formatters.html import HtmlFormatter
 
+from grammar_lang import ir
 from grammar_lang.source import Source
 from srgc.pygments_lexer import SrgLexer
 from srgc.render.html_text import text
-from srgc.report.evidence import Evidence
 
 MOST_CHARACTERS = 40_000
 """Of all files together; what is beyond is in the folder."""
@@ -19,10 +19,10 @@ def line_anchor(file: int, line: int) -> str:
     return f"spec{file}-{line}"
 
 
-def spec_source(evidence: Evidence) -> str:
+def spec_source(program: ir.Program) -> str:
     """All files in the language; maps and images are named only."""
     left, parts = MOST_CHARACTERS, []
-    for number, source in enumerate(evidence.program.sources):
+    for number, source in enumerate(program.sources):
         if not source.path.endswith(".srg") and number:
             parts.append(f"<p><code>{text(source.path)}</code>: {len(source.data)} bytes</p>")
             continue

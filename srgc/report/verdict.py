@@ -243,12 +243,13 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
     for place, each in enumerate(design["satisfy"], start=1):
         value = each["robustness"]
         yield f"satisfy {place}, robustness", "always" if value is None else f"{number(value)} m"
-    clearance = _least_clearance(evidence)
+    clearance = least_clearance(evidence)
     if clearance is not None:
         yield "least clearance", clearance
 
 
-def _least_clearance(evidence: Evidence) -> str | None:
+def least_clearance(evidence: Evidence) -> str | None:
+    """The least distance that was proved of the motion; None where none was."""
     report = evidence.report
     margins = (
         []

@@ -43,6 +43,7 @@ from solvers.verifier.report import Refused
 from srgc.faults import NoAnswer, UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
+from srgc.results.mission_refusal import refuse_mission
 from srgc.results.result_folder import json_object
 from srgc.version import VERSION
 
@@ -157,6 +158,7 @@ def _found_claim(folder: Path) -> FoundClaim:
     if not folder.is_dir():
         raise no_folder(folder)
     refuse_links(folder)
+    refuse_mission(folder)
     path = folder / "certificate.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no certificate: no robot was found")

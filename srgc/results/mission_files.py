@@ -171,6 +171,7 @@ def mission_design_text(
             )
         ],
         "undecided": result.undecided,
+        "refuted": [_refuted(result, number) for number in range(len(result.evidence))],
         "modules": result.modules,
         "history": before,
         "origin": identity.origin,
@@ -196,6 +197,31 @@ def _robot(task: str, design: Design, step: Changes | None) -> dict[str, Any]:
         "parameters": [value.describe() for value in design.parameters],
         "robustness": design.robustness,
         "changes": None if step is None else change_entry(step),
+    }
+
+
+def _refuted(result: MissionResult, number: int) -> dict[str, Any]:
+    """What is refuted in the task of that number, counted, and why in words."""
+    own = result.evidence[number]
+    refuted = [each for each in own.records if each.verdict == "refuted"]
+    alone = [each for each in refuted if each.same_robot_as is None and each.lemma is None]
+    reasons: dict[str, list[tuple[str, ...]]] = {}
+    for record in alone:
+        reasons.setdefault(record.reason, []).append(record.word)
+    boxes = [
+        evidence for cut in result.cut for evidence in cut.evidence.values()
+        if evidence.task == number
+    ]  # fmt: skip
+    return {
+        "task": result.mission.tasks[number],
+        "structures": len(alone),
+        "lemmas": [lemma.text for lemma in own.lemmas],
+        "boxes": len(boxes),
+        "separated": own.separation is not None,
+        "reasons": [
+            {"reason": reason, "robots": len(words), "word": list(words[0])}
+            for reason, words in reasons.items()
+        ],
     }
 
 

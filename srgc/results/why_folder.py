@@ -26,6 +26,7 @@ from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_copy
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
+from srgc.results.mission_refusal import refuse_mission
 from srgc.search_options import named_search, named_solver
 from srgc.session import UsageFault
 
@@ -66,6 +67,7 @@ def tried_folder(folder: Path) -> TriedFolder:
     if not folder.is_dir():
         raise no_folder(folder)
     refuse_links(folder)
+    refuse_mission(folder)
     path = folder / "design.json"
     if not path.exists():
         begun = (folder / "journal.jsonl").exists()

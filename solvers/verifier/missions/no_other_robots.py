@@ -8,6 +8,7 @@ that are left is a bound on what any robots cost.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 
@@ -109,6 +110,14 @@ def _check_word(
 # --- Robots that are rebuilt ----------------------------------------------------------------------
 
 
+@dataclass(frozen=True, slots=True)
+class LeftRobots:
+    """The cheapest robots that are left, by the modules of each, and what they cost at least."""
+
+    cost: Fraction
+    robots: tuple[tuple[str, ...], ...]
+
+
 def least_cost(
     mission: ir.Mission,
     prices: ir.Prices,
@@ -117,6 +126,22 @@ def least_cost(
     modules: int | None,
 ) -> Fraction | None:
     """What no chain of robots that are left costs less than; None: no chain is left.
+
+    Raises:
+        FalseClaim: the robots are too many, or infinitely many, to be compared.
+    """
+    left = cheapest_left(mission, prices, robots, existing, modules)
+    return None if left is None else left.cost
+
+
+def cheapest_left(
+    mission: ir.Mission,
+    prices: ir.Prices,
+    robots: Sequence[RefutedRobots],
+    existing: Built | None,
+    modules: int | None,
+) -> LeftRobots | None:
+    """The cheapest chain of robots that are left; None: there is none.
 
     Raises:
         FalseClaim: the robots are too many, or infinitely many, to be compared.
@@ -148,4 +173,9 @@ def least_cost(
         for each in robots
     ]
     chain = cheapest_chain(costs, layers)
-    return None if chain is None else chain.cost
+    if chain is None:
+        return None
+    return LeftRobots(
+        chain.cost,
+        tuple(layer[i].names for layer, i in zip(layers, chain.robots, strict=True)),
+    )

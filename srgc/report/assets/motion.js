@@ -1,188 +1,48 @@
-// The motion of a report: moves the marks that the page already shows.
+// The motions of a report, one after the other: what plays them, and what turns space.
 (function () {
   "use strict";
-  const drawn = srgcDrawing, line = drawn.line, outline = drawn.outline, text = drawn.text;
-  const before = drawn.before, between = drawn.between;
   const root = document.getElementById("motion");
   const source = document.getElementById("motion-data");
   if (!root || !source) return;
-  const data = JSON.parse(source.textContent);
-  const picture = root.querySelector(":scope > figure > .scene");
-  const d = data.dimension;
-  let zoom = 1;
-  const grid = data.unit * data.scale;
-  const motion = data.motion || null;
-  const all = (selector) => Array.from(picture.querySelectorAll(selector));
-  let axes = data.axes;
+  const content = JSON.parse(source.textContent);
+  const list = Array.isArray(content) ? content : [content];
+  const pictures = Array.from(root.querySelectorAll(":scope > figure > .scene, :scope > figure > .part > .scene"));
+  const parts = Array.from(root.querySelectorAll(":scope > figure > .part"));
+  const said = Array.from(root.querySelectorAll(":scope > figure > .said"));
+  const scenes = list.map((data, i) => srgcScene(data, pictures[i], said[i] || root));
+  const HOLD = 900;  // milliseconds that the end of a motion is seen before the next one begins
 
-  // --- projection ---
+  if (scenes[0].motion) play();
 
-  function seen(row, at) {
-    let x = 0, y = 0;
-    for (let i = 0; i < d; i++) {
-      x += axes[0][i] * row[at + i];
-      y += axes[1][i] * row[at + i];
-    }
-    return [data.width / 2 + zoom * grid * x, data.height / 2 - zoom * grid * y];
-  }
-
-  function box(low, high, at) {
-    const corners = [];
-    for (let bits = 0; bits < 1 << d; bits++) {
-      const corner = [];
-      for (let i = 0; i < d; i++) corner.push((bits >> i) & 1 ? high[at + i] : low[at + i]);
-      corners.push(seen(corner, 0));
-    }
-    return line(outline(corners)) + "Z";
-  }
-
-  // --- the sets of the workspace, which only a view of space changes ---
-
-  function drawShapes() {
-    if (d !== 3) return;
-    const labels = new Map(all(".names text").map((label) => [Number(label.dataset.shape), label]));
-    all(".shape").forEach((mark, index) => {
-      const shape = data.shapes[index], corners = [];
-      for (let i = 0; i < shape.corners.length; i += 3) corners.push(seen(shape.corners, i));
-      mark.querySelector(".face").setAttribute("d", line(outline(corners)) + "Z");
-      let edges = "";
-      for (let i = 0; i < shape.edges.length; i += 2) {
-        edges += line([corners[shape.edges[i]], corners[shape.edges[i + 1]]]);
-      }
-      mark.querySelector(".edges").setAttribute("d", edges);
-      const label = labels.get(index);
-      if (!label) return;
-      const xs = corners.map((c) => c[0]), ys = corners.map((c) => c[1]);
-      const left = Math.min(...xs), right = Math.max(...xs);
-      const top = Math.min(...ys), bottom = Math.max(...ys);
-      const fits = right - left > 7.2 * label.textContent.length + 8 && bottom - top > 22;
-      label.setAttribute("x", ((left + right) / 2).toFixed(1));
-      label.setAttribute("y", (fits ? (top + bottom) / 2 + 5 : top - 5).toFixed(1));
-    });
-    all(".triad path").forEach((mark, i) => {
-      mark.setAttribute("d", "M0 0L" + text([34 * axes[0][i], -34 * axes[1][i]]));
-    });
-    all(".triad text").forEach((mark, i) => {
-      mark.setAttribute("x", (44 * axes[0][i]).toFixed(1));
-      mark.setAttribute("y", (-44 * axes[1][i]).toFixed(1));
-    });
-  }
-
-  // --- the motion ---
-
-  const player = motion ? preparedMotion() : null;
-
-  function preparedMotion() {
-    const times = motion.times, end = motion.steps * motion.step;
-    const marks = {
-      ...drawn.marksOf(picture.querySelector(".robot")), trails: all(".trail"), traces: all(".trace"),
-      cells: all(".cell"), tube: all(".tube")[0], ribbon: all(".ribbon")[0],
-      now: all(".tube-now")[0], instant: all(".instant")[0],
-    };
+  function play() {
     const slider = root.querySelector("input[type=range]");
-    const readings = {
-      time: root.querySelector(".readings .time"), sample: root.querySelector(".readings .sample"),
-      cells: Array.from(root.querySelectorAll(".readings .cell")),
-      q: Array.from(root.querySelectorAll(".readings .q")),
-    };
-    let tips = [], now = 0;
-
-    const drawRobot = (row) => drawn.robot(marks, motion, (point) => seen(row, point * d));
-
-    function drawTraces(row, t) {
-      const i = before(times, t);
-      motion.effectors.forEach((point, e) => {
-        const way = tips[e].slice(0, i + 1);
-        way.push(seen(row, point * d));
-        marks.traces[e].setAttribute("d", line(way));
-      });
-    }
-
-    function instantBoxes(row, t) {
-      const tube = motion.tube, half = between(tube.instants, tube.half, t);
-      const wide = data.factor / data.unit;
-      return motion.effectors.map((point, e) => {
-        const low = [], high = [];
-        for (let i = 0; i < d; i++) {
-          low.push(row[point * d + i] - wide * half[e * d + i]);
-          high.push(row[point * d + i] + wide * half[e * d + i]);
-        }
-        return box(low, high, 0);
-      }).join("");
-    }
-
-    function drawTube(row, t) {
-      const tube = motion.tube;
-      if (!tube) return;
-      const i = Math.min(before(tube.times, t), tube.low.length - 1);
-      marks.now.setAttribute("d", motion.effectors.map((_, e) => box(tube.low[i], tube.high[i], e * d)).join(""));
-      marks.instant.setAttribute("d", instantBoxes(row, t));
-    }
-
-    function read(t) {
-      const sample = Math.min(Math.floor(t / motion.step + 1e-6), motion.steps);
-      const here = motion.visits.map((visits) => {
-        let cell = -1;
-        for (const [since, index] of visits) if (since <= sample) cell = index;
-        return cell;
-      });
-      marks.cells.forEach((mark, index) => mark.classList.toggle("here", here.includes(index)));
-      readings.cells.forEach((mark, e) => { mark.textContent = here[e] < 0 ? "" : motion.cells[here[e]]; });
-      readings.time.textContent = shortTime(t) + " s";
-      readings.sample.textContent = String(sample);
-      between(times, motion.q, t).forEach((value, i) => {
-        const turns = motion.kinds[i] === "revolute";
-        readings.q[i].textContent = turns ? (value * 180 / Math.PI).toFixed(1) + "°" : short(value, 4) + " m";
-      });
-      slider.value = String(Math.min(Math.round(t / motion.step), motion.steps));
-      slider.setAttribute("aria-valuetext", shortTime(t) + " s");
-    }
-
-    const short = (value, digits) => String(Number(value.toPrecision(digits)));
-    // As fine as a thousandth of a step, and no finer than a millisecond where steps are long.
-    const decimals = Math.min(Math.max(Math.ceil(1 - Math.log10(motion.step)), 3), 12);
-    const shortTime = (t) => String(Number(t.toFixed(decimals)));
-
-    function draw() {
-      const row = between(times, motion.points, now);
-      drawRobot(row);
-      drawTraces(row, now);
-      drawTube(row, now);
-    }
-
-    function show(t) {
-      now = Math.min(Math.max(t, 0), end);
-      draw();
-      read(now);
-      document.dispatchEvent(new CustomEvent("srgc-time", { detail: { t: now } }));
-    }
-
-    const thick = marks.capsules.concat(marks.solids);
-    const widths = thick.map((mark) => Number(mark.getAttribute("stroke-width")));
-
-    function turned() {
-      thick.forEach((mark, i) => mark.setAttribute("stroke-width", (zoom * widths[i]).toFixed(1)));
-      tips = motion.effectors.map((point) => motion.points.map((row) => seen(row, point * d)));
-      if (d === 3) {
-        marks.trails.forEach((mark, e) => mark.setAttribute("d", line(tips[e])));
-        if (motion.tube) {
-          marks.tube.setAttribute("d", motion.tube.low.map((low, i) =>
-            motion.effectors.map((_, e) => box(low, motion.tube.high[i], e * d)).join("")).join(""));
-        }
-      }
-      if (motion.tube) {
-        marks.ribbon.setAttribute("d", motion.tube.instants.map((t) =>
-          instantBoxes(between(times, motion.points, t), t)).join(""));
-      }
-      draw();
-    }
-
-    // --- play, slider, events ---
-
     const button = root.querySelector(".play");
     const speed = root.querySelector(".speed select");
+    const jumps = Array.from(root.querySelectorAll("[data-part]"));
     const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
-    let frame = 0, last = 0, shown = 0;
+    const steps = scenes.map((scene) => scene.motion.steps);
+    // The slider has every sample of every motion: the last of one is not the first of the next.
+    const first = steps.map((_, i) => steps.slice(0, i).reduce((sum, each) => sum + each + 1, 0));
+    let part = 0, now = 0, frame = 0, last = 0, shown = 0, held = 0;
+    const ended = () => now >= scenes[part].end;
+
+    function show(index, t) {
+      part = index;
+      for (const list of [parts, said]) list.forEach((each, i) => { each.hidden = i !== part; });
+      now = scenes[part].show(t);
+      const sample = Math.min(Math.round(now / scenes[part].motion.step), steps[part]);
+      const task = parts.length ? parts[part].dataset.task + ", " : "";
+      slider.value = String(first[part] + sample);
+      slider.setAttribute("aria-valuetext", task + scenes[part].shortTime(now) + " s");
+      jumps.forEach((jump) => jump.setAttribute("aria-pressed", String(Number(jump.dataset.part) === part)));
+      document.dispatchEvent(new CustomEvent("srgc-time", { detail: { t: now, part: part } }));
+    }
+
+    function toSample(value) {
+      let index = 0;
+      while (index + 1 < first.length && value >= first[index + 1]) index += 1;
+      show(index, (value - first[index]) * scenes[index].motion.step);
+    }
 
     function stop() {
       cancelAnimationFrame(frame);
@@ -191,59 +51,67 @@
       button.setAttribute("aria-label", "Play");
     }
 
+    function advance(instant) {
+      if (!ended()) {
+        show(part, now + (instant - last) / 1000 * Number(speed.value));
+        held = instant;
+      } else if (instant - held > HOLD) {
+        show(part + 1, 0);
+      }
+      last = instant;
+    }
+
     function tick(instant) {
-      const t = now + (instant - last) / 1000 * Number(speed.value);
       // Few pictures a second for those who asked for little motion.
       if (!calm.matches || instant - shown > 700) {
-        last = shown = instant;
-        show(t);
+        shown = instant;
+        advance(instant);
       }
-      if (now >= end) stop(); else frame = requestAnimationFrame(tick);
+      if (ended() && part === scenes.length - 1) stop(); else frame = requestAnimationFrame(tick);
     }
 
     button.addEventListener("click", () => {
       if (frame) { stop(); return; }
-      if (now >= end) show(0);
+      if (ended() && part === scenes.length - 1) show(0, 0);
       button.textContent = "❚❚";
       button.setAttribute("aria-label", "Pause");
-      last = shown = performance.now();
+      last = shown = held = performance.now();
       frame = requestAnimationFrame(tick);
     });
-    slider.addEventListener("input", () => { stop(); show(Number(slider.value) * motion.step); });
+    slider.addEventListener("input", () => { stop(); toSample(Number(slider.value)); });
+    jumps.forEach((jump) => jump.addEventListener("click", () => { stop(); show(Number(jump.dataset.part), 0); }));
     document.addEventListener("srgc-seek", (event) => {
       const t = event.detail ? Number(event.detail.t) : NaN;
-      if (Number.isFinite(t)) { stop(); show(t); }
+      if (Number.isFinite(t)) { stop(); show(part, t); }
     });
     root.querySelectorAll("[data-show]").forEach((mark) => {
-      const apply = () => picture.classList.toggle("hide-" + mark.dataset.show, !mark.checked);
+      const apply = () => pictures.forEach((each) => each.classList.toggle("hide-" + mark.dataset.show, !mark.checked));
       mark.addEventListener("change", apply);
       apply();
     });
     root.querySelector(".controls").hidden = false;
-    turned();
-    show(0);
-    return { turned: turned };
+    show(0, 0);
   }
 
-  // --- views of space ---
+  // --- views of space, the same for all motions ---
 
   function turnable() {
     const bar = root.querySelector(".views");
+    const views = list[0].views;
     const buttons = Array.from(bar.querySelectorAll("[data-view]"));
-    let azimuth = data.views[0][1], elevation = data.views[0][2], hold = null;
+    let azimuth = views[0][1], elevation = views[0][2], zoom = 1, hold = null;
 
     function turn(a, e, chosen) {
       azimuth = a;
       elevation = Math.min(Math.max(e, -Math.PI / 2), Math.PI / 2);
       const ca = Math.cos(a), sa = Math.sin(a), ce = Math.cos(elevation), se = Math.sin(elevation);
-      axes = [[ca, sa, 0], [-sa * se, ca * se, ce]];
+      const axes = [[ca, sa, 0], [-sa * se, ca * se, ce]];
       buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(i === chosen)));
-      drawShapes();
-      if (player) player.turned();
+      scenes.forEach((scene) => scene.turned(axes, zoom));
     }
 
     buttons.forEach((button, i) => {
-      button.addEventListener("click", () => turn(data.views[i][1], data.views[i][2], i));
+      button.addEventListener("click", () => turn(views[i][1], views[i][2], i));
     });
     bar.querySelectorAll("[data-zoom]").forEach((button) => {
       button.addEventListener("click", () => {
@@ -251,25 +119,27 @@
         turn(azimuth, elevation, buttons.findIndex((each) => each.getAttribute("aria-pressed") === "true"));
       });
     });
-    picture.addEventListener("pointerdown", (event) => {
-      hold = [event.clientX, event.clientY, azimuth, elevation];
-      picture.setPointerCapture(event.pointerId);
+    pictures.forEach((picture) => {
+      picture.addEventListener("pointerdown", (event) => {
+        hold = [event.clientX, event.clientY, azimuth, elevation];
+        picture.setPointerCapture(event.pointerId);
+      });
+      picture.addEventListener("pointermove", (event) => {
+        if (hold) turn(hold[2] - (event.clientX - hold[0]) / 150, hold[3] + (event.clientY - hold[1]) / 150, -1);
+      });
+      ["pointerup", "pointercancel"].forEach((name) => picture.addEventListener(name, () => { hold = null; }));
+      picture.addEventListener("keydown", (event) => {
+        const step = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+        if (!step) return;
+        event.preventDefault();
+        turn(azimuth + step[0], elevation + step[1], -1);
+      });
+      picture.classList.add("turning");
     });
-    picture.addEventListener("pointermove", (event) => {
-      if (hold) turn(hold[2] - (event.clientX - hold[0]) / 150, hold[3] + (event.clientY - hold[1]) / 150, -1);
-    });
-    ["pointerup", "pointercancel"].forEach((name) => picture.addEventListener(name, () => { hold = null; }));
-    picture.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
-      if (!step) return;
-      event.preventDefault();
-      turn(azimuth + step[0], elevation + step[1], -1);
-    });
-    picture.classList.add("turning");
     bar.hidden = false;
     turn(azimuth, elevation, 0);
   }
 
-  if (d === 3) turnable();
+  if (list[0].dimension === 3) turnable();
   root.classList.add("live");
 })();

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from srgc.render.workspace_drawing import shape_marks
-from srgc.report.animation import GRID, scene_data, show_speeds
+from srgc.report.animation import show_speeds
 from srgc.report.evidence import Evidence
+from srgc.report.motion_data import GRID, scene_data
 from srgc.report.motion_scene import (
     MOST_NUMBERS,
     RobotMotion,

@@ -1,0 +1,147 @@
+"""What rules robots out of a mission, task by task, and what is left without that of a task.
+
+What is left is computed by the verifier's code from evidence that it checks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from compiler.missions.robot_changes import built
+from compiler.words.structures import InfiniteAmbiguityError
+from solvers.verifier.claims.certificate import CertificateError
+from solvers.verifier.claims.mission_claim import MissionClaim
+from solvers.verifier.missions.no_other_robots import LeftRobots, cheapest_left, no_one_robot
+from solvers.verifier.missions.refuted_robots import RefutedRobots, refuted_robots
+from solvers.verifier.proofs.scene import UNWATCHED, Watch
+from solvers.verifier.refutations.structure_evidence import FalseClaim
+from solvers.verifier.report import Refused
+from srgc.faults import UsageFault
+from srgc.results.mission_folder import MissionFolder, TaskRefutations, mission_folder
+
+
+@dataclass(frozen=True, slots=True)
+class Without:
+    """What would be left without all that is refuted in a task.
+
+    ``robots`` are those that are rebuilt; None where that is not asked, or none are left.
+    ``one_left``: of a mission for one robot, whether some robot is left then.
+    """
+
+    robots: LeftRobots | None
+    one_left: bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class TaskReasons:
+    """What rules robots out in a task; ``without`` is None where that is not known."""
+
+    refuted: TaskRefutations
+    without: Without | None
+
+    @property
+    def task(self) -> str:
+        """The name of the task."""
+        return self.refuted.task
+
+    @property
+    def says(self) -> tuple[str, ...]:
+        """What was shown, in words."""
+        said = [*self.refuted.lemmas]
+        if self.refuted.separated:
+            said.append("obstacles separate the start from the target, for every robot")
+        for reason, count, word in self.refuted.reasons:
+            many = "1 structure" if count == 1 else f"{count} structures"
+            said.append(f"{many}: {reason}, as {' '.join(word)}")
+        if self.refuted.boxes:
+            many = "1 box" if self.refuted.boxes == 1 else f"{self.refuted.boxes} boxes"
+            said.append(f"{many} of the parameters of structures that have others left")
+        return tuple(said)
+
+
+@dataclass(frozen=True, slots=True)
+class MissionReasons:
+    """Why a mission has the verdict that it has.
+
+    ``left`` are the cheapest robots that are not refuted, of a mission whose robots are rebuilt;
+    None where none are left, or where nothing is claimed.
+    """
+
+    mission: MissionFolder
+    tasks: tuple[TaskReasons, ...]
+    left: LeftRobots | None
+
+
+def mission_reasons(folder: Path, watch: Watch = UNWATCHED) -> MissionReasons:
+    """What rules robots out of the mission of a result folder.
+
+    Raises:
+        UsageFault: there are no results of a mission, they have been altered, or the evidence does
+            not show what it is to show.
+    """
+    mission = mission_folder(folder)
+    if mission.claim is None or not mission.refuted:
+        return MissionReasons(mission, tuple(TaskReasons(r, None) for r in mission.refuted), None)
+    try:
+        names = mission.mission.tasks
+        robots = refuted_robots(folder, mission.claim, mission.program, names, (), watch)
+    except (CertificateError, FalseClaim, Refused, InfiniteAmbiguityError) as error:
+        raise UsageFault(f"{folder}: {error}; `srgc verify` says more") from None
+    except OSError as error:
+        raise UsageFault(f"{folder}: the results cannot be read: {error.strerror}") from None
+    tasks = tuple(
+        TaskReasons(refuted, _without(mission, mission.claim, robots, number))
+        for number, refuted in enumerate(mission.refuted)
+    )
+    return MissionReasons(mission, tasks, _left(mission, mission.claim, robots))
+
+
+def _without(
+    mission: MissionFolder, claim: MissionClaim, robots: Sequence[RefutedRobots], number: int
+) -> Without | None:
+    """What is left if nothing were refuted in the task of that number; None where all stays."""
+    own = mission.refuted[number]
+    needed = own.structures or own.lemmas or own.boxes or own.separated
+    if not needed or len(robots) == 1:
+        return None
+    blank = RefutedRobots(
+        robots[number].program, robots[number].task, robots[number].evidence, robots[number].family
+    )
+    others = [blank if place == number else each for place, each in enumerate(robots)]
+    if mission.mission.prices is not None:
+        left = _left(mission, claim, others)
+        return None if left is None else Without(left, None)
+    if mission.verdict == "found":
+        return None
+    return Without(None, _one_left(claim, others))
+
+
+def _left(
+    mission: MissionFolder, claim: MissionClaim, robots: Sequence[RefutedRobots]
+) -> LeftRobots | None:
+    """The cheapest robots that are left; None also where they are too many to be compared."""
+    prices = mission.mission.prices
+    if prices is None or any(each.separated for each in robots):
+        return None
+    before = mission.before
+    existing = None
+    if before is not None:
+        existing = built(before.word, mission.program.modules, before.values)
+    try:
+        return cheapest_left(mission.mission, prices, robots, existing, claim.modules)
+    except FalseClaim:
+        return None
+
+
+def _one_left(claim: MissionClaim, robots: Sequence[RefutedRobots]) -> bool:
+    """Whether one robot is left that none of the tasks refutes."""
+    if any(each.separated for each in robots):
+        return False
+    try:
+        # Boxes of a robot that is to do all tasks rest on all of them: without one they are open.
+        no_one_robot(claim, robots, claim.modules)
+    except FalseClaim:
+        return True
+    return False

@@ -1,0 +1,166 @@
+"""Why a mission has its verdict, as text or as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+from compiler.expressions.exact_numbers import exact_text
+from grammar_lang.diagnostics.wording import counted
+from solvers.verifier.missions.no_other_robots import LeftRobots
+from srgc.comparisons.mission_reasons import MissionReasons, TaskReasons
+from srgc.results.stated_objectives import short
+
+MOST_SAID = 6
+"""So many things that were shown are printed of a task, and all of them as JSON."""
+
+
+def mission_reasons_text(found: MissionReasons) -> str:
+    """The explanation for people; ends with a line break."""
+    blocks = [_head(found), *(_task(found, each) for each in found.tasks)]
+    blocks += filter(None, [_ending(found)])
+    return "\n\n".join(blocks) + "\n"
+
+
+def _head(found: MissionReasons) -> str:
+    mission = found.mission
+    name = mission.mission.name
+    if mission.verdict != "found":
+        return f"mission {name}: {mission.verdict} ({mission.design['reason']})"
+    if mission.cost is None:
+        return "; ".join([f"mission {name}: found, one robot", *_objectives(found)])
+    cost, least = mission.cost, mission.least or Fraction(0)
+    said = "proved least" if least == cost else f"none less than {exact_text(least)}"
+    return f"mission {name}: found, changes {exact_text(cost)}, {said}"
+
+
+def _objectives(found: MissionReasons) -> Iterator[str]:
+    """What one robot has of each objective, and what is proved of others."""
+    for each in found.mission.design["objectives"]:
+        name = each["objective"].removeprefix("sum(").removesuffix(")")
+        value, least = float(each["value"]), float(each["least"])
+        said = f"{name} {short(value)} {each['unit']}".rstrip()
+        if least >= value:
+            yield f"{said}, proved least"
+        elif least > 0:
+            yield f"{said}, none less than {short(least)}"
+        else:
+            yield f"{said}, not proved least"
+
+
+def _task(found: MissionReasons, each: TaskReasons) -> str:
+    said = list(each.says)
+    if not said:
+        return f"task {each.task}: no robot is refuted"
+    lines = [f"task {each.task}: {_counts(each)}"]
+    lines += [f"  {line}" for line in said[:MOST_SAID]]
+    if len(said) > MOST_SAID:
+        lines.append(f"  and {len(said) - MOST_SAID} more")
+    lines += [f"  {line}" for line in _without(found, each)]
+    return "\n".join(lines)
+
+
+def _counts(each: TaskReasons) -> str:
+    own = each.refuted
+    parts = [
+        f"{counted(own.structures, 'structure')} refuted" if own.structures else "",
+        counted(len(own.lemmas), "lemma") if own.lemmas else "",
+        f"{_boxes(own.boxes)} of parameters refuted" if own.boxes else "",
+        "all robots refuted by its workspace" if own.separated else "",
+    ]
+    return ", ".join(part for part in parts if part)
+
+
+def _boxes(count: int) -> str:
+    return f"{count} {'box' if count == 1 else 'boxes'}"
+
+
+def _without(found: MissionReasons, each: TaskReasons) -> Iterator[str]:
+    if each.without is None:
+        return
+    if each.without.robots is not None:
+        cost = exact_text(each.without.robots.cost)
+        yield f"without that, robots that cost {cost} would be left"
+    elif each.without.one_left is not None:
+        yield (
+            "without that, some robot would be left"
+            if each.without.one_left
+            else "also without that no robot is left"
+        )
+
+
+def _ending(found: MissionReasons) -> str:
+    """What is left, and what may be done."""
+    mission = found.mission
+    undecided = mission.design["undecided"]
+    if mission.verdict == "unknown":
+        open_ = (
+            f"{counted(undecided, 'robot')} undecided" if undecided else "the search ended early"
+        )
+        return f"{open_}: a longer --time-limit may decide"
+    if found.left is None:
+        return ""
+    cost = exact_text(found.left.cost)
+    if mission.verdict == "found":
+        return f"the cheapest robots that are left cost {cost}: those of the design, or as dear"
+    most = mission.mission.most
+    allowed = "" if most is None else f", and at most {exact_text(most)} is allowed"
+    rows = _chain(found, found.left)
+    return "\n".join([f"the cheapest robots that are left would cost {cost}{allowed}", *rows])
+
+
+def _chain(found: MissionReasons, left: LeftRobots) -> Iterator[str]:
+    names = found.mission.mission.tasks
+    width = max(map(len, names))
+    for task, modules in zip(names, left.robots, strict=True):
+        yield f"  {task:<{width}}  {' '.join(modules)}"
+
+
+def mission_reasons_json(found: MissionReasons) -> str:
+    """The same for other programs."""
+    mission = found.mission
+    content = {
+        "verdict": mission.verdict,
+        "reason": mission.design["reason"],
+        "mission": mission.mission.name,
+        "kind": mission.design["kind"],
+        "cost": None if mission.cost is None else float(mission.cost),
+        "least": None if mission.least is None else float(mission.least),
+        "most": None if mission.mission.most is None else float(mission.mission.most),
+        "undecided": mission.design["undecided"],
+        "tasks": [_entry(found, each) for each in found.tasks],
+        "left": _left_entry(found, found.left),
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _entry(found: MissionReasons, each: TaskReasons) -> dict[str, Any]:
+    own, without = each.refuted, each.without
+    return {
+        "task": own.task,
+        "structures": own.structures,
+        "lemmas": list(own.lemmas),
+        "boxes": own.boxes,
+        "separated": own.separated,
+        "reasons": [
+            {"reason": reason, "robots": count, "word": list(word)}
+            for reason, count, word in own.reasons
+        ],
+        "without": None
+        if without is None
+        else {"robots": _left_entry(found, without.robots), "one_left": without.one_left},
+    }
+
+
+def _left_entry(found: MissionReasons, left: LeftRobots | None) -> dict[str, Any] | None:
+    if left is None:
+        return None
+    return {
+        "cost": float(left.cost),
+        "robots": [
+            {"task": task, "modules": list(modules)}
+            for task, modules in zip(found.mission.mission.tasks, left.robots, strict=True)
+        ],
+    }

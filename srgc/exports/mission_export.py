@@ -1,0 +1,46 @@
+"""The designs of a mission in the formats of other tools: a folder for each task."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from srgc.exports.design_export import FILE_NAMES, FOLDERS, WrittenExport, written_export
+from srgc.faults import UsageFault
+from srgc.results.folder_writer import folder_output
+from srgc.results.mission_folder import mission_folder
+
+
+def written_mission_export(
+    folder: Path, form: str, output: Path | None, *, efforts: bool = True
+) -> WrittenExport:
+    """Export the designs of a mission, each into a folder with the name of its task.
+
+    Args:
+        folder: one that ``synth --mission`` or ``evolve`` has written, with the verdict found.
+        form: as of one design.
+        output: the folder of these folders; it is made.
+        efforts: whether a ROS 2 message has efforts.
+
+    Raises:
+        UsageFault: there are no robots, no folder is named, or the form cannot hold a robot.
+        NoAnswer: ``controller``: a tube does not get to the end of the motion.
+    """
+    mission = mission_folder(folder)
+    if not mission.robots:
+        raise UsageFault(f"{folder} has no robots: its verdict is {mission.verdict}")
+    if output is None:
+        raise UsageFault("a mission has a design for each task: name a folder for them with -o")
+    folder_output(folder, output)
+    written: list[Path] = []
+    notes: dict[str, None] = {}
+    for task in mission.mission.tasks:
+        place = output / task
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageFault(f"{place}: {error.strerror}") from None
+        target = place if form in FOLDERS else place / FILE_NAMES[form]
+        own = written_export(mission.of_task(task), form, target, efforts=efforts)
+        written += own.files
+        notes |= dict.fromkeys(f"{task}: {note}" for note in own.notes)
+    return WrittenExport(tuple(written), None, tuple(notes))

@@ -1,0 +1,119 @@
+"""The motions of a mission one after the other, in one animation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from srgc.render.html_text import json_script, text
+from srgc.render.svg import fitted
+from srgc.report.animation import (
+    controls,
+    magnified,
+    motion_picture,
+    poses,
+    readings,
+    robot_caption,
+    tube_caption,
+)
+from srgc.report.evidence import Evidence
+from srgc.report.missions.mission_evidence import MissionEvidence
+from srgc.report.missions.robots_section import change_words
+from srgc.report.motion_data import scene_data
+from srgc.report.motion_scene import (
+    MOST_NUMBERS,
+    MotionScene,
+    RobotMotion,
+    motion_scene,
+    seen_corners,
+)
+from srgc.results.found_design import FoundDesign
+
+FEWEST_NUMBERS = 8_000
+"""Of each of many motions, so that none is drawn at a few instants alone."""
+SMALLEST = 0.4
+"""Scenes that would be less than so large in the view of all of them have views of their own."""
+
+
+def motions_section(evidence: MissionEvidence) -> str:
+    """The section of the page; nothing where there is no robot."""
+    if not evidence.tasks:
+        return ""
+    scenes = _scenes(evidence)
+    moved = [
+        (number, task, task.found, scene, scene.motion)
+        for number, (task, scene) in enumerate(zip(evidence.tasks, scenes, strict=True))
+        if task.found is not None and scene.motion is not None
+    ]
+    parts = "".join(_part(evidence, number, s, motion) for number, _, _, s, motion in moved)
+    said = "".join(_said(*each[1:]) for each in moved)
+    stills = "".join(
+        f"<h3>{text(task.task.name)}</h3>{poses(scene, motion, f'pose-{number}')}"
+        for number, task, _, scene, motion in moved
+    )
+    data = [{**scene_data(s), "factor": magnified(m.tube, s.view)} for _, _, _, s, m in moved]
+    title = "The motion" if len(moved) == 1 else "The motions, one after the other"
+    return (
+        f'<section id="motion"><h2>{title}</h2><figure>{parts}{_jumps(evidence, scenes)}'
+        f"{controls(scenes)}{said}<figcaption>{robot_caption(scenes[0])}</figcaption></figure>"
+        f'<div class="stills">{stills}</div>{json_script("motion-data", data)}</section>'
+    )
+
+
+def _jumps(evidence: MissionEvidence, scenes: Sequence[MotionScene]) -> str:
+    """Buttons that begin a task, as wide as it is long; nothing where there is one."""
+    if len(scenes) == 1:
+        return ""
+    buttons = "".join(
+        f'<button type="button" data-part="{number}" style="flex-grow:{scene.motion.steps}" '
+        f'aria-pressed="false">{text(task.task.name)}</button>'
+        for number, (task, scene) in enumerate(zip(evidence.tasks, scenes, strict=True))
+        if scene.motion is not None
+    )
+    return f'<div class="jumps screen-only" role="group" aria-label="Tasks">{buttons}</div>'
+
+
+def _scenes(evidence: MissionEvidence) -> list[MotionScene]:
+    """The scenes of the tasks, all in one view where that shows each of them well."""
+    most = max(FEWEST_NUMBERS, MOST_NUMBERS // len(evidence.tasks))
+    scenes = [motion_scene(task, most) for task in evidence.tasks]
+    if len({scene.dimension for scene in scenes}) > 1:
+        return scenes
+    corners = [seen_corners(scene.shapes, scene.motion) for scene in scenes]
+    view = fitted([each for some in corners for each in some])
+    if any(view.scale < SMALLEST * scene.view.scale for scene in scenes):
+        return scenes
+    return [replace(scene, view=view) for scene in scenes]
+
+
+def _part(evidence: MissionEvidence, number: int, scene: MotionScene, motion: RobotMotion) -> str:
+    """A task with its picture, which a script shows at its time."""
+    name = text(evidence.tasks[number].task.name)
+    place = f", task {number + 1} of {len(evidence.tasks)}" if len(evidence.tasks) > 1 else ""
+    return (
+        f'<div class="part" data-task="{name}"><p class="at"><b>{name}</b>{place}'
+        f"{_rebuilt(evidence, number)}</p>"
+        f"{motion_picture(scene, motion, magnified(motion.tube, scene.view))}</div>"
+    )
+
+
+def _said(task: Evidence, found: FoundDesign, scene: MotionScene, motion: RobotMotion) -> str:
+    """What is read at the time of the animation, and what the tube is."""
+    factor = magnified(motion.tube, scene.view)
+    tube = tube_caption(motion.tube, factor, repeats=task.task.repeat)
+    return f'<div class="said">{readings(found, motion)}<p class="soft">{tube}</p></div>'
+
+
+def _rebuilt(evidence: MissionEvidence, number: int) -> str:
+    """What is changed before the task."""
+    mission = evidence.mission
+    step = mission.steps[number]
+    if step is None:
+        return ""
+    if number:
+        old = mission.robots[number - 1].claim.word
+    else:
+        old = () if mission.before is None else mission.before.word
+    new = mission.robots[number].claim.word
+    said = "; ".join(change_words(step, old, new, mission.program.modules))
+    return f'<span class="soft">: {text(said or "the robot is as before")}</span>'
