@@ -232,7 +232,7 @@ def synthesise_control(
     if iteration is None:
         return _hopeless(problem, start)
     iteration.run()
-    return _outcome(problem, iteration)
+    return judged(problem, iteration)
 
 
 def begun(
@@ -259,7 +259,7 @@ def begun(
     return Iteration(problem, step, budget, region, current, fictitious=far)
 
 
-def _outcome(problem: ControlProblem, iteration: Iteration) -> ControlOutcome:
+def judged(problem: ControlProblem, iteration: Iteration) -> ControlOutcome:
     """Close the small remaining defects by simulation, then judge."""
     at = iteration.current
     defect = float(np.max(at.fictitious, initial=0.0))
