@@ -47,7 +47,9 @@ NEAR_RADIUS, NEAR_PROXIMAL = 0.1, 1e-2
 GROWTH = 1.5
 """Trust regions grow by so much after steps that caused small defects."""
 ROUNDS = 8
-"""So many times all motions are solved for together and then each alone, while that gains."""
+"""So many times all motions are solved for together and then each alone at most."""
+WORTHWHILE = 1e-3
+"""A share that a time has to gain to be worth another one."""
 Box = tuple[Array, Array]
 """Lower and upper bounds (p,) of parameters, in SI units."""
 
@@ -279,12 +281,15 @@ def _solved(
     careful = best is not None
     for _ in range(ROUNDS):
         found = _round(tasks, links, budget, careful=careful)
-        if best is None or _least(tasks, found) > _least(tasks, best) + budget.tolerance:
-            best, careful = found, True
+        gained = np.inf if best is None else _least(tasks, found) - _least(tasks, best)
+        if gained > 0:
+            best = found
             tasks = [
                 replace(task, start=each.trajectory)
                 for task, each in zip(tasks, found, strict=True)
             ]
+        if gained > WORTHWHILE:
+            careful = True
         elif careful:
             # What no short step improves, long ones may leave for better motions.
             careful = False
