@@ -243,7 +243,7 @@ def begun(
     radius: float = 0.5,
     weights: Weights | None = None,
 ) -> Iteration | None:
-    """The iteration at its start, with the arguments of ``synthesise_control``.
+    """The iteration at its start; ``theta_box`` are bounds (p,), as of ``synthesise_control``.
 
     None where nothing can be computed about the start.
     """

@@ -161,7 +161,11 @@ def _components(count: int, links: Sequence[Link]) -> list[list[int]]:
 
 
 def in_common(tasks: Sequence[SharedTask], links: Sequence[Link]) -> list[SharedTask] | None:
-    """The tasks with linked parameters equal, and bound by all bounds of them; None: impossible."""
+    """The tasks with linked parameters equal, and bound by all bounds of them; None: impossible.
+
+    Raises:
+        ValueError: a link names a parameter that there is not.
+    """
     thetas = [task.start.theta.copy() for task in tasks]
     lower, upper = ([task.box[end].astype(float) for task in tasks] for end in (0, 1))
     for link in links:
