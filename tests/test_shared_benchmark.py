@@ -10,7 +10,10 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from solvers.search.evaluation import evaluate
+from solvers.trajectory.control_problem import IterationBudget
 from solvers.trajectory.shared_control import shared_control
+from solvers.trajectory.shared_parameters import parameter_box, shared_motion
 from tests.oracles.turning_link import DT
 from tests.solvers.test_shared_parameters import STEPS, by_angle, check_links, to_height
 
@@ -60,3 +63,27 @@ def test_pairs_of_the_benchmark(load: Load, seed: int, tmp_path: Path) -> None:
     assert ways["block"]["share"] >= ways["apart"]["share"] > 0
     assert ways["consensus"]["share"] >= ways["apart"]["share"] - 1e-6
     assert benchmark.told_of(seed, tmp_path / "pair.json", mine=False) == told
+
+
+def test_motions_along_paths_share_their_lengths(load: Load) -> None:
+    """From motions with other lengths each, of which one that is not linked stays free."""
+    tasks = load("shared_tasks")
+    paths = [tasks.path_problem(text) for text in tasks.pair_of(10).texts]
+    lengths = [np.array([1.2, 0.8]), np.array([1.15, 0.85])]
+    known = [evaluate(path, theta) for path, theta in zip(paths, lengths, strict=True)]
+    assert all(each.feasible for each in known)
+    starts = [each.trajectory for each in known]
+    links = [[(0, 0), (1, 0)]]
+    boxes = [(np.array([0.4, 0.5]), np.array([1.16, 1.6])), parameter_box(paths[1], lengths[1])]
+    budget = IterationBudget(10, 1e-3, 1e-8, 6, 1, 2e-3)
+    found = shared_motion(paths, starts, links, budget, boxes=boxes)
+    assert found is not None
+    assert found.feasible
+    check_links(found, links)
+    assert found.trajectories[0].theta[0] <= 1.16
+    assert found.trajectories[0].theta[1] != found.trajectories[1].theta[1]
+    for path, outcome, share in zip(paths, found.outcomes, found.shares, strict=True):
+        peak = np.max(np.abs(outcome.trajectory.u))
+        assert share == pytest.approx(1 - peak / path.groups[0].upper, abs=1e-9)
+    narrow = [(np.array([0.4, 0.5]), np.array([0.6, 1.6])), (np.array([0.7, 0.5]), boxes[1][1])]
+    assert shared_motion(paths, starts, links, budget, boxes=narrow) is None
