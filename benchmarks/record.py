@@ -124,6 +124,11 @@ BENCHMARKS = {
         "Paths that cannot be followed, explained by cores, by an IIS as in SMC-LTL, or not.",
         "benchmarks/path_cores.py",
     ),
+    "shared_parameters": Benchmark(
+        "One robot for two tasks",
+        "Random pairs of tasks: the better robot of each, consensus, and one program for both.",
+        "benchmarks/shared_parameters.py",
+    ),
     "modular_search": Benchmark(
         "Fewest modules, then the least time",
         "Arms of Timor's modules for two goals, against a lexicographic genetic search.",

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compiler.arrays import Array
+from solvers.backends.conic import NotSolved
 from solvers.trajectory.control_problem import (
     FULL,
     ControlOutcome,
@@ -71,7 +72,7 @@ DEFECT = 1e-3
 
 
 @dataclass(slots=True)
-class _Iteration:
+class Iteration:
     """A control synthesis in progress."""
 
     problem: ControlProblem
@@ -108,6 +109,10 @@ class _Iteration:
         if trial is None or self.strayed(trial, result):
             self.hold()
             return self.region.radius >= SMALLEST_RADIUS
+        return self.follow(trial, result)
+
+    def follow(self, trial: MeasuredMotion, result: StepResult) -> bool:
+        """Go where a convex step leads; whether another one is due."""
         self.current = trial
         gained = (self.worth(result, trial) - self.best) / self.problem.scale
         self.adapt(trial, gained)
@@ -127,11 +132,15 @@ class _Iteration:
         result = self.step.solve(at.model, at.rows, region, accuracy, fictitious=self.fictitious)
         if isinstance(result, StepResult):
             return result
-        self.ending, self.detail = Ending.UNSOLVED, result.text
+        self.relent(result)
+        return None
+
+    def relent(self, failure: NotSolved) -> None:
+        """Offer fictitious inputs after a step that was not solved; if it had them, shorten it."""
+        self.ending, self.detail = Ending.UNSOLVED, failure.text
         if self.fictitious:
             self.region = TrustRegion(self.region.radius / 4, self.region.proximal)
         self.fictitious = True
-        return None
 
     def strayed(self, trial: MeasuredMotion, result: StepResult) -> bool:
         """Whether linearisation caused defects that are larger than before, and not small."""
@@ -219,21 +228,38 @@ def synthesise_control(
     unknowns within that box, else they stay as seeded.  ``radius`` is that of the first trust
     region, in rad or m.
     """
+    iteration = begun(problem, start, theta_box, budget, radius, weights)
+    if iteration is None:
+        return _hopeless(problem, start)
+    iteration.run()
+    return judged(problem, iteration)
+
+
+def begun(
+    problem: ControlProblem,
+    start: Trajectory,
+    theta_box: tuple[Array, Array] | None,
+    budget: IterationBudget,
+    radius: float = 0.5,
+    weights: Weights | None = None,
+) -> Iteration | None:
+    """The iteration at its start; ``theta_box`` are bounds (p,), as of ``synthesise_control``.
+
+    None where nothing can be computed about the start.
+    """
     current = measured(problem, start)
     if current is None:
-        return _hopeless(problem, start)
+        return None
     prices = weights or Weights(rates=problem.rates, mobility=problem.mobility)
     prices = replace(prices, position=prices.position / problem.unit)
     question = SubproblemSpec(problem.limits, problem.groups, theta_box, prices, unit=problem.unit)
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
     # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
     far = current.excess > NEAR * problem.unit
-    iteration = _Iteration(problem, step, budget, region, current, fictitious=far)
-    iteration.run()
-    return _outcome(problem, iteration)
+    return Iteration(problem, step, budget, region, current, fictitious=far)
 
 
-def _outcome(problem: ControlProblem, iteration: _Iteration) -> ControlOutcome:
+def judged(problem: ControlProblem, iteration: Iteration) -> ControlOutcome:
     """Close the small remaining defects by simulation, then judge."""
     at = iteration.current
     defect = float(np.max(at.fictitious, initial=0.0))

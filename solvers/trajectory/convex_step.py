@@ -141,28 +141,24 @@ class ConvexStep:
 
         Without ``fictitious`` inputs V is 0: what is then infeasible may be feasible with them.
         """
-        every, about = LinearRows.of(model, rows), model.about
-        reach = CLOSE * region.radius * np.sum(np.abs(every.by_q), axis=1)
-        self._begin(every, reach)
+        opened = self.opened(model, rows, region, fictitious=fictitious)
         while True:
-            # What is infeasible with some of the half-planes is infeasible with all.
-            working = np.flatnonzero(self._working)
-            program = self._program(model, every.sample[working], fictitious=fictitious)
-            convex = program.program(model, every.taken(working), region)
-            optimum = self.solver.solve(convex, accuracy)
+            optimum = self.solver.solve(opened.program(), accuracy)
             if isinstance(optimum, NotSolved):
                 return optimum
-            z, layout = program.point(optimum.point), program.layout
-            moved = z[layout.theta] if layout.p else np.zeros_like(about.theta)
-            slack = max(0.0, float(z[layout.sigma]))
-            left = every.left(z[layout.x[:, : layout.n]], moved) + slack
-            if np.all(self._working | (left >= -BROKEN * accuracy)):
-                break
-            self._working |= left < reach
-        found = Trajectory(about.x + z[layout.x], z[layout.u], about.theta + moved)
-        v = z[layout.v] if fictitious else np.zeros_like(found.x[1:])
-        largest = float(np.max(np.abs(v), initial=0.0)) if fictitious else 0.0
-        return StepResult(found, v, largest, slack, float(z[layout.rho]))
+            result = opened.result(optimum.point, accuracy)
+            if result is not None:
+                return result
+
+    def opened(
+        self, model: Model, rows: PositionRows, region: TrustRegion, *, fictitious: bool = True
+    ) -> OpenStep:
+        """The step about a trajectory, for who solves its programs."""
+        every = LinearRows.of(model, rows)
+        reach = CLOSE * region.radius * np.sum(np.abs(every.by_q), axis=1)
+        self._begin(every, reach)
+        lay = partial(self._program, model, fictitious=fictitious)
+        return OpenStep(model, every, region, reach, self._working, lay)
 
     def _begin(self, every: LinearRows, reach: Array) -> None:
         """The working set for half-planes: the last one, if it still fits, and what is close."""
@@ -185,6 +181,50 @@ class ConvexStep:
         )  # fmt: skip
         self._programs[fictitious] = StepProgram(question, layout, samples)
         return self._programs[fictitious]
+
+
+@dataclass(slots=True)
+class OpenStep:
+    """One convex step about a trajectory, until half-planes outside of the working set are kept.
+
+    ``rows`` are all half-planes (R,), those whose slack is less than ``reach`` (R,) are close, and
+    ``working`` (R,) are those that programs have; ``lay`` gives the structure for their samples.
+    """
+
+    model: Model
+    rows: LinearRows
+    region: TrustRegion
+    reach: Array
+    working: NDArray[np.bool_]
+    lay: Callable[[Indices], StepProgram]
+    laid: StepProgram = field(init=False)
+    """The structure of the last program."""
+
+    def program(self) -> ConvexProgram:
+        """The program with the working set.
+
+        What is infeasible with some of the half-planes is infeasible with all.
+        """
+        working = np.flatnonzero(self.working)
+        self.laid = self.lay(self.rows.sample[working])
+        return self.laid.program(self.model, self.rows.taken(working), self.region)
+
+    def result(self, point: Array, accuracy: float) -> StepResult | None:
+        """What the optimum (N,) of the last program says.
+
+        None where it breaks other half-planes, which have joined the working set.
+        """
+        z, layout, about = self.laid.point(point), self.laid.layout, self.model.about
+        moved = z[layout.theta] if layout.p else np.zeros_like(about.theta)
+        slack = max(0.0, float(z[layout.sigma]))
+        left = self.rows.left(z[layout.x[:, : layout.n]], moved) + slack
+        if not np.all(self.working | (left >= -BROKEN * accuracy)):
+            self.working |= left < self.reach
+            return None
+        found = Trajectory(about.x + z[layout.x], z[layout.u], about.theta + moved)
+        v = z[layout.v] if layout.fictitious else np.zeros_like(found.x[1:])
+        largest = float(np.max(np.abs(v), initial=0.0))
+        return StepResult(found, v, largest, slack, float(z[layout.rho]))
 
 
 # --------------------------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ from solvers.trajectory.path_timing import (
     word_of,
 )
 from solvers.trajectory.position_plan import ASTRAY, PositionPlan
-from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets, whole_turns
+from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets, turning
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
     InputGroup,
@@ -325,11 +325,7 @@ class PathProblem:
         radius: float,
     ) -> ControlOutcome:
         """Control synthesis of a problem of this path; ``box`` are bounds (p,), or None."""
-        if self.loop is not None:
-            # As many turns as the seed makes.
-            turned = np.zeros(self.numeric.size)
-            turned[: self.numeric.n] = 2 * np.pi * whole_turns(self.model, start, self.loop)
-            problem = replace(problem, limits=replace(problem.limits, turned=turned))
+        problem = turning(problem, start)
         # Trial motions may diverge; what is not finite counts as infeasible.
         with np.errstate(all="ignore"):
             outcome = synthesise_control(problem, start, box, budget, radius)

@@ -14,7 +14,7 @@ discrete-time linear systems* (1998); for parallelotopes, Dang & Maler (1998).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.robot import RobotModel
 from compiler.tasks.specification import disturbance_radii, input_errors, measurement_radii
 from grammar_lang import ir
+from solvers.trajectory.control_problem import ControlProblem
 from solvers.trajectory.disturbance_spread import heavier_masses
 from solvers.trajectory.rounding_allowance import rounding_allowance
 from solvers.trajectory.trajectory import Trajectory
@@ -94,6 +95,16 @@ def whole_turns(model: RobotModel, motion: Trajectory, loop: int) -> Array:
     n = len(model.dofs)
     farther = motion.x[-1, :n] - motion.x[loop, :n]
     return np.where(np.array(model.periodic, bool), np.round(farther / (2 * np.pi)), 0.0)
+
+
+def turning(problem: ControlProblem, seed: Trajectory) -> ControlProblem:
+    """The problem where joints turn as often from the loop's sample to the end as in a seed."""
+    numeric, loop = problem.numeric, problem.limits.loop
+    if loop is None:
+        return problem
+    turned = np.zeros(numeric.size)
+    turned[: numeric.n] = 2 * np.pi * whole_turns(numeric.graph.model, seed, loop)
+    return replace(problem, limits=replace(problem.limits, turned=turned))
 
 
 def _round_map(
