@@ -1,7 +1,8 @@
 """Parameters that robots of several tasks have in common, and motions with one value of each.
 
 Robots are found one by one first, each with the parameters that suit its own task.  Then the values
-of one of them are given to the others, of each in turn, until motions are found for all.
+of one of them are given to the others, of each in turn, until motions are found for all.  From
+there one program for all motions (:mod:`joint_motions`) looks for values that suit them better.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from compiler.missions.parameter_boxes import Box, Cut
 from compiler.missions.parameter_ranges import meet, ranges_of, single
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
+from solvers.missions.joint_motions import joint_values, least_share
 from solvers.missions.task_robots import MotionsSought, TaskRobots
 from solvers.search.path_task import Design
 
@@ -62,14 +64,24 @@ def agreed(
         number: what reports call the structures.
     """
     tried: list[Values] = []
+    found: tuple[Design, ...] | None = None
     for values in _assignments(candidates, groups, fixed):
-        if values in tried:
-            continue
-        tried.append(values)
-        designs = _designs(candidates, values, number)
-        if designs is not None:
-            return Agreed(designs)
-    return None
+        if found is None and values not in tried:
+            tried.append(values)
+            found = _designs(candidates, values, number)
+    tasks = [each.robots for each in candidates]
+    if found is not None and any(each.minimizes for each in tasks):
+        return Agreed(found)
+    boxes = [each.box for each in candidates]
+    begun = [each.design for each in candidates] if found is None else found
+    together = joint_values(tasks, boxes, begun, groups, fixed)
+    if together is not None and together not in tried:
+        better = _designs(candidates, together, number)
+        if better is not None and (
+            found is None or least_share(tasks, better) > least_share(tasks, found)
+        ):
+            found = better
+    return None if found is None else Agreed(found)
 
 
 def _assignments(

@@ -35,11 +35,14 @@ from solvers.lemma import Lemma
 from solvers.run_context import Journal, Memory, Recorded, RunContext
 from solvers.search.design_values import design_values, limits_of
 from solvers.search.objective_search import ObjectiveSearch
-from solvers.search.path_search import StructureTask
+from solvers.search.path_search import PathSearch, StructureTask
 from solvers.search.path_task import Design
 from solvers.search.prefetch import Screening, screen, screening_of
+from solvers.search.round_task import round_tasks
 from solvers.search.search_state import NearestMotion, StructureState
+from solvers.search.shorter_motion import problem_along
 from solvers.search.structure_search import StructureSearch
+from solvers.trajectory.path_following import PathProblem
 from solvers.verifier.claims.certificate import SeparationClaim
 
 Labels: TypeAlias = tuple[str, ...]
@@ -289,19 +292,39 @@ class TaskRobots:
         self.searched += 1
         narrow, listener = within_box(model, box), Listener()
         self.context.reporter.structure(number, derivation.word)
-        given = StructureTask(
+        given = self._given(derivation, box, narrow, number, listener)
+        search = ObjectiveSearch if self.minimizes else StructureSearch
+        states = search(given, self.cells).states(self.effectors(derivation, narrow, box))
+        return MotionsSought(states, listener, self.best_of)
+
+    def _given(
+        self, derivation: Derivation, box: Box, model: RobotModel, number: int, listener: Listener
+    ) -> StructureTask:
+        """What is asked of a structure whose robot has its parameters in a box."""
+        return StructureTask(
             program=self.program,
             task=self.task,
             context=replace(self.context, journal=self.journal(derivation, box)),
             derivation=derivation,
-            numeric=NumericRobot(robot_graph(narrow, self.task.gravity)),
+            numeric=NumericRobot(robot_graph(model, self.task.gravity)),
             number=number,
-            robot=robot_key_in_task(narrow, self.task),
+            robot=robot_key_in_task(model, self.task),
             listener=listener,
         )
-        search = ObjectiveSearch if self.minimizes else StructureSearch
-        states = search(given, self.cells).states(self.effectors(derivation, narrow, box))
-        return MotionsSought(states, listener, self.best_of)
+
+    def path_problem(self, design: Design, box: Box) -> PathProblem | None:
+        """The problem of motions along the cells of a design, with parameters in a box.
+
+        None where what the task says of samples does not allow one.
+        """
+        model, steps = self.model(design.derivation), len(design.inputs)
+        if model is None:
+            return None
+        narrow = within_box(model, box)
+        given = self._given(design.derivation, box, narrow, 0, Listener())
+        given = replace(given, task=self.task.lasting(steps))
+        paths = PathSearch(given, round_tasks(given.task, design.effector)[0], design.effector)
+        return problem_along(paths, design.abstraction, design, steps)
 
     def best_of(self, designs: Sequence[Design]) -> Design:
         """The best of some designs by the objectives of the task; of equal ones the most robust."""

@@ -36,7 +36,7 @@ WAYS = 8
 
 def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
     """The way of a design in joint space, gone along as fast as the drives allow; None: unknown."""
-    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    path_problem = problem_along(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None:
         return None
     motion = best.configuration.outcome.trajectory
@@ -49,7 +49,7 @@ def faster_way(paths: PathSearch, best: Design, than: Timing | None) -> Timing |
     Straight ones are timed or, where none is clear, ways around obstacles.  None where they are not
     faster ``than`` a known one, or a formula says what happens in between.
     """
-    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    path_problem = problem_along(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None or path_problem.formula is not None:
         return None
     theta = best.configuration.outcome.trajectory.theta
@@ -89,7 +89,7 @@ def shorter_motion(
     """
     steps = paths.shape.task.steps
     cells = best.abstraction if best.abstraction.cuts else cells
-    path_problem = _problem(paths, cells, best, steps)
+    path_problem = problem_along(paths, cells, best, steps)
     if path_problem is None:
         return PathAttempt(blocked_by(best.configuration.outcome))
     if price:
@@ -113,7 +113,7 @@ def attempt_along(
         box: bounds (p,) of the parameters.
         name: what it is for, as journals call it.
     """
-    path_problem = _problem(paths, best.abstraction, best, len(best.inputs))
+    path_problem = problem_along(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None:
         return PathAttempt(blocked_by(best.configuration.outcome))
     return _solved(paths, replace(path_problem, box=box), start, f"{paths.structure.label}|{name}")
@@ -139,7 +139,9 @@ def _solved(
     return paths.proved(path_problem, found, label)
 
 
-def _problem(paths: PathSearch, cells: Abstraction, best: Design, steps: int) -> PathProblem | None:
+def problem_along(
+    paths: PathSearch, cells: Abstraction, best: Design, steps: int
+) -> PathProblem | None:
     """The path problem along the cells of a design; None where its formula does not allow that."""
     leader = _route(cells, best)
     if paths.place.on_samples(best.effector) is None:
