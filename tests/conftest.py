@@ -16,6 +16,7 @@ import pytest
 from hypothesis import settings
 
 from tests.oracles import small_specs
+from tests.oracles.small_missions import MISSIONS, SHOP
 from tests.oracles.some_cases import OTHERS, USUAL
 from tests.oracles.spatial_arm import SPATIAL
 
@@ -41,8 +42,13 @@ SPECS = {
     "without_link": small_specs.WITHOUT_LINK.encode(),
     "too_short": small_specs.TOO_SHORT.encode(),
     "spatial": SPATIAL.encode(),
+    **{f"mission_{name.lower()}": SHOP.encode() for name in MISSIONS},
 }
-OPTIONS = {"beyond_reach": ("--no-lemmas",), "too_short": ("--no-lemmas",)}
+OPTIONS = {
+    "beyond_reach": ("--no-lemmas",),
+    "too_short": ("--no-lemmas",),
+    **{f"mission_{name.lower()}": ("--mission", name) for name in MISSIONS},
+}
 """Of those that are made with some."""
 
 
@@ -125,7 +131,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def get(spec: str) -> Path:
         if spec not in known:
             known[spec] = _shared(spec, base)
-        if not (known[spec] / "out" / "certificate.json").exists():
+        claims = [known[spec] / "out" / name for name in ("certificate.json", "mission.json")]
+        if not any(claim.exists() for claim in claims):
             pytest.fail(f"no verdict on {spec}: {(known[spec] / 'stderr').read_text()[-2000:]}")
         return known[spec]
 

@@ -208,6 +208,19 @@ def test_the_fields_of_results_are_described(made: Callable[[str], Path], spec: 
         assert all(re.search(rf"`{column}`", page) for column in head.split(","))
 
 
+@pytest.mark.parametrize("name", ["retune", "both", "before"])
+def test_the_fields_of_missions_are_described(made: Callable[[str], Path], name: str) -> None:
+    page = TEXTS["docs/reference/results.md"]
+    counts = {"robots", "examined", "refutations", "motion searches"}
+    words = set(re.findall(r"`([\w.]+)`", page)) | counts
+    folder = made(f"mission_{name}") / "out"
+    for file in ("design.json", "mission.json"):
+        content = json.loads((folder / file).read_text(encoding="utf-8"))
+        assert keys(content) <= words, file
+    known = {"spec", "proofs", "tasks", "design.json", "mission.json", "log.json"}
+    assert {path.name for path in folder.iterdir()} <= known
+
+
 def test_the_rules_of_figure_1_are_shown_as_they_are() -> None:
     spec = (ROOT / "specs" / "l_shaped.srg").read_text(encoding="utf-8")
     [shown] = [body for _, body in blocks("text") if body.startswith("module LL")]

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         3: "impossible, within the changes allowed",
         4: "unknown, or out of time",
     },
-    read_on="docs/how-to/existing-robot.md",
+    read_on="docs/how-to/rebuild-robots.md",
 )
 @FOLDER
 @FILE

@@ -6,13 +6,13 @@ What is left is computed by the verifier's code from evidence that it checks.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from compiler.missions.robot_changes import built
 from compiler.words.structures import InfiniteAmbiguityError
 from solvers.verifier.claims.certificate import CertificateError
-from solvers.verifier.claims.mission_claim import MissionClaim
+from solvers.verifier.claims.mission_claim import CutClaim, MissionClaim, TreeClaim
 from solvers.verifier.missions.no_other_robots import LeftRobots, cheapest_left, no_one_robot
 from solvers.verifier.missions.refuted_robots import RefutedRobots, refuted_robots
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
@@ -55,9 +55,13 @@ class TaskReasons:
         for reason, count, word in self.refuted.reasons:
             many = "1 structure" if count == 1 else f"{count} structures"
             said.append(f"{many}: {reason}, as {' '.join(word)}")
-        if self.refuted.boxes:
-            many = "1 box" if self.refuted.boxes == 1 else f"{self.refuted.boxes} boxes"
-            said.append(f"{many} of the parameters of structures that have others left")
+        if self.refuted.boxes == 1:
+            said.append("1 box of the parameters of a structure that is not refuted as a whole")
+        elif self.refuted.boxes:
+            said.append(
+                f"{self.refuted.boxes} boxes of the parameters of structures that are not refuted "
+                "as a whole"
+            )
         return tuple(said)
 
 
@@ -115,7 +119,16 @@ def _without(
         return None if left is None else Without(left, None)
     if mission.verdict == "found":
         return None
-    return Without(None, _one_left(claim, others))
+    boxes = tuple(replace(each, tree=_left_out(each.tree, number)) for each in claim.boxes)
+    return Without(None, _one_left(replace(claim, boxes=boxes), others))
+
+
+def _left_out(tree: TreeClaim, number: int) -> TreeClaim:
+    """Boxes of a robot that is to do all tasks, those open that are refuted in one of them."""
+    if isinstance(tree, CutClaim):
+        first, second = (_left_out(part, number) for part in tree.parts)
+        return replace(tree, parts=(first, second))
+    return None if tree is None or tree.task == number else tree
 
 
 def _left(
@@ -140,7 +153,6 @@ def _one_left(claim: MissionClaim, robots: Sequence[RefutedRobots]) -> bool:
     if any(each.separated for each in robots):
         return False
     try:
-        # Boxes of a robot that is to do all tasks rest on all of them: without one they are open.
         no_one_robot(claim, robots, claim.modules)
     except FalseClaim:
         return True

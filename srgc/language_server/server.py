@@ -17,7 +17,14 @@ from srgc.language_server.documents.uris import path_of
 from srgc.language_server.features import Features
 from srgc.language_server.outlines.semantic_tokens import LEGEND
 from srgc.language_server.protocol import Protocol
-from srgc.language_server.tasks.task_commands import CHECK, SYNTH, VERIFY, TaskCommands, task_lenses
+from srgc.language_server.tasks.task_commands import (
+    CHECK,
+    SYNTH,
+    VERIFY,
+    TaskCommands,
+    kind_of,
+    task_lenses,
+)
 from srgc.language_server.tasks.verdicts import Verdicts
 from srgc.version import VERSION
 
@@ -228,13 +235,13 @@ def _connect_tasks(server: Server) -> None:
         return []
 
     @server.command(CHECK)
-    async def _(uri: str, task: str) -> dict[str, Any]:
-        return await commands.check(uri, task)
+    async def _(uri: str, task: str, *kind: str) -> dict[str, Any]:
+        return await commands.check(uri, task, kind_of(kind))
 
     @server.command(SYNTH)
-    async def _(uri: str, task: str) -> dict[str, Any]:
-        return await commands.synth(uri, task)
+    async def _(uri: str, task: str, *kind: str) -> dict[str, Any]:
+        return await commands.synth(uri, task, kind_of(kind))
 
     @server.command(VERIFY)
-    async def _(uri: str, task: str) -> dict[str, Any]:
-        return await commands.verify(uri, task)
+    async def _(uri: str, task: str, *kind: str) -> dict[str, Any]:
+        return await commands.verify(uri, task, kind_of(kind))

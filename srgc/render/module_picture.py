@@ -76,7 +76,7 @@ def robot_picture(
 
 def signs_of(fates: Collection[str]) -> str:
     """The signs of what happens to a module, in their order."""
-    return "".join(sign for fate, sign in SIGNS.items() if fate in fates)
+    return " ".join(sign for fate, sign in SIGNS.items() if fate in fates)
 
 
 def _classes(module: DrawnModule, fates: Mapping[int, Collection[str]]) -> str:

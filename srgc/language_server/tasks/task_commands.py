@@ -1,4 +1,4 @@
-"""The commands of tasks in an editor: synthesis and verification, as processes of their own."""
+"""Commands of tasks and missions in an editor: synthesis, verification, as processes beside it."""
 
 from __future__ import annotations
 
@@ -11,20 +11,26 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
 from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.diagnostics.wording import counted
+from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 from srgc.faults import SPEC_ERRORS, USAGE
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.programs import Programs
 from srgc.language_server.documents.projects import bytes_of, is_folder
 from srgc.language_server.protocol import RequestRefused
-from srgc.language_server.tasks.verdicts import Verdicts, current_files, folder_of
+from srgc.language_server.tasks.verdicts import (
+    Verdicts,
+    current_files,
+    folder_of,
+    holds_mission,
+)
 
 # --- ``srgc synth`` and ``srgc verify`` beside the server, with their progress and their end ------
 
@@ -137,6 +143,8 @@ async def _lines(stream: asyncio.StreamReader | None, told: Callable[[str], None
 # --- The commands of the lenses: ``srgc.check``, ``srgc.synth`` and ``srgc.verify`` ---------------
 
 
+Kind: TypeAlias = Literal["task", "mission"]
+"""What a command is about, which is also the option that names it."""
 _REPLACE = "Replace Results"
 _VERDICTS = {0: "found", 3: "impossible", 4: "unknown", 130: "interrupted"}
 _OUTCOMES = {0: "verified", 1: "refuted", 4: "not decided", 6: "about another task"}
@@ -154,9 +162,9 @@ class TaskCommands:
     jobs: Jobs = field(default_factory=Jobs)
     _tokens: itertools.count[int] = field(default_factory=itertools.count)
 
-    async def check(self, uri: str, task: str) -> dict[str, Any]:
-        """All findings of the program of a task, counted and told."""
-        analysis = await self._program(uri, task)
+    async def check(self, uri: str, task: str, kind: Kind = "task") -> dict[str, Any]:
+        """All findings of the program of a task or a mission, counted and told."""
+        analysis = await self._program(uri, task, kind)
         found = await self.programs.work(lambda: analysis.findings)
         errors = sum(each.severity is Severity.ERROR for each in found)
         warnings = sum(each.severity is Severity.WARNING for each in found)
@@ -166,12 +174,12 @@ class TaskCommands:
         self._say(text, lsp.MessageType.Error if errors else lsp.MessageType.Info)
         return {"errors": errors, "warnings": warnings}
 
-    async def synth(self, uri: str, task: str) -> dict[str, Any]:
+    async def synth(self, uri: str, task: str, kind: Kind = "task") -> dict[str, Any]:
         """Synthesise, and verify what was found."""
-        path = await self._saved(uri, task)
+        path = await self._saved(uri, task, kind)
         folder = folder_of(path, task)
         relative = folder.relative_to(path.parent)
-        arguments = ["synth", path.name, "--task", task, "-o", str(relative)]
+        arguments = ["synth", path.name, f"--{kind}", task, "-o", str(relative)]
         ended = await self._run(path, task, "synth", arguments)
         if ended.status == USAGE and "--force" in ended.errors:
             if not await self._may_replace(folder, relative):
@@ -185,21 +193,23 @@ class TaskCommands:
             return {"verdict": None, "status": ended.status}
         self._say(f"{task}: {verdict}", lsp.MessageType.Info)
         if verdict in {"found", "impossible"}:
-            await self.verify(uri, task)
+            await self.verify(uri, task, kind)
         return {"verdict": verdict, "status": ended.status}
 
-    async def verify(self, uri: str, task: str) -> dict[str, Any]:
-        """Verify the results of a task.
+    async def verify(self, uri: str, task: str, kind: Kind = "task") -> dict[str, Any]:
+        """Verify the results of a task or a mission.
 
         Raises:
             RequestRefused: there is no result folder yet.
         """
-        path = await self._path(uri, task)
+        path = await self._path(uri, task, kind)
         folder = folder_of(path, task)
         if not is_folder(folder):
             raise RequestRefused(f"{folder} is no result folder yet: synthesise first")
         relative = str(folder.relative_to(path.parent))
-        ended = await self._run(path, task, "verify", ["verify", relative, "--task", task])
+        # What `srgc evolve` writes for a task is claimed as a mission is.
+        about = "--mission" if holds_mission(folder) else f"--{kind}"
+        ended = await self._run(path, task, "verify", ["verify", relative, about, task])
         outcome = _OUTCOMES.get(ended.status)
         if outcome is None:
             self._say(f"{task}: {_last(ended)}", lsp.MessageType.Error)
@@ -234,22 +244,23 @@ class TaskCommands:
 
     # --- what a command is about ---------------------------------------------------------------
 
-    async def _program(self, uri: str, task: str) -> Analysis:
+    async def _program(self, uri: str, task: str, kind: Kind) -> Analysis:
         for analysis in await self.programs.of(uri):
-            if task in analysis.declared.tasks:
+            declared = analysis.declared
+            if task in (declared.missions if kind == "mission" else declared.tasks):
                 return analysis
-        raise RequestRefused(f"there is no task `{task}` in an open document")
+        raise RequestRefused(f"there is no {kind} `{task}` in an open document")
 
-    async def _path(self, uri: str, task: str) -> Path:
-        path = (await self._program(uri, task)).path(0)
+    async def _path(self, uri: str, task: str, kind: Kind) -> Path:
+        path = (await self._program(uri, task, kind)).path(0)
         if path is None:
             raise RequestRefused("save the document as a file first")
         return path
 
-    async def _saved(self, uri: str, task: str) -> Path:
+    async def _saved(self, uri: str, task: str, kind: Kind) -> Path:
         """The main file; what is on the disk must be what is shown."""
-        analysis = await self._program(uri, task)
-        path = await self._path(uri, task)
+        analysis = await self._program(uri, task, kind)
+        path = await self._path(uri, task, kind)
         for number, (name, data) in enumerate(current_files(analysis).items()):
             at = analysis.path(number)
             if at is None or bytes_of(at) != data:
@@ -317,10 +328,24 @@ def _last(ended: Ended) -> str:
     return lines[-1] if lines else f"exit status {ended.status}"
 
 
-# --- Code lenses on tasks: check, synth, and the last verdict -------------------------------------
+# --- Code lenses on tasks and missions: check, synth, and the last verdict ------------------------
 
 
 CHECK, SYNTH, VERIFY = "srgc.check", "srgc.synth", "srgc.verify"
+
+
+def kind_of(given: Sequence[str]) -> Kind:
+    """What a command is about, by its further arguments: a task, where there are none.
+
+    Raises:
+        RequestRefused: there is no such kind.
+    """
+    if given in ((), ("task",)):
+        return "task"
+    if given == ("mission",):
+        return "mission"
+    raise RequestRefused("a command is about a `task` or a `mission`")
+
 
 Running = Mapping[tuple[str, str], str]
 """What is being done about a task (path of the file, name), as text."""
@@ -342,13 +367,16 @@ def task_lenses(
     files: dict[str, bytes] = {}
     lenses: list[lsp.CodeLens] = []
     for item in analysis.items(number):
-        if not isinstance(item, t.Task):
+        if not isinstance(item, t.Task | m.Mission):
             continue
         name = item.name.text
+        # Of tasks there is no third argument: clients from before there were missions give none.
+        kind = ["mission"] if isinstance(item, m.Mission) else []
+        asked = [uri, name, *kind]
         place = analysis.lines(number).range(item.name.span)
 
-        def add(title: str, command: str, at: lsp.Range = place, task: str = name) -> None:
-            lenses.append(lsp.CodeLens(at, lsp.Command(title, command, arguments=[uri, task])))
+        def add(title: str, command: str, at: lsp.Range = place, asked: list[str] = asked) -> None:
+            lenses.append(lsp.CodeLens(at, lsp.Command(title, command, arguments=asked)))
 
         add("check", CHECK)
         if path is None:

@@ -1,4 +1,4 @@
-"""What the result folder of a task says, and whether it is about the text as it is now."""
+"""What the result folder of a task or a mission says, and whether it is about the text as it is."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.file_tree import decoded
+from solvers.verifier.claims.mission_claim import MISSION
 from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.projects import bytes_of
@@ -28,9 +29,14 @@ class Verdict:
     stale: bool
 
 
-def folder_of(path: Path, task: str) -> Path:
-    """Where the results of a task are written: ``out/TASK`` beside the file."""
-    return path.parent / "out" / task
+def folder_of(path: Path, name: str) -> Path:
+    """Where the results of a task or a mission are written: ``out/NAME`` beside the file."""
+    return path.parent / "out" / name
+
+
+def holds_mission(folder: Path) -> bool:
+    """Whether the claim there is one about a mission, or about a step of ``srgc evolve``."""
+    return _plain_bytes(folder / MISSION) is not None
 
 
 def current_files(analysis: Analysis) -> dict[str, bytes]:
@@ -57,8 +63,8 @@ class Verdicts:
     _verified: dict[str, tuple[str, str]] = field(default_factory=dict[str, tuple[str, str]])
 
     def note(self, folder: Path, outcome: str) -> None:
-        """``srgc verify`` has said something about the certificate that is there now."""
-        digest = _digest(folder / "certificate.json")
+        """``srgc verify`` has said something about the claim that is there now."""
+        digest = _digest(folder)
         if digest is not None:
             self._verified[str(folder)] = (digest, outcome)
 
@@ -77,7 +83,7 @@ class Verdicts:
         kind = str(design["verdict"])
         text = _said(kind, design)
         known = self._verified.get(str(folder))
-        if known is not None and known[0] == _digest(folder / "certificate.json"):
+        if known is not None and known[0] == _digest(folder):
             text = f"{text} ({known[1]})"
         stale = design.get("spec_sha256") != spec_digest(files)
         return Verdict(kind, f"stale: {text}" if stale else text, stale)
@@ -89,11 +95,23 @@ def _said(kind: str, design: Mapping[str, Any]) -> str:
     more = ""
     if kind == "found" and isinstance(word, list):
         more = " ".join(map(str, word))
+    elif kind == "found" and "mission" in design:
+        more = _of_mission(design)
     elif isinstance(reason, str):
         more = " ".join(reason.split())
     if len(more) > _LONGEST:
         more = f"{more[: _LONGEST - 1]}…"
     return f"{kind}: {more}" if more else kind
+
+
+def _of_mission(design: Mapping[str, Any]) -> str:
+    """What the robots of a mission cost, or which one does it."""
+    cost, robots = design.get("cost"), design.get("robots")
+    if isinstance(cost, int | float):
+        return f"changes {cost:g}"
+    if isinstance(robots, list) and robots and isinstance(robots[0], dict):
+        return " ".join(map(str, robots[0].get("word") or ()))
+    return ""
 
 
 def _design(folder: Path) -> dict[str, Any] | None:
@@ -104,9 +122,15 @@ def _design(folder: Path) -> dict[str, Any] | None:
     return content if isinstance(content, dict) and "verdict" in content else None
 
 
-def _digest(path: Path) -> str | None:
-    data = _plain_bytes(path)
-    return None if data is None else hashlib.sha256(data).hexdigest()
+def _digest(folder: Path) -> str | None:
+    """That of all claims in a folder: the certificate, or that of a mission with its designs'."""
+    claim = folder / MISSION if holds_mission(folder) else folder / "certificate.json"
+    designs = sorted(folder.glob("tasks/*/certificate.json")) if claim.name == MISSION else []
+    found = [_plain_bytes(path) for path in (claim, *designs)]
+    if found[0] is None:
+        return None
+    digests = [hashlib.sha256(data or b"").hexdigest() for data in found]
+    return hashlib.sha256("".join(digests).encode()).hexdigest()
 
 
 def _plain_bytes(path: Path) -> bytes | None:

@@ -105,7 +105,7 @@ def _said(evidence: MissionEvidence) -> str:
     each = (
         "Robots that are refuted in a task, whatever became of the others: single structures with "
         "all their parameters, lemmas about all words of a condition, and boxes of the parameters "
-        "of structures that are left with others."
+        "of structures that are not refuted as a whole."
     )
     if mission.verdict == "unknown":
         return f"{each} Other robots are left."
