@@ -139,6 +139,12 @@ BENCHMARKS = {
         "The same with a base that may stand elsewhere.",
         "benchmarks/modular_search.py --placed",
     ),
+    "missions": Benchmark(
+        "Missions",
+        "Random families with missions: answers against brute force, and how few structures are "
+        "looked at.",
+        "benchmarks/missions.py",
+    ),
     "smt_agreement": Benchmark(
         "Scripts by two solvers",
         "All scripts of refutations of shipped, small and random families, by z3 and by cvc5.",

@@ -166,7 +166,7 @@ class MissionFamily:
 
     def _task(self, name: str, longest: int) -> Task:
         choose = self.choose
-        robot = choose.choice(list(self._robots_of(choose.choice(self.grammar.words))))
+        robot = choose.choice(list(self.robots_of(choose.choice(self.grammar.words))))
         arm = choose.choice(self.arms(robot))
         far = sum(arm.lengths)
         if len(arm.joints) > 1:
@@ -224,7 +224,7 @@ class MissionFamily:
 
     # --- robots ----------------------------------------------------------------------------------
 
-    def _robots_of(self, word: Word) -> Iterator[Robot]:
+    def robots_of(self, word: Word) -> Iterator[Robot]:
         """The robots of a word, of lengths in intervals the ends."""
         choices = [
             [(name, length) for length in self.kinds[name].lengths]
@@ -268,7 +268,7 @@ class MissionFamily:
         return [
             robot
             for word in self.layer(task)
-            for robot in self._robots_of(word)
+            for robot in self.robots_of(word)
             if all(fixed.get(name) in (None, value) for name, value in robot)
             and self.does(robot, task)
         ]

@@ -28,6 +28,8 @@ from solvers.verifier.claims.structure_claims import StructureClaim, structure_c
 
 MISSION = "mission.json"
 FORMAT = 1
+MOST_DEPTH = 100
+"""Boxes are cut at most so many times in turn; trees that are deeper cost stack to walk through."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,7 +242,9 @@ def _boxes(item: Mapping[str, Any]) -> BoxesClaim:
     )
 
 
-def _tree(content: object) -> TreeClaim:
+def _tree(content: object, depth: int = 0) -> TreeClaim:
+    if depth > MOST_DEPTH:
+        raise ValueError(f"a box is cut more than {MOST_DEPTH} times in turn")
     if content is None:
         return None
     if not isinstance(content, dict):
@@ -252,4 +256,5 @@ def _tree(content: object) -> TreeClaim:
     if not isinstance(parts, list) or len(parts) != 2:
         raise TypeError("a box is cut in two parts")
     where = number(at) if isinstance(at, int) else text(at)
-    return CutClaim(number(content["parameter"]), where, (_tree(parts[0]), _tree(parts[1])))
+    halves = _tree(parts[0], depth + 1), _tree(parts[1], depth + 1)
+    return CutClaim(number(content["parameter"]), where, halves)

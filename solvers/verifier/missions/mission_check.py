@@ -230,7 +230,7 @@ def _impossible(
     trust: str | None,
     watch: Watch,
 ) -> MissionReport:
-    if claim.cost is not None or claim.objectives:
+    if claim.cost is not None or claim.least is not None or claim.objectives:
         raise Refused("the claim says what robots cost, and that there are none")
     solvers = named_solvers(trust)
     robots = refuted_robots(folder, claim, program, mission.tasks, solvers, watch)

@@ -149,7 +149,7 @@ def _objectives(
     for amount, stated in zip(known, claim.objectives, strict=True):
         value, least = exact(stated.value), exact(stated.least)
         bounds_of = value_bounds(amount, found.word, model, claimed_values(found, model), nothing)
-        if bounds_of is None or not bounds_of[0] <= value or value > bounds_of[1] + _close(value):
+        if bounds_of is None or not bounds_of[0] <= value <= bounds_of[1] + _close(bounds_of):
             raise Refused(f"`{amount.text}` is not {stated.value}")
         if least > value:
             raise Refused(f"the least of `{amount.text}` is more than the robot has")
@@ -169,5 +169,7 @@ def _objectives(
     return said
 
 
-def _close(value: Fraction) -> Fraction:
-    return Fraction(1, 10**9) * max(Fraction(1), abs(value))
+def _close(bounds: tuple[Fraction, Fraction]) -> Fraction:
+    """By how much more may be stated than bounds say; nothing where the value is rational."""
+    low, high = bounds
+    return Fraction(0) if low == high else Fraction(1, 10**9) * max(Fraction(1), abs(high))
