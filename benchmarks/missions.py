@@ -11,10 +11,12 @@ one ends the run, a least cost that is not proved is told.
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import sys
 import tempfile
 import time
+from contextlib import redirect_stdout
 from fractions import Fraction
 from pathlib import Path
 from statistics import median
@@ -40,7 +42,8 @@ def measured(seed: int, folder: Path) -> dict[str, Any]:
     spec, out = folder / f"mission{seed}.srg", folder / f"out{seed}"
     spec.write_text(family.text, encoding="utf-8")
     started = time.process_time()
-    run(["synth", str(spec), "--mission", "M", "-o", str(out), "-q"])
+    with redirect_stdout(io.StringIO()):
+        run(["synth", str(spec), "--mission", "M", "-o", str(out), "-q"])
     seconds = time.process_time() - started
     design = json.loads((out / "design.json").read_text(encoding="utf-8"))
     log = json.loads((out / "log.json").read_text(encoding="utf-8"))

@@ -132,7 +132,7 @@ def test_a_length_that_is_hardly_another_one_is_another_one() -> None:
 
 def test_costs_of_words_against_all_alignments() -> None:
     choose = random.Random("words")
-    words = [tuple(choose.choices(NAMES, k=choose.randrange(5))) for _ in range(30)]
+    words = [tuple(choose.choices(NAMES, k=choose.randrange(5))) for _ in range(16)]
     for add, remove in [(1, 1), (3, 2), (0, 5), (7, 0)]:
         costs = word_costs(words, words[::-1], add, remove)
         prices = ir.Prices(Fraction(add), Fraction(remove))
@@ -143,7 +143,7 @@ def test_costs_of_words_against_all_alignments() -> None:
 
 def test_cheapest_chains_against_all_chains() -> None:
     choose = random.Random("chains")
-    for _, _, prices, free in cases(80, "prices of chains"):
+    for _, _, prices, free in cases(50, "prices of chains"):
         layers = [
             [(drawn(choose, 3), choose.randrange(4)) for _ in range(choose.randint(1, 4))]
             for _ in range(choose.randint(1, 4))
@@ -235,7 +235,7 @@ def test_random_trees_part_their_box() -> None:
     """A value is refuted exactly if all leaves that have it are; open leaves have all others."""
     choose = random.Random("trees")
     places = [(Fraction(k, 4), Fraction(c)) for k in range(33) for c in (1, 2, 4, 7)]
-    for _ in range(60):
+    for _ in range(20):
         tree = BoxTree(box())
         for _ in range(choose.randrange(7)):
             leaf = choose.choice(list(tree.leaves()))

@@ -30,11 +30,11 @@ from tests.soundness.judged_missions import Content, Judge
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
 CLAIM = "mission.json"
-SEEDS = (91, 25, 11, 31, 35, 49, 55, 65, 85, 89, 20, 9)
+SEEDS = (25, 91, 11, 31, 35, 49, 55, 65, 85, 89, 20, 9)
 """Both kinds, found and impossible, with boxes and without, with `from`, free lengths, a bound."""
 CONTINUOUS = 52
 """A result with boxes of lengths from intervals."""
-FEW, MANY = 12, 60
+FEW, MANY = 8, 60
 """So many of one result in the usual suite, and in `make test-slow`."""
 HUGE = "9" * 299
 

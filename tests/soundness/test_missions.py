@@ -22,14 +22,15 @@ pytestmark = pytest.mark.usefixtures("without_pictures")
 FEW = (0, 21, 36, 77, 89)
 BLOCK = 10
 BLOCKS = 10
-SHARE = 3
-"""The search looks at most at one part of so many of all structures, over all families."""
 WEAK = {38: ["2"], 58: ["3"]}
 """Least costs that are proved lower than they are: two lengths that are kept are cut into boxes."""
 
 
 def tried(seed: int, scratch: Path) -> tuple[int, int]:
-    """How many structures a search has looked at, and how many there are; its answer is true."""
+    """How many structures a search has looked at, and how many there are; its answer is true.
+
+    `benchmarks/missions.py` has the table of these figures.
+    """
     family = MissionFamily(seed)
     spec, folder = scratch / f"mission{seed}.srg", scratch / f"out{seed}"
     spec.write_text(family.text, encoding="utf-8")
