@@ -12,6 +12,7 @@ from solvers.verifier.report import Outcome, Report
 from srgc.render.html_text import many, text
 from srgc.report.missions.mission_evidence import MissionEvidence
 from srgc.report.verdict import MODEL
+from srgc.results.mission_folder import FROM
 from srgc.results.stated_objectives import short
 
 
@@ -201,7 +202,8 @@ def _asked(evidence: MissionEvidence) -> Iterator[str]:
     if evidence.mission.before is not None:
         word = " ".join(evidence.mission.before.word)
         source = evidence.mission.before.source
-        yield f"There is a robot already, <code>{text(word)}</code> ({text(source)})."
+        where = "as <code>from</code> says" if source == FROM else f"in {text(source)}"
+        yield f"There is a robot already, <code>{text(word)}</code>, {where}."
     if mission.minimize:
         asked = ", then ".join(f"<code>{objective_text(o)}</code>" for o in mission.minimize)
         yield f"The least is asked for of: {asked}."
