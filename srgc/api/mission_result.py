@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike, fspath
-from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Literal
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from srgc.api.result import Page, Result, TemporaryFolder, page_of, result_in
+from srgc.api.folder_result import FolderResult, Page, TemporaryFolder, page_of
+from srgc.api.result import Result, result_in
 from srgc.api.spoken_faults import spoken
 from srgc.api.verification import Verification, verify
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from compiler.missions.robot_changes import Changes
     from srgc.comparisons.mission_reasons import MissionReasons
     from srgc.results.mission_folder import MissionFolder
@@ -78,7 +76,7 @@ class MissionExplanation:
 
 
 @dataclass(frozen=True)
-class MissionResult:
+class MissionResult(FolderResult):
     """A verdict about a mission, which is a folder as ``srgc synth --mission`` writes it.
 
     So is one step of ``srgc evolve``.  It can stand wherever the path of such a folder can.
@@ -89,34 +87,6 @@ class MissionResult:
         keeper: what keeps a temporary folder.
         answers: what the verifier has said so far, which the display of the result shows.
     """
-
-    folder: Path
-    design: Mapping[str, Any] = field(repr=False)
-    keeper: TemporaryFolder | None = field(default=None, repr=False, compare=False)
-    answers: list[Verification] = field(default_factory=list, repr=False, compare=False)
-
-    def __fspath__(self) -> str:
-        return fspath(self.folder)
-
-    def __reduce__(self) -> tuple[Callable[..., MissionResult], tuple[object, ...]]:
-        """How it is pickled: with what a temporary folder holds, since that is removed with it."""
-        if self.keeper is None:
-            return MissionResult, (self.folder, self.design, None, self.answers)
-        place = self.folder.relative_to(self.keeper.path)
-        return _unpickled, (self.keeper.files(), place, self.design, self.answers)
-
-    @property
-    def verdict(self) -> Literal["found", "impossible", "unknown"]:
-        """Whether robots were found, or proved impossible, or neither."""
-        verdicts: dict[str, Literal["found", "impossible", "unknown"]] = {
-            "found": "found", "impossible": "impossible", "unknown": "unknown",
-        }  # fmt: skip
-        return verdicts[self.design["verdict"]]
-
-    @property
-    def reason(self) -> str | None:
-        """Why no robots were found; None where they were."""
-        return None if self.design["reason"] is None else str(self.design["reason"])
 
     @property
     def mission(self) -> str:
@@ -260,14 +230,3 @@ def mission_in(folder: Path, keeper: TemporaryFolder | None = None) -> MissionRe
     from srgc.results.mission_folder import mission_folder
 
     return MissionResult(folder, mission_folder(folder).design, keeper)
-
-
-def _unpickled(
-    files: Mapping[str, bytes],
-    place: PurePath,
-    design: Mapping[str, Any],
-    answers: list[Verification],
-) -> MissionResult:
-    """A result in a temporary folder of its own."""
-    keeper = TemporaryFolder.made(files)
-    return MissionResult(keeper.path / place, design, keeper, answers)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
-import weakref
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike, fspath
-from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Literal
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from srgc.api.folder_result import FolderResult, Page, TemporaryFolder, page_of
 from srgc.api.landscape import Landscape, landscape_of
 from srgc.api.robot import Robot
 from srgc.api.spoken_faults import spoken
@@ -20,7 +18,7 @@ from srgc.chosen_robot import ChosenRobot
 from srgc.faults import UsageFault
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from srgc.report.tables import Trajectory
     from srgc.results.found_design import FoundDesign
@@ -29,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(FolderResult):
     """A verdict with its evidence, which is a folder as ``srgc synth`` writes it.
 
     It can stand wherever the path of such a folder can.
@@ -40,34 +38,6 @@ class Result:
         keeper: what keeps a temporary folder.
         answers: what the verifier has said so far, which the display of the result shows.
     """
-
-    folder: Path
-    design: Mapping[str, Any] = field(repr=False)
-    keeper: TemporaryFolder | None = field(default=None, repr=False, compare=False)
-    answers: list[Verification] = field(default_factory=list, repr=False, compare=False)
-
-    def __fspath__(self) -> str:
-        return fspath(self.folder)
-
-    def __reduce__(self) -> tuple[Callable[..., Result], tuple[object, ...]]:
-        """How it is pickled: with what a temporary folder holds, since that is removed with it."""
-        if self.keeper is None:
-            return Result, (self.folder, self.design, None, self.answers)
-        place = self.folder.relative_to(self.keeper.path)
-        return _unpickled, (self.keeper.files(), place, self.design, self.answers)
-
-    @property
-    def verdict(self) -> Literal["found", "impossible", "unknown"]:
-        """Whether a robot was found, or proved impossible, or neither."""
-        verdicts: dict[str, Literal["found", "impossible", "unknown"]] = {
-            "found": "found", "impossible": "impossible", "unknown": "unknown",
-        }  # fmt: skip
-        return verdicts[self.design["verdict"]]
-
-    @property
-    def reason(self) -> str | None:
-        """Why no robot was found; None where one was."""
-        return None if self.design["reason"] is None else str(self.design["reason"])
 
     @property
     def task(self) -> str:
@@ -260,88 +230,7 @@ def result_in(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
     return Result(folder, _design(folder), keeper)
 
 
-def _unpickled(
-    files: Mapping[str, bytes],
-    place: PurePath,
-    design: Mapping[str, Any],
-    answers: list[Verification],
-) -> Result:
-    """A result in a temporary folder of its own."""
-    keeper = TemporaryFolder.made(files)
-    return Result(keeper.path / place, design, keeper, answers)
-
-
 def _design(folder: Path) -> dict[str, Any]:
     from srgc.results.result_folder import json_object
 
     return json_object(folder / "design.json")
-
-
-# --- its report, and where it may live ------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Page:
-    """A page of its own, which shows itself in a frame of a notebook.
-
-    Attributes:
-        html: the whole page; it loads nothing from elsewhere.
-    """
-
-    html: str
-
-    def save(self, path: str | PathLike[str]) -> Path:
-        """Write the page to a file.
-
-        Raises:
-            SrgcError: it cannot be written.
-        """
-        from srgc.paths import write_output
-
-        write_output(Path(path), self.html)
-        return Path(path)
-
-    def __repr__(self) -> str:
-        return f"<Page: {len(self.html.encode()) / 1000:.0f} kB of HTML>"
-
-    def _repr_html_(self) -> str:
-        from srgc.api.displays import page_frame
-
-        return page_frame(self.html)
-
-
-def page_of(folder: Path, *, verify: bool) -> Page:
-    """The report of a result folder.
-
-    Raises:
-        UsageFault: there are no results, or they have been altered.
-    """
-    from srgc.report.page import report_page
-
-    return Page(report_page(folder, verify=verify))
-
-
-@dataclass(frozen=True, slots=True, weakref_slot=True)
-class TemporaryFolder:
-    """A new folder, which is removed when nothing refers to this any more."""
-
-    path: Path
-
-    @classmethod
-    def made(cls, files: Mapping[str, bytes] | None = None) -> TemporaryFolder:
-        """A new one, with these files in it."""
-        folder = cls(Path(tempfile.mkdtemp(prefix="srgc-")))
-        weakref.finalize(folder, shutil.rmtree, folder.path, ignore_errors=True)
-        for name, content in (files or {}).items():
-            place = folder.path / name
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_bytes(content)
-        return folder
-
-    def files(self) -> dict[str, bytes]:
-        """All that is in it."""
-        return {
-            path.relative_to(self.path).as_posix(): path.read_bytes()
-            for path in sorted(self.path.rglob("*"))
-            if path.is_file()
-        }

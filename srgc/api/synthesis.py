@@ -8,9 +8,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, overload
 
+from srgc.api.folder_result import TemporaryFolder
 from srgc.api.mission_result import MissionResult, mission_in
 from srgc.api.program import Program
-from srgc.api.result import Result, TemporaryFolder, opened
+from srgc.api.result import Result, opened
 from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 from srgc.session import chosen, refuse_cycles

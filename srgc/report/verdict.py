@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from solvers.verifier.claims.bound_claims import bound_text
 from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim, control_of
 from solvers.verifier.proofs.tube_checks import Status
-from solvers.verifier.report import Outcome
+from solvers.verifier.report import Outcome, Report
 from srgc.render.html_text import many, number, text, with_unit
 from srgc.report.controller import commanded_peak
 from srgc.report.evidence import Evidence, tried_robots
@@ -30,7 +30,7 @@ MODEL = (
 
 def verdict_section(evidence: Evidence) -> str:
     """The head of the page."""
-    word, kind = _judged(evidence)
+    word, kind = judged_words(evidence.verdict, evidence.report)
     design = evidence.design
     proved = "".join(f"<p>{sentence}</p>" for sentence in _proved(evidence))
     sentences = "".join(
@@ -83,9 +83,16 @@ def _claimed(claim: ImpossibleClaim) -> str:
             return f"all {count} structures {within} are refuted"
 
 
-def _judged(evidence: Evidence) -> tuple[str, str]:
-    """The words of the badge, and its class."""
-    verdict, report = evidence.verdict, evidence.report
+def judged_words(
+    verdict: str, report: Report | None, claim: str = "certificate"
+) -> tuple[str, str]:
+    """The words of the badge, and its class.
+
+    Args:
+        verdict: what the result says.
+        report: what the verifier says of it, None where it was not asked.
+        claim: what it calls what the result claims.
+    """
     if verdict == "unknown":
         return "unknown", "open"
     if report is None:
@@ -99,7 +106,7 @@ def _judged(evidence: Evidence) -> tuple[str, str]:
         case Outcome.UNDECIDED | Outcome.UNEXPECTED:
             return f"{verdict}, not confirmed", "open"
         case Outcome.REFUTED | Outcome.DISAGREEMENT:
-            return f"{verdict}: the certificate is refuted", "bad"
+            return f"{verdict}: the {claim} is refuted", "bad"
 
 
 # --- what was proved -----------------------------------------------------------------------------

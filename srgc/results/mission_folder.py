@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isfinite
+from math import isclose, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -348,7 +348,9 @@ def _check_robots(found: MissionFolder) -> None:
         {name: each[name] for name in each if name != "robustness"}
         for each in found.design["robots"]
     ]
-    if stated != said:
+    left = [each["robustness"] for each in found.design["robots"]]
+    known = [float(exact(robot.claim.robustness)) for robot in found.robots]
+    if stated != said or not all(map(isclose, left, known)):
         path = found.folder / "design.json"
         raise UsageFault(f"{path}: its robots are not those of the certificates")
     claim = found.claim

@@ -16,7 +16,7 @@ from solvers.conclusion import StructureRecord
 from solvers.execution.workers import Workers
 from solvers.missions.mission_result import Existing, MissionResult
 from solvers.missions.mission_search import solve
-from solvers.run_context import EVALUATIONS, PATHS, RunContext
+from solvers.run_context import EVALUATIONS, PATHS
 from solvers.search.family_search import Proved
 from solvers.search.path_task import Design
 from solvers.search.synthesis import Synthesis
@@ -35,10 +35,11 @@ from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.results.synthesis_run import (
     SynthesisOptions,
     files_to_copy,
+    run_context,
     unusual,
     write_result,
 )
-from srgc.search_options import named_smt_solvers, workers_for
+from srgc.search_options import workers_for
 from srgc.time_limit import TimeLimit
 from srgc.version import VERSION
 
@@ -135,19 +136,7 @@ def _searched(
     limit: TimeLimit,
 ) -> MissionResult:
     with progress(f"mission {mission.name}", quiet=options.quiet, unit="robots") as display:
-        context = RunContext(
-            seed=options.seed,
-            workers=workers,
-            solver=options.solver,
-            search=options.search,
-            reporter=display,
-            journal=folder,
-            out_of_time=limit.reached,
-            paths=options.paths or PATHS,
-            evaluations=options.evaluations or EVALUATIONS,
-            lemmas=options.lemmas,
-            smt=named_smt_solvers(options.smt),
-        )
+        context = run_context(options, workers, display, folder, limit)
         with limit.holds():
             return solve(
                 program, mission, context, None if step is None else _existing(program, step)

@@ -18,7 +18,7 @@ from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
-from solvers.run_context import EVALUATIONS, PATHS, RunContext
+from solvers.run_context import EVALUATIONS, PATHS, Journal, Reporter, RunContext
 from solvers.search.design_values import design_values
 from solvers.search.family_search import Proved
 from solvers.search.optimality import stated
@@ -163,19 +163,7 @@ def _searched(
         unit="structures",
         count=lambda: structure_total(program, task),
     ) as display:
-        context = RunContext(
-            seed=options.seed,
-            workers=workers,
-            solver=options.solver,
-            search=options.search,
-            reporter=display,
-            journal=folder,
-            out_of_time=limit.reached,
-            paths=options.paths or PATHS,
-            evaluations=options.evaluations or EVALUATIONS,
-            lemmas=options.lemmas,
-            smt=named_smt_solvers(options.smt),
-        )
+        context = run_context(options, workers, display, folder, limit)
         with limit.holds():
             result = synthesise(
                 program,
@@ -187,6 +175,29 @@ def _searched(
                 told=told,
             )
     return _told(result, limit)
+
+
+def run_context(
+    options: SynthesisOptions,
+    workers: Workers,
+    reporter: Reporter,
+    journal: Journal,
+    limit: TimeLimit,
+) -> RunContext:
+    """How a run searches, by its options; the workers, the display and the journal are its own."""
+    return RunContext(
+        seed=options.seed,
+        workers=workers,
+        solver=options.solver,
+        search=options.search,
+        reporter=reporter,
+        journal=journal,
+        out_of_time=limit.reached,
+        paths=options.paths or PATHS,
+        evaluations=options.evaluations or EVALUATIONS,
+        lemmas=options.lemmas,
+        smt=named_smt_solvers(options.smt),
+    )
 
 
 def _told(result: Synthesis, limit: TimeLimit) -> Synthesis:

@@ -3,6 +3,9 @@
 const path = require("node:path");
 const vscode = require("vscode");
 
+/** What a result folder claims, of a task or of a mission. */
+const CLAIMS = "**/{certificate,mission}.json";
+
 /**
  * The result folder a command is about: that of the file it was called on, else one of the
  * workspace that the user picks.
@@ -15,7 +18,7 @@ async function resultFolder(uri) {
     const stat = await vscode.workspace.fs.stat(uri);
     return stat.type & vscode.FileType.Directory ? uri : parent(uri);
   }
-  const found = await vscode.workspace.findFiles("**/certificate.json", "**/node_modules/**", 200);
+  const found = await vscode.workspace.findFiles(CLAIMS, "**/node_modules/**", 200);
   const folders = found.map(parent).sort((one, other) => (one.fsPath < other.fsPath ? -1 : 1));
   if (folders.length === 0) {
     void vscode.window.showInformationMessage(

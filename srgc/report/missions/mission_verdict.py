@@ -11,13 +11,14 @@ from grammar_lang import ir
 from solvers.verifier.report import Outcome, Report
 from srgc.render.html_text import many, text
 from srgc.report.missions.mission_evidence import MissionEvidence
-from srgc.report.verdict import MODEL
+from srgc.report.verdict import MODEL, judged_words
+from srgc.results.mission_folder import FROM
 from srgc.results.stated_objectives import short
 
 
 def mission_verdict_section(evidence: MissionEvidence) -> str:
     """The head of the page."""
-    word, kind = judged_words(evidence)
+    word, kind = judged_words(evidence.mission.verdict, _report(evidence), "claim")
     mission = evidence.mission
     proved = "".join(f"<p>{sentence}</p>" for sentence in _proved(evidence))
     asked = "".join(f"<li>{sentence}</li>" for sentence in _asked(evidence))
@@ -33,25 +34,6 @@ def mission_verdict_section(evidence: MissionEvidence) -> str:
 
 def _report(evidence: MissionEvidence) -> Report | None:
     return None if evidence.report is None else evidence.report.report
-
-
-def judged_words(evidence: MissionEvidence) -> tuple[str, str]:
-    """The words of the badge, and its class."""
-    verdict, report = evidence.mission.verdict, _report(evidence)
-    if verdict == "unknown":
-        return "unknown", "open"
-    if report is None:
-        return f"{verdict}, not checked for this page", "open"
-    match report.outcome:
-        case Outcome.VALID:
-            level = "" if report.level is None else f", level {report.level}"
-            return f"{verdict}, proved{level}", "good" if verdict == "found" else "settled"
-        case Outcome.UNCHECKED:
-            return f"{verdict}, scripts not run", "open"
-        case Outcome.UNDECIDED | Outcome.UNEXPECTED:
-            return f"{verdict}, not confirmed", "open"
-        case Outcome.REFUTED | Outcome.DISAGREEMENT:
-            return f"{verdict}: the claim is refuted", "bad"
 
 
 def _is_valid(evidence: MissionEvidence) -> bool:
@@ -201,7 +183,8 @@ def _asked(evidence: MissionEvidence) -> Iterator[str]:
     if evidence.mission.before is not None:
         word = " ".join(evidence.mission.before.word)
         source = evidence.mission.before.source
-        yield f"There is a robot already, <code>{text(word)}</code> ({text(source)})."
+        where = "as <code>from</code> says" if source == FROM else f"in {text(source)}"
+        yield f"There is a robot already, <code>{text(word)}</code>, {where}."
     if mission.minimize:
         asked = ", then ".join(f"<code>{objective_text(o)}</code>" for o in mission.minimize)
         yield f"The least is asked for of: {asked}."

@@ -39,7 +39,9 @@ def robots_section(evidence: MissionEvidence) -> str:
     )
     left = len(line) - MOST_DRAWN
     more = f"<p>{many(left, 'more robot')} of the line are in the table.</p>" if left > 0 else ""
-    title = "The robot" if len(line) == 1 else "The line of robots"
+    title = "The line of robots"
+    if len(line) == 1:
+        title = "The robot" if line[0].tasks else "The robot before"
     return (
         f'<section id="robots"><h2>{title}</h2>{_legend(evidence)}'
         f'<ol class="line">{cards}</ol>{more}{_table(evidence)}</section>'
@@ -165,8 +167,8 @@ FIGURES = HEADS[5:]
 
 
 def _table(evidence: MissionEvidence) -> str:
-    """All robots with what is changed before each; nothing where one robot does all."""
-    if evidence.mission.mission.prices is None:
+    """All robots with what is changed before each; nothing where none is, or none was found."""
+    if evidence.mission.mission.prices is None or not evidence.tasks:
         return ""
     total, rows = Fraction(0), []
     for robot in evidence.line:

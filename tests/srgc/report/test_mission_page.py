@@ -216,7 +216,17 @@ def counted(design: dict[str, Any]) -> None:
     design["refuted"][0]["structures"] = "many"
 
 
-@pytest.mark.parametrize("change", [raised, renamed, unchanged, another, counted])
+def more_robust(design: dict[str, Any]) -> None:
+    design["robots"][0]["robustness"] += 0.01
+
+
+def forgotten(design: dict[str, Any]) -> None:
+    del design["robots"][0]["robustness"]
+
+
+@pytest.mark.parametrize(
+    "change", [more_robust, forgotten, raised, renamed, unchanged, another, counted]
+)
 def test_what_was_altered_is_refused(
     result: Callable[[str], Path], srgc: Run, change: Callable[[dict[str, Any]], None]
 ) -> None:
