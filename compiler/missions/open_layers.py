@@ -22,7 +22,7 @@ class OpenRobots:
 
     ``most`` bounds their modules, None: nothing does; ``is_refuted`` tells of a structure whatever
     its parameters are; ``trees`` are the boxes of those structures that are refuted in some.
-    ``fixed``: the task has one value for some parameters of modules that are kept.
+    ``fixed``: parameters decide on costs, as the robot that there is before has known ones.
     """
 
     most: int | None

@@ -76,7 +76,10 @@ def built_of(
 
 
 def changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Changes:
-    """The cheapest way from one robot to another; of several the one that keeps what comes first.
+    """The cheapest way from one robot to another.
+
+    Of several the one that keeps most modules is meant, and of these the one that keeps what comes
+    first.
 
     Args:
         old: the robot there is.
@@ -91,41 +94,51 @@ def changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Changes:
     while i < len(old) or j < len(new):
         if i < len(old) and j < len(new):
             names = _to_change(old[i], new[j], free)
-            if names is not None and rest[i][j] == prices.change * len(names) + rest[i + 1][j + 1]:
+            if names is not None and rest[i][j] == _plus(
+                rest[i + 1][j + 1], prices.change * len(names), 0
+            ):
                 kept.append((i, j))
                 altered += [(i, j, name) for name in names]
                 i, j = i + 1, j + 1
                 continue
-        if i < len(old) and rest[i][j] == prices.remove + rest[i + 1][j]:
+        if i < len(old) and rest[i][j] == _plus(rest[i + 1][j], prices.remove, 1):
             removed.append(i)
             i += 1
         else:
             added.append(j)
             j += 1
-    return Changes(rest[0][0], tuple(kept), tuple(removed), tuple(added), tuple(altered))
+    return Changes(rest[0][0][0], tuple(kept), tuple(removed), tuple(added), tuple(altered))
 
 
 def cost_of_changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Fraction:
     """What the cheapest way from one robot to another costs."""
-    return _costs(old, new, prices, free)[0][0]
+    return _costs(old, new, prices, free)[0][0][0]
 
 
-def _costs(old: Built, new: Built, prices: ir.Prices, free: Free) -> list[list[Fraction]]:
+Cost: TypeAlias = tuple[Fraction, int]
+"""What changes cost, and how many modules are not kept."""
+
+
+def _plus(cost: Cost, price: Fraction, modules: int) -> Cost:
+    return cost[0] + price, cost[1] + modules
+
+
+def _costs(old: Built, new: Built, prices: ir.Prices, free: Free) -> list[list[Cost]]:
     """The least cost of making ``new[j:]`` of ``old[i:]``."""
     n, m = len(old), len(new)
-    rest = [[Fraction(0)] * (m + 1) for _ in range(n + 1)]
+    rest: list[list[Cost]] = [[(Fraction(0), 0)] * (m + 1) for _ in range(n + 1)]
     for i in range(n, -1, -1):
         for j in range(m, -1, -1):
-            found: list[Fraction] = []
+            found: list[Cost] = []
             if i < n:
-                found.append(prices.remove + rest[i + 1][j])
+                found.append(_plus(rest[i + 1][j], prices.remove, 1))
             if j < m:
-                found.append(prices.add + rest[i][j + 1])
+                found.append(_plus(rest[i][j + 1], prices.add, 1))
             if i < n and j < m:
                 names = _to_change(old[i], new[j], free)
                 if names is not None:
-                    found.append(prices.change * len(names) + rest[i + 1][j + 1])
-            rest[i][j] = min(found, default=Fraction(0))
+                    found.append(_plus(rest[i + 1][j + 1], prices.change * len(names), 0))
+            rest[i][j] = min(found, default=(Fraction(0), 0))
     return rest
 
 

@@ -158,6 +158,21 @@ class _Reader:
             found.setdefault(key, freed.span)
         return frozenset(found)
 
+    def check_fixed(self, item: m.Free | None, first: ir.Task) -> None:
+        """Report parameters that are free and that the first task has one value for."""
+        origin = first.origin
+        fixed = () if origin is None else origin.fixed
+        places = {(origin.word[f.symbol], f.name): f.span for f in fixed if origin is not None}
+        for freed in () if item is None else item.parameters:
+            at = places.get((freed.module.text, freed.name.text))
+            if at is not None:
+                named = f"`{freed.module.text}.{freed.name.text}`"
+                message = f"{named} is free, and task `{first.name}` fixes it"
+                hint = "remove it here, or from `fixed` in the task"
+                self.sink.error(
+                    Code.CONTRADICTORY_MISSION, message, freed.span, hint, [(at, "fixed here")]
+                )
+
     def _is_parameter(self, freed: m.Freed) -> bool:
         """Whether a name of ``free`` is that of a parameter; reported where it is not."""
         module, name = freed.module, freed.name
@@ -305,6 +320,8 @@ def lower_mission(
         reader.check_rebuilt(rebuilt, known)
     prices = None if rebuilt is None else reader.prices(rebuilt)
     freed = reader.free(free, known[0].grammar if known else None)
+    if known:
+        reader.check_fixed(free, known[0])
     most = reader.most(changes)
     least = reader.minimize(minimize, known, rebuilt=rebuilt is not None if said else None)
     if not complete:

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from compiler.expressions.exact_numbers import rational_bounds
 from compiler.missions.chains import Link, cheapest_chain
-from compiler.missions.open_layers import OpenRobots, fixes, open_links
+from compiler.missions.open_layers import OpenRobots, open_links
 from compiler.missions.parameter_boxes import BoxTree
 from compiler.missions.parameter_ranges import Range
 from compiler.missions.robot_changes import built
@@ -350,10 +350,17 @@ def _open_layers(
         open_links(
             search.ranked,
             robots.program.modules,
-            OpenRobots(robots.task.modules, what.refutes, own, robots.model, fixes(robots.task)),
+            OpenRobots(
+                robots.task.modules, what.refutes, own, robots.model, search.is_narrow(layer)
+            ),
         )
-        for robots, what, own in zip(search.tasks, known, trees, strict=True)
+        for layer, (robots, what, own) in enumerate(zip(search.tasks, known, trees, strict=True))
     ]
+
+
+def _are(robots: int) -> str:
+    """So many robots, and the verb."""
+    return "1 robot is" if robots == 1 else f"{robots} robots are"
 
 
 def _without_chain(
@@ -377,7 +384,7 @@ def _without_chain(
         name = search.tasks[node.layer].task.name
         word = " ".join(node.derivation.word)
         parts.append(
-            f"{result.undecided} robots are neither found nor refuted; the first is {word} in "
+            f"{_are(result.undecided)} neither found nor refuted; the first is {word} in "
             f"`{name}`: {node.undecided}"
         )
     return "unknown", "; ".join(parts) or "the robots of no chain agree in their parameters"

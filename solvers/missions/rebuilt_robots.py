@@ -104,10 +104,14 @@ class RebuiltSearch:
         model = self.tasks[layer].model(derivation)
         leaf = BoxTree(() if model is None else whole_box(model))
         cut = CutRobot(layer, derivation.word, derivation.labels, leaf)
-        node = Node(layer, rank, derivation, cut, leaf, narrow=fixes(self.tasks[layer].task))
+        node = Node(layer, rank, derivation, cut, leaf, narrow=self.is_narrow(layer))
         if model is None:
             node.undecided = self.tasks[layer].fault(derivation)
         return node
+
+    def is_narrow(self, layer: int) -> bool:
+        """Whether parameters decide on the costs of a step to a robot that is not cut yet."""
+        return (not layer and self.existing is not None) or fixes(self.tasks[layer].task)
 
     # --- the search -----------------------------------------------------------------------------
 
@@ -246,8 +250,7 @@ class RebuiltSearch:
             self.found = result.designs
             if self.mission.most is None or self.cost <= self.mission.most:
                 return
-            # Values that are no rationals may be taken for equal, and are not.
-            self.found = ()
+            self.found = ()  # values that are no rationals may be taken for equal, and are not
         whole = [node.cut.tree.box for node in nodes]
         widest = widest_disagreement(candidates, groups, whole, fixed)
         parted = widest is not None and self._part(nodes, *widest)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -91,17 +92,19 @@ def evolve(
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.cli.mission import told
-    from srgc.results.evolution import Rebuilding, step_from
+    from srgc.results.evolution import Rebuilding, refuse_inside, step_from
     from srgc.results.synthesis_run import SynthesisOptions
 
     prices = ir.Prices(_price("add", add), _price("remove", remove), _price("change", change))
     most = None if changes is None else _price("changes", changes)
     freed = tuple(_parameter(program, text) for text in free)
+    if prices.change and not freed:
+        raise UsageFault("--change is the price of what --free lets change: name that by --free")
+    place = output or Path("out") / chosen_task.name
+    refuse_inside(place, folder)
     step = step_from(folder, program, chosen_task, Rebuilding(prices, freed, most))
     mission = ir.Mission(chosen_task.name, (chosen_task.name,), prices, frozenset(freed), most)
-    options = SynthesisOptions(
-        output or Path("out") / chosen_task.name, seed, jobs or 1, limit, force, as_json or quiet
-    )
+    options = SynthesisOptions(place, seed, jobs or 1, limit, force, as_json or quiet)
     return told(file, program, mission, options, step, as_json=as_json)
 
 
@@ -111,13 +114,10 @@ def _price(option: str, text: str) -> Fraction:
     Raises:
         UsageFault: it is none.
     """
-    try:
-        value = Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        value = Fraction(-1)
-    if value < 0 or len(text) > 30:
-        raise UsageFault(f"--{option} takes a number from 0 on, as 2 or 0.5; `{text}` is none")
-    return value
+    known = re.fullmatch(r"[0-9]{1,12}(\.[0-9]{1,12}|/[1-9][0-9]{0,11})?", text)
+    if known is None:
+        raise UsageFault(f"--{option} takes a number from 0 on, as 2, 0.5 or 1/3; `{text}` is none")
+    return Fraction(text)
 
 
 def _parameter(program: ir.Program, text: str) -> tuple[str, str]:

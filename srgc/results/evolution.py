@@ -11,6 +11,7 @@ from compiler.expressions.exact_numbers import exact_text
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.mission_claim import MISSION, ExistingClaim, PosedClaim
+from solvers.verifier.missions.robot_before import parameter_names
 from srgc.faults import UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import OWN_FILES, OWN_FOLDERS, refuse_links
@@ -69,6 +70,20 @@ def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebu
     return Step(rebuilding.posed, existing, history, number)
 
 
+def refuse_inside(output: Path, folder: Path) -> None:
+    """Refuse to write a step into the folder of the robot that it begins with, or about it.
+
+    Raises:
+        UsageFault: one of the two is in the other.
+    """
+    new, old = output.resolve(), folder.resolve()
+    if new == old or old in new.parents or new in old.parents:
+        raise UsageFault(
+            f"{output} and {folder}, which has the robot that there is, are one folder or one in "
+            "the other: an interrupted run would lose that robot; name another place with -o"
+        )
+
+
 def _last_robot(folder: Path) -> str:
     """Where the last robot of a result is, below its folder."""
     if not folder.is_dir():
@@ -94,12 +109,25 @@ def _check_known(
     folder: Path, claim: FoundClaim, old: ir.Program, new: ir.Program, task: ir.Task
 ) -> None:
     """The spec has the modules of the robot."""
-    for symbol in claim.word:
-        if symbol in old.modules and symbol not in new.modules:
+    for symbol in dict.fromkeys(claim.word):
+        if symbol not in old.modules:
+            continue
+        if symbol not in new.modules:
             raise UsageFault(
                 f"the robot of {folder} has a module `{symbol}`, which the spec of "
                 f"`{task.name}` does not declare"
             )
+        before, after = (parameter_names(each.modules[symbol]) for each in (old, new))
+        if before != after:
+            raise UsageFault(
+                f"module `{symbol}` of the robot of {folder} has the parameters "
+                f"{_listed(before)}, and {_listed(after)} in the spec of `{task.name}`: it is "
+                "another module, which should have another name"
+            )
+
+
+def _listed(names: frozenset[str]) -> str:
+    return ", ".join(f"`{name}`" for name in sorted(names)) or "none"
 
 
 def _earlier(folder: Path) -> list[int]:

@@ -20,7 +20,7 @@ from grammar_lang import ir
 from solvers.verifier.claims.certificate import CertificateError, exact
 from solvers.verifier.claims.mission_claim import MISSION, MissionClaim, mission_from_text
 from solvers.verifier.claims.spec_copy import bounded_text, read_copy
-from solvers.verifier.missions.mission_check import posed_mission
+from solvers.verifier.missions.robot_before import posed_mission
 from srgc.faults import UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
@@ -230,7 +230,7 @@ def _mission(
     if claim is not None and claim.posed is not None:
         if name not in program.tasks:
             raise CertificateError(f"the spec has no task `{name}`")
-        return posed_mission(name, claim.posed)
+        return posed_mission(name, claim.posed, program)
     if claim is None and design["existing"] is not None and design["history"]:
         # What changes cost is only in a claim; nothing of an unknown step is computed with it.
         return ir.Mission(program.tasks[name].name, (name,), ir.Prices())

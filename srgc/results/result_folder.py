@@ -191,6 +191,7 @@ def _difference(a: Identity, b: Identity) -> str:
         "smt": "SMT solver",
         "gap": "gap to be closed",
         "front": "search, for all designs or for those that none dominates",
+        "origin": "robot to begin with, or other prices",
     }
     for name in (item.name for item in fields(Identity)):
         if getattr(a, name) != getattr(b, name):

@@ -6,13 +6,11 @@ robot, or what rebuilding them costs, is computed from their certificates.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from compiler.expressions.exact_numbers import exact_text, rational_bounds
-from compiler.missions.parameter_ranges import Range, Ranges, single
-from compiler.missions.robot_changes import Built, built
+from compiler.expressions.exact_numbers import exact_text
+from compiler.missions.robot_changes import Built
 from compiler.robots.normal_form import family_of
 from compiler.words.structures import InfiniteAmbiguityError
 from compiler.workspaces.map_header import MapFault
@@ -21,18 +19,16 @@ from solvers.verdict import Claimed
 from solvers.verifier.claims.certificate import (
     CertificateError,
     FoundClaim,
-    exact,
 )
 from solvers.verifier.claims.mission_claim import (
     MISSION,
-    ExistingClaim,
     MissionClaim,
-    PosedClaim,
     mission_from_text,
 )
-from solvers.verifier.claims.spec_copy import bounded_text, read_claim, read_copy, spec_of
+from solvers.verifier.claims.spec_copy import bounded_text, read_claim, spec_of
 from solvers.verifier.missions.no_other_robots import least_cost, no_one_robot
 from solvers.verifier.missions.refuted_robots import refuted_robots
+from solvers.verifier.missions.robot_before import posed_mission, robot_before
 from solvers.verifier.missions.robots_together import conditions_together
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from solvers.verifier.refutations.solver_process import DisagreementError, named_solvers
@@ -40,8 +36,6 @@ from solvers.verifier.refutations.structure_evidence import FalseClaim, trusted_
 from solvers.verifier.report import Outcome, Refused, Report
 from solvers.verifier.verification import Expected, verify_directory
 
-_SOURCE = re.compile(r"history/[0-9]{1,6}(/tasks/[A-Za-z_][A-Za-z0-9_]*)?")
-"""A result in the history of a folder, or the design of a task in it."""
 TASKS = "tasks"
 
 
@@ -120,9 +114,11 @@ def _judged(
 ) -> MissionReport:
     program = spec_of(folder, claim.spec, claim.spec_sha256, spec)
     mission = _mission(claim, program)
-    existing = _existing(folder, claim, mission, program)
+    before = robot_before(folder, claim, mission, program, trust, watch)
+    existing = before.robot
     if claim.kind == "impossible":
-        return _impossible(folder, claim, program, mission, existing, trust, watch)
+        found = _impossible(folder, claim, program, mission, existing, trust, watch)
+        return replace(found, report=replace(found.report, conditions=before.said))
     reports = tuple(
         (
             name,
@@ -139,7 +135,7 @@ def _judged(
             return MissionReport(Report(outcome, "found", None, reason), reports)
     claims = [_found(folder, claim, name) for name in mission.tasks]
     conditions = conditions_together(folder, claim, program, mission, existing, claims, watch)
-    report = Report(Outcome.VALID, "found", "validated", None, conditions)
+    report = Report(Outcome.VALID, "found", "validated", None, (*before.said, *conditions))
     return MissionReport(report, reports)
 
 
@@ -152,62 +148,7 @@ def _mission(claim: MissionClaim, program: ir.Program) -> ir.Mission:
         return mission
     if claim.mission not in program.tasks:
         raise Refused(f"the spec has no task `{claim.mission}`")
-    return posed_mission(claim.mission, claim.posed)
-
-
-def posed_mission(task: str, posed: PosedClaim) -> ir.Mission:
-    """A mission of one task, for a robot that there is.
-
-    Raises:
-        CertificateError: a price is none.
-    """
-    prices = [exact(text) for text in (posed.add, posed.remove, posed.change)]
-    if any(price < 0 for price in prices):
-        raise CertificateError("the claim of the mission is malformed: a price is negative")
-    most = None if posed.most is None else exact(posed.most)
-    return ir.Mission(task, (task,), ir.Prices(*prices), frozenset(posed.free), most)
-
-
-def _existing(
-    folder: Path, claim: MissionClaim, mission: ir.Mission, program: ir.Program
-) -> Built | None:
-    """The robot that there is before the first task, as the claim has it, where that is true."""
-    origin, stated = program.tasks[mission.tasks[0]].origin, claim.existing
-    if claim.posed is None:
-        if (origin is None or mission.prices is None) is not (stated is None):
-            raise Refused("the claim does not have the robot that there is before the first task")
-        if origin is None or stated is None:
-            return None
-        if stated.word != origin.word:
-            raise Refused("the robot before the first task is not that of its `from`")
-        values = {
-            (each.symbol, each.name): (Range(*rational_bounds(each.value)),)
-            for each in origin.fixed
-        }
-        return built(origin.word, program.modules, values)
-    if stated is None:
-        raise Refused("the claim does not say which robot there is before")
-    _check_source(folder, stated, program)
-    known: dict[tuple[int, str], Ranges] = {
-        (each.symbol, each.name): single(exact(each.value)) for each in stated.parameters
-    }
-    return built(stated.word, program.modules, known)
-
-
-def _check_source(folder: Path, stated: ExistingClaim, program: ir.Program) -> None:
-    """The robot that there is before is that of the result that it comes from."""
-    if not _SOURCE.fullmatch(stated.source):
-        raise Refused("the robot before is of no result in the history")
-    source = folder / stated.source
-    before = read_claim(source)
-    if not isinstance(before, FoundClaim):
-        raise Refused(f"{stated.source} has no robot")
-    if (before.word, before.parameters) != (stated.word, stated.parameters):
-        raise Refused(f"the robot before is not that of {stated.source}")
-    earlier, _ = read_copy(source / "spec", before.spec, before.spec_sha256)
-    for symbol in stated.word:
-        if symbol in earlier.modules and symbol not in program.modules:
-            raise Refused(f"the robot before has a module `{symbol}` that the spec does not know")
+    return posed_mission(claim.mission, claim.posed, program)
 
 
 def _found(folder: Path, claim: MissionClaim, name: str) -> FoundClaim:

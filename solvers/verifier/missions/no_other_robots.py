@@ -167,7 +167,11 @@ def cheapest_left(
             found,
             first.program.modules,
             OpenRobots(
-                each.task.modules, each.is_refuted, each.trees, each.model, fixes(each.task)
+                each.task.modules,
+                each.is_refuted,
+                each.trees,
+                each.model,
+                fixed=fixes(each.task) or (each is first and existing is not None),
             ),
         )
         for each in robots
