@@ -334,6 +334,14 @@ def test_tasks_that_say_which_robot_there_is() -> None:
     assert marked(clauses) == [("error SRG0734", message, "Again")]
 
 
+def test_what_the_first_task_fixes_is_not_free() -> None:
+    clauses = "tasks Again, Morning; reconfigure; free L.length, L.width;"
+    message = "`L.length` is free, and task `Again` fixes it"
+    assert marked(clauses) == [("error SRG0734", message, "L.length")]
+    assert notes(clauses) == ["L.length = 1 m"]
+    assert marked("tasks Again, Morning; reconfigure; free L.width;") == []
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [
