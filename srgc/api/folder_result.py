@@ -11,7 +11,8 @@ from os import PathLike, fspath
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from srgc.api.verification import Verification
+from srgc.api.spoken_faults import spoken
+from srgc.api.verification import Verification, verify
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,6 +58,36 @@ class FolderResult:
     def reason(self) -> str | None:
         """Why there is no design; None where there is one."""
         return None if self.design["reason"] is None else str(self.design["reason"])
+
+    @spoken
+    def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
+        """Copy the files to a folder, as ``srgc synth -o`` writes them.
+
+        Args:
+            folder: a new or an empty one, or one with older results of the same synthesis.
+            force: replace the results of another one.
+
+        Raises:
+            SrgcError: the folder holds something else, or cannot be written.
+        """
+        from srgc.results.result_folder import copy_results
+
+        return copy_results(self.folder, Path(folder), force=force)
+
+    def verify(self, *, trust: str | None = None) -> Verification:
+        """Check the result independently, as ``srgc verify`` does."""
+        answer = verify(self.folder, trust=trust)
+        self.answers.append(answer)
+        return answer
+
+    @spoken
+    def report(self, *, verify: bool = True) -> Page:
+        """The report of ``srgc report``, as a page that shows itself in a notebook.
+
+        Args:
+            verify: whether to check the certificates again, and to show what is proved.
+        """
+        return page_of(self.folder, verify=verify)
 
 
 def _unpickled(

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from srgc.api.folder_result import FolderResult, Page, TemporaryFolder, page_of
+from srgc.api.folder_result import FolderResult, TemporaryFolder
 from srgc.api.result import Result, result_in
 from srgc.api.spoken_faults import spoken
-from srgc.api.verification import Verification, verify
 
 if TYPE_CHECKING:
     from compiler.missions.robot_changes import Changes
@@ -147,36 +145,6 @@ class MissionResult(FolderResult):
                 self.tasks, mission.steps, [before, *words], words, strict=False
             )
         )
-
-    @spoken
-    def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
-        """Copy the files to a folder, as ``srgc synth --mission -o`` writes them.
-
-        Args:
-            folder: a new or an empty one, or one with older results of the same mission.
-            force: replace the results of another one.
-
-        Raises:
-            SrgcError: the folder holds something else, or cannot be written.
-        """
-        from srgc.results.result_folder import copy_results
-
-        return copy_results(self.folder, Path(folder), force=force)
-
-    def verify(self, *, trust: str | None = None) -> Verification:
-        """Check the result independently, as ``srgc verify`` does."""
-        answer = verify(self.folder, trust=trust)
-        self.answers.append(answer)
-        return answer
-
-    @spoken
-    def report(self, *, verify: bool = True) -> Page:
-        """The report of ``srgc report``, as a page that shows itself in a notebook.
-
-        Args:
-            verify: whether to check the claim again, and to show what is proved.
-        """
-        return page_of(self.folder, verify=verify)
 
     @spoken
     def why(self) -> MissionExplanation:

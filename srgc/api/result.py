@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from srgc.api.folder_result import FolderResult, Page, TemporaryFolder, page_of
+from srgc.api.folder_result import FolderResult, TemporaryFolder
 from srgc.api.landscape import Landscape, landscape_of
 from srgc.api.robot import Robot
 from srgc.api.spoken_faults import spoken
-from srgc.api.verification import Verification, verify
 from srgc.chosen_robot import ChosenRobot
 from srgc.faults import UsageFault
 
@@ -130,36 +128,6 @@ class Result(FolderResult):
         found = [path for path in self.folder.glob("designs/*") if path.name.isdecimal()]
         folders = sorted(found, key=lambda path: int(path.name))
         return tuple(Result(path, _design(path), self.keeper) for path in folders)
-
-    @spoken
-    def save(self, folder: str | PathLike[str], *, force: bool = False) -> Path:
-        """Copy the files to a folder, as ``srgc synth -o`` writes them.
-
-        Args:
-            folder: a new or an empty one, or one with older results of the same synthesis.
-            force: replace the results of another one.
-
-        Raises:
-            SrgcError: the folder holds something else, or cannot be written.
-        """
-        from srgc.results.result_folder import copy_results
-
-        return copy_results(self.folder, Path(folder), force=force)
-
-    def verify(self, *, trust: str | None = None) -> Verification:
-        """Check the result independently, as ``srgc verify`` does."""
-        answer = verify(self.folder, trust=trust)
-        self.answers.append(answer)
-        return answer
-
-    @spoken
-    def report(self, *, verify: bool = True) -> Page:
-        """The report of ``srgc report``, as a page that shows itself in a notebook.
-
-        Args:
-            verify: whether to check the certificate again, and to show what is proved.
-        """
-        return page_of(self.folder, verify=verify)
 
     @spoken
     def landscape(

@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import math
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.metadata import version
 
+from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome
@@ -91,19 +92,40 @@ def _bar(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
 
 def check_section(evidence: Evidence) -> str:
     """Commands, digests, versions and the specification itself."""
-    told = list(_commands(evidence))
-    width = max(len(command) for command, _ in told) + 2
-    commands = "\n".join(f"{command:<{width}}# {what}" for command, what in told)
+    return own_check(
+        _rests(evidence), list(_commands(evidence)), _verifier(evidence), _identity(evidence),
+        evidence.program,
+    )  # fmt: skip
+
+
+def own_check(
+    rests: str,
+    commands: Sequence[tuple[str, str]],
+    verifier: str,
+    identity: Iterable[tuple[str, str]],
+    program: ir.Program,
+) -> str:
+    """The section of a page about how to check what it says.
+
+    Args:
+        rests: what that rests on, as HTML.
+        commands: commands, and what each of them does.
+        verifier: what follows them, as HTML.
+        identity: names of what the result is about, and the values.
+        program: the specification.
+    """
+    width = max(len(command) for command, _ in commands) + 2
+    lines = "\n".join(f"{command:<{width}}# {what}" for command, what in commands)
     rows = "".join(
         f"<tr><td>{text(name)}</td><td><code>{text(value)}</code></td></tr>"
-        for name, value in _identity(evidence)
+        for name, value in identity
     )
     return (
         '<section id="check"><h2>Check it yourself</h2>'
-        f"<p>{_rests(evidence)} In the folder of this page:</p>"
-        f'<pre class="commands">{text(commands)}</pre>{_verifier(evidence)}'
+        f"<p>{rests} In the folder of this page:</p>"
+        f'<pre class="commands">{text(lines)}</pre>{verifier}'
         f'<div class="scroll"><table class="identity"><tbody>{rows}</tbody></table></div>'
-        f"<h3>The specification</h3>{spec_source(evidence.program)}</section>"
+        f"<h3>The specification</h3>{spec_source(program)}</section>"
     )
 
 

@@ -7,28 +7,17 @@ import shlex
 from collections.abc import Iterator
 from importlib.metadata import version
 
-from srgc.render.html_text import text
 from srgc.report.missions.mission_evidence import MissionEvidence
-from srgc.report.spec_source import spec_source
+from srgc.report.proof import own_check
 from srgc.version import VERSION
 
 
 def mission_check_section(evidence: MissionEvidence) -> str:
     """Commands, digests, versions and the specification itself."""
-    told = list(_commands(evidence))
-    width = max(len(command) for command, _ in told) + 2
-    commands = "\n".join(f"{command:<{width}}# {what}" for command, what in told)
-    rows = "".join(
-        f"<tr><td>{text(name)}</td><td><code>{text(value)}</code></td></tr>"
-        for name, value in _identity(evidence)
-    )
-    return (
-        '<section id="check"><h2>Check it yourself</h2><p>This page proves nothing; what stands '
-        "beside it does. In the folder of this page:</p>"
-        f'<pre class="commands">{text(commands)}</pre>'
-        f'<div class="scroll"><table class="identity"><tbody>{rows}</tbody></table></div>'
-        f"<h3>The specification</h3>{spec_source(evidence.mission.program)}</section>"
-    )
+    return own_check(
+        "This page proves nothing; what stands beside it does.", list(_commands(evidence)), "",
+        _identity(evidence), evidence.mission.program,
+    )  # fmt: skip
 
 
 def _commands(evidence: MissionEvidence) -> Iterator[tuple[str, str]]:
