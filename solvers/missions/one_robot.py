@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 
 from compiler.missions.parameter_boxes import BoxTree, choices_halved
 from compiler.objectives.least_values import Amount, amounts
@@ -247,13 +246,6 @@ class OneRobotSearch:
         """Every parameter has one value in all tasks."""
         count = len(candidates[0].design.parameters)
         return [tuple((k, p) for k in range(len(candidates))) for p in range(count)]
-
-    @property
-    def value(self) -> dict[str, Fraction]:
-        """The least that words say of the objectives of the robot that was found."""
-        if self._best is None:
-            return {}
-        return {each.text: each.of_word(self._best.derivation.word) for each in self.amounts}
 
 
 def _bounded(tasks: Sequence[TaskRobots], mission: ir.Mission) -> ir.Task:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice, pairwise
 
-from compiler.missions.chains import Chain, ChainCosts, Link, cheapest_chain
+from compiler.missions.chains import ChainCosts, Link, cheapest_chain
 from compiler.missions.open_layers import fixes
 from compiler.missions.parameter_boxes import BoxTree, Cut, choices_halved, whole_box
 from compiler.missions.parameter_ranges import Ranges
@@ -142,11 +142,6 @@ class RebuiltSearch:
                 self._find(node)
                 return
         self._agree(nodes)
-
-    def open_chain(self) -> Chain | None:
-        """The cheapest path of robots that are not refuted, whether or not they have motions."""
-        layers = [[self._link(node) for node in layer] for layer in self._left()]
-        return cheapest_chain(self.costs, layers)
 
     def _cheapest(self) -> list[Node] | None:
         """The cheapest path of robots that are not given up; None where it costs too much."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
@@ -14,7 +13,6 @@ from compiler.missions.robot_changes import Changes
 from grammar_lang import ir
 from solvers.missions.mission_result import CutRobot, Existing, MissionResult
 from solvers.search.path_task import Design
-from solvers.verifier.claims.certificate import parameter_claims
 from solvers.verifier.claims.mission_claim import (
     BoxesClaim,
     CutClaim,
@@ -29,14 +27,6 @@ from solvers.verifier.claims.mission_claim import (
 )
 from srgc.results.evidence_claims import Evidence
 from srgc.results.result_folder import Identity
-
-
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Where the robot before the first task comes from: ``from``, or a folder of the history."""
-
-    source: str
-    existing: ExistingClaim
 
 
 def proofs_of(task: str) -> str:
@@ -234,13 +224,3 @@ def change_entry(step: Changes) -> dict[str, Any]:
         "added": list(step.added),
         "changed": [list(each) for each in step.changed],
     }
-
-
-def design_claim(design: Design, source: str) -> ExistingClaim:
-    """A design as the robot that there is before."""
-    return ExistingClaim(design.derivation.word, parameter_claims(design.parameters), source)
-
-
-def words_of(designs: Sequence[Design]) -> list[tuple[str, ...]]:
-    """The words of some designs."""
-    return [design.derivation.word for design in designs]
