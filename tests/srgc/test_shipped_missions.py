@@ -141,8 +141,8 @@ def test_the_week_step_by_step(tmp_path: Path, srgc: Run) -> None:
             str(n) for n in range(1, number + 1)
         ]
         assert srgc("verify", after).status == 0
-    # The shortest arm for Monday has one link; two joints and links are needed from Tuesday on.
-    assert total == 8
+    # Who does not know what is to come pays more: which of the cheapest arms it is, is left open.
+    assert total > least([*DAYS])
 
 
 # --- two places ---------------------------------------------------------------------------------
