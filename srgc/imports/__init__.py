@@ -1,0 +1,1 @@
+"""What other tools write, as specifications: robots, meshes and scenes."""
