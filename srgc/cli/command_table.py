@@ -35,6 +35,7 @@ class Entry(NamedTuple):
 GROUPS = {
     "Design": {
         "new": ("new", "Write a commented spec to start from."),
+        "import": ("importing", "Write a spec from the files of other tools."),
         "check": ("check", "Find the mistakes in a spec."),
         "fmt": ("fmt", "Write a spec in canonical form."),
         "expand": ("expand", "Print what grammars from ports stand for."),
@@ -142,7 +143,8 @@ def cli() -> None:
 
 def command_named(name: str) -> click.Command:
     """The command of a name in :data:`TABLE`, which is imported now."""
-    command = getattr(import_module(TABLE[name].module), name)
+    # `import` is a word of Python, so its function is `import_`.
+    command = getattr(import_module(TABLE[name].module), "import_" if name == "import" else name)
     if not isinstance(command, click.Command):
         raise TypeError(f"{name} is no command")
     return command

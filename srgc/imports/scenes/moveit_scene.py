@@ -106,13 +106,15 @@ def _object(lines: _Lines, scene: Scene, name: str, *, own_pose: bool) -> None:
         called = name if count == 1 else f"{name}_{number + 1}"
         kind = lines.line(f"a shape of {name}")
         found = _shape(lines, kind, called)
-        pose = lines.pose(called)
+        pose = outer.then(lines.pose(called))
         lines.numbers(4, f"the colour of {called}")
-        if found is None:
-            scene.dropped.append(f"{called}: a {kind} without bounds")
+        if isinstance(found, list):
+            normal = np.array(found[:3])
+            size = float(normal @ normal) or 1.0
+            scene.plane(called, pose.turn @ normal, pose.of(-found[3] / size * normal[None])[0])
         else:
             shape, note = found
-            scene.objects.append(SceneObject(called, shape, outer.then(pose), note))
+            scene.objects.append(SceneObject(called, shape, pose, note))
     if own_pose:
         subframes = lines.count(f"the number of subframes of {name}")
         for _ in range(subframes):
@@ -122,8 +124,8 @@ def _object(lines: _Lines, scene: Scene, name: str, *, own_pose: bool) -> None:
             scene.dropped.append(f"{name}: {subframes} subframes, which are no obstacles")
 
 
-def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | None:
-    """A shape and what is to be said of it; None of a plane."""
+def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | list[float]:
+    """A shape and what is to be said of it, or the a, b, c, d of a plane ax + by + cz + d = 0."""
     where = f"{lines.path}:{lines.at}: {what}"
     if kind == "box":
         x, y, z = lines.numbers(3, f"the edges of {what}")
@@ -140,8 +142,7 @@ def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | None:
             return RodShape("cylinder", radius, length), ""
         return PointsShape(cone_points(radius, length)), "a cone: a pyramid about it"
     if kind == "plane":
-        lines.numbers(4, f"the plane of {what}")
-        return None
+        return lines.numbers(4, f"the plane of {what}")
     if kind == "mesh":
         return MeshShape(_mesh(lines, what), lines.path.name), ""
     raise lines.fault(

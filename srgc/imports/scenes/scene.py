@@ -104,6 +104,16 @@ class Scene:
     dropped: list[str] = field(default_factory=list)
     ground: float | None = None
 
+    def plane(self, name: str, normal: Floats, through: Floats) -> None:
+        """Take note of a plane without bounds, which is no obstacle; one that looks up is a floor."""
+        if normal[2] > 0 and np.abs(normal[:2]).max() <= ALIGNED * normal[2]:
+            height = float(through[2])
+            self.ground = height if self.ground is None else max(height, self.ground)
+            said = "a floor without bounds; the bounds begin at it where nothing is below"
+        else:
+            said = "a plane without bounds"
+        self.dropped.append(f"{name}: {said}")
+
 
 def _aligned(turn: Floats) -> Floats:
     near = np.rint(turn)

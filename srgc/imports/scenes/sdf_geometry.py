@@ -25,8 +25,6 @@ from srgc.imports.scenes.scene import (
     positive,
 )
 
-HORIZONTAL = 1e-6
-
 
 class Geometries:
     """Reads geometries; meshes are below the folder of the file, or in packages that were named."""
@@ -60,14 +58,7 @@ class Geometries:
 
     def _plane(self, element: Xml, name: str, pose: Pose) -> None:
         normal = pose.turn @ np.array(_numbers(element, "normal", 3, name, "0 0 1"))
-        if normal[2] > 0 and np.abs(normal[:2]).max() <= HORIZONTAL * normal[2]:
-            height = float(pose.shift[2])
-            self.scene.ground = max(height, self.scene.ground or height)
-            self.scene.dropped.append(
-                f"{name}: a plane without bounds; the lower bound of z stands for it"
-            )
-        else:
-            self.scene.dropped.append(f"{name}: a plane without bounds")
+        self.scene.plane(name, normal, pose.shift)
 
     def _mesh(self, element: Xml, name: str) -> Iterator[tuple[Shape, Pose, str]]:
         uri = (element.findtext("uri") or "").strip()
