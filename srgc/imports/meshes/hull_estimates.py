@@ -38,6 +38,7 @@ class Estimates:
         self.points, self.edges = points, edges
         self.directions = directions()
         self.along = points @ self.directions.T
+        self.near = 1e-9 * float(np.ptp(points, axis=0).max())
 
     def both_sides(self, normal: Floats, offset: float) -> float:
         """The volumes of the hulls of what is below and above a plane, added; inf of nothing."""
@@ -54,13 +55,23 @@ class Estimates:
         return sum(map(hull_volume, sides)) if below.any() and above.any() else float("inf")
 
     def _cut(self, normal: Floats, offset: float) -> tuple[Bools, Bools, Floats]:
+        """Which points are below and above, and where edges cross the plane.
+
+        A point on the plane is on the side on which it has a neighbour.
+        """
         heights = self.points @ normal - offset
+        heights[np.abs(heights) <= self.near] = 0.0
         first, last = self.edges.T
-        crossing = heights[first] * heights[last] < 0
+        over, under = heights > 0, heights < 0
+        above, below = over.copy(), under.copy()
+        for one, other in ((first, last), (last, first)):
+            above[one[over[other] & ~under[one]]] = True
+            below[one[under[other] & ~over[one]]] = True
+        crossing = (over[first] & under[last]) | (under[first] & over[last])
         one, other = first[crossing], last[crossing]
         share = heights[one] / (heights[one] - heights[other])
         between = self.points[one] + share[:, None] * (self.points[other] - self.points[one])
-        return heights <= 0, heights >= 0, between
+        return below, above, between
 
     def _side(self, side: Bools, between: Floats, cut: Floats) -> float:
         numbers = np.flatnonzero(side)
