@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from importlib import import_module
+from keyword import iskeyword
 from shutil import get_terminal_size
 from typing import NamedTuple
 
@@ -37,6 +38,7 @@ GROUPS = {
         "new": ("new", "Write a commented spec to start from."),
         "check": ("check", "Find the mistakes in a spec."),
         "fmt": ("fmt", "Write a spec in canonical form."),
+        "import": ("importing", "Write a robot, modules or a scene of other tools as a spec."),
         "expand": ("expand", "Print what grammars from ports stand for."),
         "synth": ("synth", "Find a robot and prove it, or prove that there is none."),
         "evolve": ("evolve", "Rebuild the robot of a result for another task."),
@@ -142,7 +144,8 @@ def cli() -> None:
 
 def command_named(name: str) -> click.Command:
     """The command of a name in :data:`TABLE`, which is imported now."""
-    command = getattr(import_module(TABLE[name].module), name)
+    function = f"{name}_" if iskeyword(name) else name
+    command = getattr(import_module(TABLE[name].module), function)
     if not isinstance(command, click.Command):
         raise TypeError(f"{name} is no command")
     return command

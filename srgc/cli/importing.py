@@ -1,0 +1,127 @@
+"""The command ``import``: robots, module sets, tasks and scenes of other tools."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from srgc.cli.arguments import DocumentedCommand, PathOf
+from srgc.faults import UsageFault
+
+if TYPE_CHECKING:
+    from srgc.imports.written_import import Imported
+
+KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
+    "urdf": (
+        "srgc.imports.urdf.urdf_import:urdf_import",
+        frozenset(
+            {"name", "exact", "module", "ports", "effectors", "fixed", "packages", "density"}
+            | {"arguments", "pieces", "detail"}
+        ),
+    ),
+}
+"""By kind where the function is that imports it, and the options that it takes."""
+
+
+@click.command(
+    "import",
+    cls=DocumentedCommand,
+    examples=[
+        "srgc import urdf robots/scara.urdf -o out/scara.srg",
+    ],
+    reads_spec=False,
+    read_on="docs/how-to/import.md",
+)
+@click.argument("kind", type=click.Choice([*KINDS]))
+@click.argument("file", type=PathOf(path_type=Path))
+@click.option(
+    "-o",
+    "output",
+    type=PathOf(path_type=Path, allow_dash=True),
+    help="Write here; `-` is stdout, without meshes.  Default: NAME.srg.",
+)
+@click.option("--name", help="What names begin with; default: that of the robot or file.")
+@click.option("--exact", is_flag=True, help="Keep angles as they are, whatever noise they have.")
+@click.option("--module", is_flag=True, help="urdf: the file is one module with ports.")
+@click.option(
+    "--port",
+    "ports",
+    multiple=True,
+    metavar="LINK=TYPE",
+    help="urdf --module: a link that is a port, its type and, if any, `male` or `female`.",
+)
+@click.option("--effector", "effectors", multiple=True, metavar="LINK", help="urdf: an effector.")
+@click.option(
+    "--fix", "fixed", multiple=True, metavar="JOINT[=VALUE]", help="urdf: a joint that is held."
+)
+@click.option(
+    "--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package:// leads."
+)
+@click.option(
+    "--density",
+    type=float,
+    metavar="KG_PER_M3",
+    help="urdf: gives links without inertial that of their shapes.",
+)
+@click.option(
+    "--arg", "arguments", multiple=True, metavar="NAME:=VALUE", help="An argument of a xacro file."
+)
+@click.option("--pieces", type=click.IntRange(1), help="At most so many convex pieces of a mesh.")
+@click.option(
+    "--detail",
+    type=click.FloatRange(0, 1, min_open=True),
+    help="What convex pieces may add to the volume of a mesh, as a share; default 0.1.",
+)
+@click.option("--force", is_flag=True, help="Replace files that are there.")
+def import_(
+    kind: str,
+    file: Path,
+    output: Path | None,
+    force: bool,  # noqa: FBT001
+    **options: Any,
+) -> int:
+    """Write what another tool describes as a spec: a robot, modules, a task or a scene.
+
+    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module.  What cannot be
+    carried over is listed, and stands as a comment at the top of what is written.  No file is read
+    outside the folder of FILE but below those that --package names.
+    """
+    place, known = KINDS[kind]
+    given = {name: value for name, value in options.items() if value not in (None, (), False)}
+    _refuse(kind, given, known)
+    imported = _function(place)(file, **{name: options[name] for name in known})
+    for remark in imported.remarks:
+        click.echo(f"note: {remark}", err=True)
+    if output == Path("-"):
+        click.echo(imported.text.encode(), nl=False)
+        return 0
+    from srgc.imports.written_import import write_import
+
+    path = output or Path(f"{imported.name}.srg")
+    for written in write_import(imported, path, force=force):
+        click.echo(f"{written}")
+    return 0
+
+
+def _refuse(kind: str, given: Mapping[str, object], known: frozenset[str]) -> None:
+    """Refuse options that say nothing about what is imported."""
+    spelt = {
+        parameter.name: parameter.opts[-1]
+        for parameter in import_.params
+        if isinstance(parameter, click.Option)
+    }
+    for name in given:
+        if name not in known:
+            raise UsageFault(f"{spelt[name]} does not go with `srgc import {kind}`")
+
+
+def _function(place: str) -> Callable[..., Imported]:
+    """The function at a place ``module:name``, which is imported now."""
+    from importlib import import_module
+
+    module, _, name = place.partition(":")
+    found: Callable[..., Imported] = getattr(import_module(module), name)
+    return found

@@ -1,0 +1,1 @@
+"""Robots, module sets, tasks and scenes of other tools, written as `.srg` text."""
