@@ -17,6 +17,7 @@ from srgc.paths import no_folder
 from srgc.results.folder_writer import OWN_FILES, OWN_FOLDERS, refuse_links
 from srgc.results.found_design import found_design
 from srgc.results.mission_run import Step
+from srgc.results.no_robot import no_robot
 from srgc.results.result_folder import json_object
 
 HISTORY = "history"
@@ -92,13 +93,13 @@ def _last_robot(folder: Path) -> str:
     if not (folder / MISSION).is_file():
         content = json_object(folder / "design.json", needed=False)
         if "mission" in content:
-            raise UsageFault(f"{folder} has no robots: its verdict is {content.get('verdict')}")
+            raise no_robot(folder, content.get("verdict"))
         return ""
     content = json_object(folder / "design.json")
+    if content.get("verdict") != "found":
+        raise no_robot(folder, content.get("verdict"))
     robots = content.get("robots")
-    if content.get("verdict") != "found" or not isinstance(robots, list) or not robots:
-        raise UsageFault(f"{folder} has no robots: its verdict is {content.get('verdict')}")
-    last = robots[-1]
+    last = robots[-1] if isinstance(robots, list) and robots else None
     name = last.get("task") if isinstance(last, dict) else None
     if not isinstance(name, str) or not (folder / "tasks" / name).is_dir():
         raise UsageFault(f"{folder / 'design.json'} does not say where the last robot is")

@@ -93,6 +93,23 @@ def test_another_module_of_the_name_is_refused(packed: Path, srgc: Run, tmp_path
     assert not (tmp_path / "next").exists()
 
 
+@pytest.mark.parametrize("mission", [{}, {"mission": "Day"}])
+def test_a_result_without_a_robot_has_a_code(
+    mission: dict[str, str], srgc: Run, tmp_path: Path
+) -> None:
+    folder, spec = tmp_path / "none", tmp_path / "next.srg"
+    folder.mkdir()
+    (folder / "design.json").write_text(json.dumps({"verdict": "unknown"} | mission), "utf-8")
+    spec.write_text(LIMBS, encoding="utf-8")
+    ran = srgc("evolve", folder, spec, "-o", tmp_path / "next")
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == (
+        f"error[SRG0735]: {folder} has no robot: its verdict is unknown\n"
+        f"  hint: `srgc why {folder}` says why\n"
+    )
+    assert not (tmp_path / "next").exists()
+
+
 @pytest.mark.parametrize("place", ["out", "out/inside", "."])
 def test_a_step_is_not_written_over_its_robot(place: str, packed: Path, srgc: Run) -> None:
     before = sorted(packed.rglob("*"))

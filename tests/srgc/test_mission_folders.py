@@ -102,7 +102,7 @@ def test_export_in_python_does_the_same(made: Made, tmp_path: Path) -> None:
     [
         ("retune", (), "name a folder for them with -o"),
         ("retune", ("-o", "tasks"), "is one of the results"),
-        ("nobody", ("-o", "x"), "has no robots: its verdict is impossible"),
+        ("nobody", ("-o", "x"), "has no robot: its verdict is impossible"),
     ],
 )
 def test_export_refuses(
