@@ -35,6 +35,8 @@ def _facts(design: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for each in design["objectives"]:
         name = each["objective"].removeprefix("sum(").removesuffix(")")
         yield name, f"{each['value']:g} {each['unit']}".rstrip() + f", proved {each['least']:g}"
+    for each in design["differs"]:
+        yield "differs", f"module {each['module']} ({', '.join(each['what'])})"
     if design["undecided"]:
         yield "undecided", f"{design['undecided']} robots"
 

@@ -126,6 +126,14 @@ class MissionResult(FolderResult):
         return None if self.cost is None else float(self.design["least"])
 
     @property
+    def differs(self) -> dict[str, tuple[str, ...]]:
+        """Modules of the robot before that the specification builds otherwise, and in what.
+
+        As in ``{"Limb": ("parameter length", "bodies")}``; kept ones are as it says.
+        """
+        return {each["module"]: tuple(each["what"]) for each in self.design["differs"]}
+
+    @property
     def steps(self) -> tuple[RobotChange | None, ...]:
         """What is changed before each task; None before the first one, unless there is a robot.
 

@@ -87,6 +87,7 @@ def evolve(
     from srgc.results.evolution import refuse_inside, step_from
     from srgc.results.rebuilding import asked_rebuilding
     from srgc.results.synthesis_run import SynthesisOptions
+    from srgc.text_reports.mission_report import difference_text
 
     asked = asked_rebuilding(
         program, add=add, remove=remove, change=change, free=free, changes=changes
@@ -95,4 +96,6 @@ def evolve(
     refuse_inside(place, folder)
     step = step_from(folder, program, chosen_task, asked)
     options = SynthesisOptions(place, seed, jobs or 1, limit, force, as_json or quiet)
-    return told(file, program, asked.mission(chosen_task), options, step, as_json=as_json)
+    notes = [difference_text(each, str(folder), str(file)) for each in step.differs]
+    mission = asked.mission(chosen_task)
+    return told(file, program, mission, options, step, as_json=as_json, notes=notes)

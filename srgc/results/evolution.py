@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from compiler.missions.module_differences import module_differences
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim
 from solvers.verifier.claims.mission_claim import MISSION, ExistingClaim
@@ -48,7 +49,13 @@ def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebu
     history = _files(folder, number)
     for before in earlier:
         history |= _files(folder / HISTORY / str(before), before)
-    return Step(rebuilding.posed, existing, history, number)
+    differs = module_differences(
+        [symbol for symbol in found.claim.word if symbol in found.program.modules],
+        frozenset(found.derivation.labels),
+        (found.program, found.program.grammars[found.task.grammar]),
+        (program, program.grammars[task.grammar]),
+    )
+    return Step(rebuilding.posed, existing, history, number, differs)
 
 
 def refuse_inside(output: Path, folder: Path) -> None:

@@ -129,7 +129,7 @@ def mission_folder(folder: Path) -> MissionFolder:
     path = folder / "design.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no design.json: it holds no finished results")
-    design = json_object(path)
+    design = {"differs": []} | json_object(path)  # earlier results do not have it
     try:
         return _read(folder, design)
     except OSError as error:
@@ -187,6 +187,9 @@ def _check_texts(design: Mapping[str, Any]) -> None:
             raise TypeError(amounts)
         if not isinstance(each["objective"], str) or not isinstance(each["unit"], str):
             raise TypeError(each)
+    for each in design["differs"]:
+        for said in (each["module"], *each["what"]):
+            _text(said)
 
 
 def _check_alike(folder: Path, design: Mapping[str, Any], claim: MissionClaim | None) -> None:

@@ -150,10 +150,13 @@ def test_a_robot_is_rebuilt_and_again(packed: Path, tmp_path: Path) -> None:
     )
     assert (found.verdict, found.cost, found.least) == ("found", 2.5, 2.5)
     assert found.folder == tmp_path / "far"
+    assert found.differs == {"Limb": ("parameter length",)}
+    assert "differs:     module Limb (parameter length)" in str(found).splitlines()
     [step] = found.steps
     assert step is not None
     assert (step.added, step.removed) == (((1, "Limb"),), ((1, "Limb"),))
     again = public.evolve(found, far)
+    assert again.differs == {}
     assert (again.cost, again.tasks) == (0, ("Pack",))
     assert again.design["history"] == 2
     assert again.verify().valid
