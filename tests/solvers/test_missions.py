@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from grammar_lang.load import load_text
+from solvers.missions import one_robot, rebuilt_robots, without_robots
 from solvers.missions.mission_result import MissionResult
 from solvers.missions.mission_search import solve
 from solvers.run_context import RunContext
@@ -64,10 +65,10 @@ def arms(
     )  # fmt: skip
 
 
-def solved(text: str) -> MissionResult:
+def solved(text: str, context: RunContext | None = None) -> MissionResult:
     program = load_text(text, "arms.srg", Path()).program
     assert program is not None
-    return solve(program, program.missions["M"], RunContext())
+    return solve(program, program.missions["M"], context or RunContext())
 
 
 def test_a_fixed_length_is_not_taken_for_another_one() -> None:
@@ -104,3 +105,53 @@ def test_no_common_choice(clauses: str) -> None:
     """Arms of 0.4 and 0.95 m, of which none has both lengths, by choices of two parameters."""
     text = arms(clauses, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}", modules=5)
     assert solved(text).verdict == "impossible"
+
+
+# --- what ended the search ------------------------------------------------------------------------
+
+REBUILT = "reconfigure; changes <= 0; minimize changes;"
+
+
+def test_the_limit_of_cuts_says_which_parameter_to_narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same arms, of which no choices agree: with one cut that is not shown."""
+    monkeypatch.setattr(rebuilt_robots, "MOST_CUTS", 1)
+    monkeypatch.setattr(without_robots, "MOST_CUTS", 1)
+    result = solved(arms(REBUILT, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}"))
+    assert (result.verdict, result.ended and result.ended.by) == ("unknown", "cuts")
+    assert result.ended is not None
+    assert result.ended.try_first in {
+        f"a narrower range of `{name}`" for name in ("K.length", "L.length")
+    }
+    assert "limit of 1 boxes" in (result.reason or "")
+
+
+@pytest.mark.parametrize("clauses", ["one robot;", REBUILT])
+def test_a_time_limit_is_said_where_time_ended_it(clauses: str) -> None:
+    text = arms(clauses, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}")
+    result = solved(text, RunContext(out_of_time=lambda: True))
+    assert (result.verdict, result.ended and result.ended.by) == ("unknown", "time")
+    assert result.ended is not None
+    assert "--time-limit" in result.ended.try_first
+
+
+@pytest.mark.parametrize("clauses", ["one robot;", REBUILT])
+def test_the_limit_of_robots_without_a_motion(
+    clauses: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(one_robot, "MOTION_SEARCHES", 0)
+    monkeypatch.setattr(rebuilt_robots, "MOTION_SEARCHES", 0)
+    result = solved(arms(clauses, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}"))
+    assert result.ended is not None
+    assert (result.verdict, result.ended.by) == ("unknown", "motions")
+    assert "`accept`" in result.ended.try_first
+    assert "time" not in result.ended.try_first
+
+
+def test_too_many_structures_says_how_many_modules_leave_fewer() -> None:
+    """Of n links there are 2^n arms with 3 + n modules: up to 8 links 510, up to 9 links 1,022."""
+    text = arms(REBUILT, "1.0", "1.5", lengths="0.4", others="0.6", modules=12)
+    result = solved(text.replace("param length in 0.4 m", "const length = 0.4 m").replace(
+        "param length in 0.6 m", "const length = 0.6 m"))  # fmt: skip
+    assert result.ended is not None
+    assert (result.verdict, result.ended.by) == ("unknown", "structures")
+    assert result.ended.try_first.startswith("`modules <= 11` in all tasks, which leaves 510,")

@@ -180,6 +180,10 @@ def test_unknown_says_so_by_task(result: Callable[[str], Path]) -> None:
     design = design_of(folder)
     design |= {"verdict": "unknown", "reason": HOSTILE, "undecided": 2}
     design["refuted"][1]["reasons"] = [{"reason": HOSTILE, "robots": 1, "word": ["B"]}]
+    design |= {"ended_by": HOSTILE, "try_first": HOSTILE}
+    design["open"] = [
+        {"task": None, "reason": HOSTILE, "try_first": HOSTILE, "robots": 2, "words": [[HOSTILE]]}
+    ]
     result_files.write(folder, design, "design.json")
     page = page_of(folder)
     assert page.faults == []
