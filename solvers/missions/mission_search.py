@@ -21,7 +21,7 @@ from compiler.words.structures import InfiniteAmbiguityError, structures_of
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord, with_lemmas
 from solvers.lemma import Lemma, VariantLemma
-from solvers.missions.compared_structures import TooMany, compared_structures
+from solvers.missions.compared_structures import compared_structures
 from solvers.missions.mission_result import (
     Existing,
     MissionResult,
@@ -253,11 +253,7 @@ def _rebuilt(
     tasks: Sequence[TaskRobots],
     existing: Existing | None,
 ) -> MissionResult:
-    compared = compared_structures(tasks)
-    if isinstance(compared, TooMany):
-        return MissionResult(
-            mission, "unknown", compared.reason, existing=existing, ended=compared.ended
-        )
+    compared = compared_structures(tasks, prices, existing)
     by_default = compared.by_default
     ranked = _ranked(compared.structures, mission, tasks)
     search = RebuiltSearch(tasks, mission, prices, existing, ranked)
@@ -274,7 +270,7 @@ def _rebuilt(
     undecided = grouped(all_undecided(search))
     parts = RefutedParts(tasks, shared=False)
     cost = search.cost
-    least = _least_cost(search, known, parts)
+    least = None if compared.left_out else _least_cost(search, known, parts)
     common = MissionResult(
         mission, "unknown", None, evidence=tuple(each.evidence for each in known),
         cut=(*search.cut.values(), *parts.cut.values()), existing=existing,
@@ -292,9 +288,7 @@ def _rebuilt(
             cost=cost,
             least=bound,
         )
-    said = without_chain(
-        search, least, undecided, compared.modules, by_default=by_default, late=common.unfinished
-    )
+    said = without_chain(search, least, undecided, compared, late=common.unfinished)
     return replace(common, verdict=said.verdict, reason=said.reason, least=least, ended=said.ended)
 
 

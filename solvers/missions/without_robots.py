@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from compiler.missions.parameter_boxes import BoxTree
+from solvers.missions.compared_structures import Compared
 from solvers.missions.mission_result import CutRobot
 from solvers.missions.one_robot import OneRobotSearch
 from solvers.missions.rebuilt_robots import MOST_CUTS, RebuiltSearch
@@ -66,9 +67,8 @@ def without_chain(
     search: RebuiltSearch,
     least: Fraction | None,
     open_robots: Sequence[UndecidedRobots],
-    modules: int | None,
+    compared: Compared,
     *,
-    by_default: bool,
     late: bool,
 ) -> Conclusion:
     """The conclusion where no robots were found that are rebuilt from task to task.
@@ -77,23 +77,27 @@ def without_chain(
         search: the search.
         least: what no robots that are left cost less than; None: none are left.
         open_robots: those that are neither found nor refuted.
-        modules: the bound within which robots were tried.
-        by_default: whether nobody asked for that bound.
+        compared: the structures that it was about.
         late: whether time ran out.
     """
-    most = search.mission.most
     if late:
         return TOO_LATE
-    if least is None or (most is not None and least > most):
-        if by_default:
-            reason = (
-                f"every robot of at most {modules} modules, the default search bound, is refuted"
-            )
-            return Conclusion("unknown", reason, NO_BOUND)
-        what = "no robots do the tasks" if most is None else f"no robots do the tasks within {most}"
-        return Conclusion(
-            "impossible", f"{what}: every chain has one that is refuted, or costs more"
-        )
+    open_ = _open(search, open_robots)
+    if compared.left_out is not None:
+        ended = MANY_MOTIONS if search.stopped else compared.left_out.ended
+        return Conclusion("unknown", "; ".join([compared.left_out.reason, *open_]), ended)
+    most = search.mission.most
+    if least is not None and (most is None or least <= most):
+        return Conclusion("unknown", "; ".join(open_) or DISAGREE, _ended(search, open_robots))
+    if compared.by_default:
+        within = f"at most {compared.modules} modules, the default search bound"
+        return Conclusion("unknown", f"every robot of {within}, is refuted", NO_BOUND)
+    what = "no robots do the tasks" if most is None else f"no robots do the tasks within {most}"
+    return Conclusion("impossible", f"{what}: every chain has one that is refuted, or costs more")
+
+
+def _open(search: RebuiltSearch, open_robots: Sequence[UndecidedRobots]) -> list[str]:
+    """What is left open of a search, in words."""
     parts = [search.stopped] if search.stopped else []
     if open_robots:
         count = sum(each.robots for each in open_robots)
@@ -105,7 +109,7 @@ def without_chain(
         parts.append(
             f"the search ended at its limit of {MOST_CUTS} boxes of parameters that are cut"
         )
-    return Conclusion("unknown", "; ".join(parts) or DISAGREE, _ended(search, open_robots))
+    return parts
 
 
 def _first(open_robots: Sequence[UndecidedRobots], tasks: Sequence[TaskRobots]) -> str:

@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 import srgc as public
+from solvers.missions import compared_structures
 from srgc.cli import run
 from srgc.results.undecided_robots import stated_undecided
 from tests.oracles import result_files
 from tests.oracles.small_specs import TURNER, replaced
+from tests.solvers.test_missions import FIXED, arms, fixed
 from tests.srgc.report.conftest import page_of
 
 SCENE, TASK = TURNER[: TURNER.index("task Turn")], TURNER[TURNER.index("task Turn") :]
@@ -119,3 +121,27 @@ def test_entries_that_were_altered_are_refused(entry: dict[str, object]) -> None
     assert stated_undecided({"open": [stated]}, ["A", "B"])
     with pytest.raises((TypeError, LookupError)):
         stated_undecided({"open": [stated | entry]}, ["A", "B"])
+
+
+@pytest.mark.slow
+def test_what_is_found_among_some_structures_verifies_and_claims_no_least(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """L K is 1 m long, and with one L more 1.4 m; the grammar has thousands of arms."""
+    monkeypatch.setattr(compared_structures, "MOST_ROBOTS", 12)
+    path, out = tmp_path / "arms.srg", tmp_path / "out"
+    text = fixed(arms("reconfigure; minimize changes;", "1.0", "1.4", **FIXED))
+    path.write_text(text, encoding="utf-8")
+    assert run(["synth", str(path), "--mission", "M", "-q", "-o", str(out)]) == 0
+    assert "changes 1, not proved least" in capsys.readouterr().out
+    assert run(["verify", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "  holds     changes 1\n" in said
+    assert "cost less" not in said
+    assert run(["why", str(out), "-q"]) == 0
+    claim = result_files.read(out, "mission.json")
+    claim["least"] = "1"
+    claim["digest"] = result_files.digest(claim)
+    result_files.write(out, claim, "mission.json")
+    assert run(["verify", str(out)]) == 1
+    assert "more than 1,000 structures" in capsys.readouterr().out
