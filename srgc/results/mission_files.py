@@ -29,6 +29,7 @@ from solvers.verifier.claims.mission_claim import (
 )
 from srgc.results.evidence_claims import Evidence
 from srgc.results.result_folder import Identity
+from srgc.results.undecided_robots import undecided_entry
 
 
 def proofs_of(task: str) -> str:
@@ -169,6 +170,9 @@ def mission_design_text(
             )
         ],
         "undecided": result.undecided,
+        "open": [undecided_entry(result, each) for each in result.open_robots],
+        "ended_by": None if result.ended is None else result.ended.by,
+        "try_first": None if result.ended is None else result.ended.try_first,
         "refuted": [_refuted(result, number) for number in range(len(result.evidence))],
         "modules": result.modules,
         "history": before,

@@ -45,6 +45,8 @@ def _lines(result: MissionResult, program: ir.Program) -> Iterator[str]:
     name = result.mission.name
     if result.verdict != "found":
         yield f"mission {name}: {result.verdict}: {result.reason}"
+        if result.ended is not None:
+            yield f"  try first: {result.ended.try_first}"
         return
     one = result.mission.prices is None
     yield f"mission {name}: found, {_claim(result)}"
