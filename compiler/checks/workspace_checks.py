@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import islice
@@ -275,7 +276,7 @@ def map_shapes(
             fault.report(found, sink)
             continue
         shapes[found.name] = inside
-        if every.polygons and not inside:
+        if every.count and not inside:
             sink.warning(
                 Code.REGION_OUTSIDE_BOUNDS,
                 f"obstacle `{found.name}` lies outside the bounds and has no effect",
@@ -285,7 +286,22 @@ def map_shapes(
             )
         else:
             _map_note(found, every, len(inside), bounds, sink)
+        if every.hollow:
+            _hollow_warning(found, every, sink)
     return shapes
+
+
+def _hollow_warning(found: ObstacleMap, every: Pieces, sink: Sink) -> None:
+    """Objects that are larger than they look."""
+    total = counted(every.count, "object")
+    one = every.hollow == 1
+    message = (
+        f"{every.hollow:,} of the {total} of obstacle `{found.name}` "
+        f"{'is' if one else 'are'} not convex, or not closed: "
+        f"{'its hull fills' if one else 'their hulls fill'} hollows"
+    )
+    hint = f"`srgc import scene {posixpath.basename(found.path)}` cuts it into convex pieces"
+    sink.warning(Code.FILLED_HOLLOWS, message, found.span, hint)
 
 
 def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, sink: Sink) -> None:
@@ -293,7 +309,7 @@ def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, 
     parts = [f"{counted(inside, 'convex piece')} from {every.origin}"]
     if every.inflation:
         parts.append(f"rounded outwards by at most {_above(every.inflation)} m")
-    outside = len(every.polygons) - inside
+    outside = every.count - inside
     if outside:
         parts.append(f"{counted(outside, 'more piece')} outside the bounds left out")
     hint = None

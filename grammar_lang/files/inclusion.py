@@ -15,8 +15,8 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import nearest
-from grammar_lang.files.file_tree import FileSet, visible
-from grammar_lang.files.meshes import read_mesh
+from grammar_lang.files.file_tree import FileSet, Place, visible
+from grammar_lang.files.meshes import SUFFIXES, MeshError, read_mesh
 from grammar_lang.names.declarations import map_name
 from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Source, Span, node
@@ -153,17 +153,20 @@ def include_all(files: FileSet, real: str) -> Inclusion:
 #
 # A map_server map is a YAML file that names an image, its resolution in metres per pixel and the
 # pose of its lower left pixel (https://wiki.ros.org/map_server, section 4).  Polygons come as
-# GeoJSON (RFC 7946).  What the files mean geometrically is not decided here.
+# GeoJSON (RFC 7946), bodies as meshes.  What the files mean geometrically is not decided here.
 
 
-Kind: TypeAlias = Literal["map_server", "geojson"]
+Kind: TypeAlias = Literal["map_server", "geojson", "mesh"]
 
 _KINDS: dict[str, Kind] = {
     ".yaml": "map_server",
     ".yml": "map_server",
     ".geojson": "geojson",
     ".json": "geojson",
+    **dict[str, Kind].fromkeys(SUFFIXES, "mesh"),
 }
+_CONVERTED = (".dae", ".scene", ".sdf", ".world")
+"""Scenes that `srgc import scene` reads, and the language does not."""
 _GEOJSON_TYPES = (
     "FeatureCollection",
     "Feature",
@@ -195,10 +198,10 @@ def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
         return None
     kind = kind_of(place.path)
     if kind is None:
-        message = "this is no file of obstacles, by the end of its name"
-        hint = "known: map_server maps (`.yaml`, `.yml`) and GeoJSON (`.geojson`, `.json`)"
-        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        _report_kind(path, place.path, files.sink)
         return None
+    if kind == "mesh":
+        return _scene(path, place, files)
     number = files.text(place, path, tuple(_KINDS))
     if number is None or number in files.unsound:
         return None
@@ -214,6 +217,42 @@ def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
         return None
     at = written.span
     return ir.ObstacleMap(name, source.path, kind, source.text, path.span, image, number, at)
+
+
+def _report_kind(written: Ident, path: str, sink: Sink) -> None:
+    """Report a file of which the end of the name does not say that it can be read."""
+    if path.lower().endswith(_CONVERTED):
+        message = "the language reads meshes as STL and OBJ, and no such file"
+        hint = f"`srgc import scene {visible(written.text)}` writes obstacles that it reads"
+    else:
+        message = "this is no file of obstacles, by the end of its name"
+        hint = (
+            "known: map_server maps (`.yaml`, `.yml`), GeoJSON (`.geojson`, `.json`) "
+            "and meshes (`.stl`, `.obj`)"
+        )
+    sink.error(Code.UNREADABLE_REFERENCE, message, written.span, hint)
+
+
+# --- Meshes ------------------------------------------------------------------------------------
+
+
+def _scene(path: Ident, place: Place, files: FileSet) -> ir.ObstacleMap | None:
+    """The mesh at a path; None if it is none, which is reported."""
+    from grammar_lang.files.scenes import scene_of
+
+    data = files.binary(place, path, SUFFIXES)
+    if data is None:
+        return None
+    try:
+        scene = scene_of(place.path, data)
+    except MeshError as error:
+        message, hint = f"this is no mesh: {error}", "export it again as STL or OBJ, faces alone"
+        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        return None
+    name = map_name(path.text)
+    return ir.ObstacleMap(
+        name, place.path, "mesh", "", path.span, image_span=path.span, scene=scene
+    )
 
 
 # --- GeoJSON -----------------------------------------------------------------------------------

@@ -104,6 +104,7 @@ from grammar_lang.ir.formula import (
 )
 from grammar_lang.ir.mission import Mission, Prices
 from grammar_lang.ir.objective import Objective, ObjectiveKind
+from grammar_lang.ir.obstacle_maps import MapImage, ObstacleMap, Scene, SceneObject
 from grammar_lang.ir.task import (
     REST_RATE,
     Avoid,
@@ -115,9 +116,7 @@ from grammar_lang.ir.task import (
     HalfSpace,
     Hull,
     Inequalities,
-    MapImage,
     ModuleMass,
-    ObstacleMap,
     Origin,
     Payload,
     Radii,
@@ -227,6 +226,8 @@ __all__ = [
     "Rot",
     "Round",
     "Satisfy",
+    "Scene",
+    "SceneObject",
     "SemanticBlock",
     "Shape",
     "ShapeKind",
