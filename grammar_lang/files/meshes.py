@@ -23,6 +23,7 @@ MOST = 500_000
 """Vertices, counting one of each triangle of an STL file thrice."""
 LARGEST = 1e12
 """Coordinates are smaller, in the unit of the mesh."""
+_LONGEST = 64
 _HEADER, _TRIANGLE = 84, 50
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,2})?")
 
@@ -159,7 +160,9 @@ def _lines(data: bytes, word: str, piece: str) -> Vertices:
 
 def _is_decimal(part: str) -> bool:
     """Whether a text is a number of a usual size; a fraction of a huge power takes for ever."""
-    return _DECIMAL.fullmatch(part) is not None and abs(float(part)) < LARGEST
+    if len(part) > _LONGEST or _DECIMAL.fullmatch(part) is None:
+        return False
+    return abs(float(part)) < LARGEST
 
 
 def _distinct(vertices: list[tuple[Fraction, ...]]) -> Vertices:

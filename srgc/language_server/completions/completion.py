@@ -23,7 +23,7 @@ _COMPOUND = ("N*m", "kg/m", "m/s", "m/s^2", "rad/s", "deg/s", "kg*m^2", "N*m*s/r
 _SUFFIXES = {
     "include": (".srg",),
     "std": (".srg",),
-    "from": (".yaml", ".yml", ".geojson", ".json"),
+    "from": (".yaml", ".yml", ".geojson", ".json", ".stl", ".obj"),
 }
 _MOST_PATHS = 200
 
