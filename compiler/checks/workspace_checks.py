@@ -286,22 +286,7 @@ def map_shapes(
             )
         else:
             _map_note(found, every, len(inside), bounds, sink)
-        if every.hollow:
-            _hollow_warning(found, every, sink)
     return shapes
-
-
-def _hollow_warning(found: ObstacleMap, every: Pieces, sink: Sink) -> None:
-    """Objects that are larger than they look."""
-    total = counted(every.count, "object")
-    one = every.hollow == 1
-    message = (
-        f"{every.hollow:,} of the {total} of obstacle `{found.name}` "
-        f"{'is' if one else 'are'} not convex, or not closed: "
-        f"{'its hull fills' if one else 'their hulls fill'} hollows"
-    )
-    hint = f"`srgc import scene {posixpath.basename(found.path)}` cuts it into convex pieces"
-    sink.warning(Code.FILLED_HOLLOWS, message, found.span, hint)
 
 
 def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, sink: Sink) -> None:
@@ -312,6 +297,13 @@ def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, 
     outside = every.count - inside
     if outside:
         parts.append(f"{counted(outside, 'more piece')} outside the bounds left out")
+    if every.hollow:
+        objects = f"{every.hollow:,} of {counted(every.count, 'object')}"
+        parts.append(f"{objects} not convex, or not closed: hollows are filled")
+        message = f"obstacle `{found.name}`: {', '.join(parts)}"
+        hint = f"`srgc import scene {posixpath.basename(found.path)}` cuts it into convex pieces"
+        sink.warning(Code.FILLED_HOLLOWS, message, found.span, hint)
+        return
     hint = None
     if every.extent is not None and not _holds(every.extent, bounds):
         hint = "the bounds go on beyond the image, where there is no obstacle"
