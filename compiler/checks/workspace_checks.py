@@ -301,8 +301,8 @@ def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, 
         objects = f"{every.hollow:,} of {counted(every.count, 'object')}"
         parts.append(f"{objects} not convex, or not closed: hollows are filled")
         message = f"obstacle `{found.name}`: {', '.join(parts)}"
-        hint = f"`srgc import scene {posixpath.basename(found.path)}` cuts it into convex pieces"
-        sink.warning(Code.FILLED_HOLLOWS, message, found.span, hint)
+        cut = f"`srgc import scene {posixpath.basename(found.path)}` cuts it into convex pieces"
+        sink.warning(Code.FILLED_HOLLOWS, message, found.span, cut)
         return
     hint = None
     if every.extent is not None and not _holds(every.extent, bounds):

@@ -136,9 +136,7 @@ def _rounded(frame: ir.Expr) -> RationalFrame:
         rotation = _matrix(near, square)
         place = tuple(_nearest(entry, SHIFT_BITS) for entry in shift)
         meant = _matrix(quaternion, arb(1))
-        turned = _length(
-            meant[i][j] - ball(rotation[i][j]) for i, j in product(range(3), repeat=2)
-        )
+        turned = _length(meant[i][j] - ball(rotation[i][j]) for i, j in product(range(3), repeat=2))
         moved = _length(a - ball(b) for a, b in zip(shift, place, strict=True))
     return RationalFrame(rotation, place, turned, moved)
 

@@ -112,8 +112,7 @@ def _placed(
     middle = tuple(sum(column, Fraction(0)) / len(corners) for column in zip(*corners, strict=True))
     part = _part(off, middle, normals, offsets) if off else Fraction(0)
     grown = [
-        tuple(x + part * (x - c) for x, c in zip(corner, middle, strict=True))
-        for corner in corners
+        tuple(x + part * (x - c) for x, c in zip(corner, middle, strict=True)) for corner in corners
     ]
     rows = tuple(
         _primitive(normal, offset + part * (offset - _dot(normal, middle)))

@@ -16,7 +16,7 @@ from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import FileSet, Place, visible
-from grammar_lang.files.meshes import SUFFIXES, MeshError, read_mesh
+from grammar_lang.files.meshes import SUFFIXES, MeshError, read_mesh, read_visual
 from grammar_lang.names.declarations import map_name
 from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Source, Span, node
@@ -39,7 +39,7 @@ class Inclusion:
 
     file: t.File
     maps: Mapping[Span, ir.ObstacleMap]
-    meshes: Mapping[Span, ir.Mesh]
+    meshes: Mapping[Span, ir.Mesh | ir.VisualFile]
     opened: Mapping[Span, int]
     complete: bool
 
@@ -60,7 +60,9 @@ class _Traversal:
     broken: list[Span] = field(default_factory=list[Span])
     skipped: set[str] = field(default_factory=set[str])
     maps: dict[Span, ir.ObstacleMap] = field(default_factory=dict[Span, ir.ObstacleMap])
-    meshes: dict[Span, ir.Mesh] = field(default_factory=dict[Span, ir.Mesh])
+    meshes: dict[Span, ir.Mesh | ir.VisualFile] = field(
+        default_factory=dict[Span, ir.Mesh | ir.VisualFile]
+    )
     opened: dict[Span, int] = field(default_factory=dict[Span, int])
     chain: list[_Open] = field(default_factory=list[_Open])
     depths: dict[str, int] = field(default_factory=dict[str, int])
@@ -133,9 +135,12 @@ class _Traversal:
 
     def _meshes(self, statements: Iterable[object], base: int) -> None:
         for emission in statements:
-            for argument in emission.arguments if isinstance(emission, s.Emission) else ():
+            if not isinstance(emission, s.Emission):
+                continue
+            read = read_visual if emission.kind.text == "visual" else read_mesh
+            for argument in emission.arguments:
                 if isinstance(argument.value, s.Text):
-                    found = read_mesh(argument.value.ident, base, self.files)
+                    found = read(argument.value.ident, base, self.files)
                     if found is not None:
                         self.meshes[argument.value.ident.span] = found
 

@@ -19,6 +19,7 @@ from grammar_lang.files.file_tree import FileSet
 from grammar_lang.syntax import Ident
 
 SUFFIXES = (".stl", ".obj")
+VISUALS = (*SUFFIXES, ".dae", ".glb")
 MOST = 500_000
 """Vertices, counting one of each triangle of an STL file thrice."""
 LARGEST = 1e12
@@ -57,6 +58,25 @@ def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
         files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
         return None
     return ir.Mesh(place.path, hashlib.sha256(data).hexdigest(), vertices)
+
+
+def read_visual(path: Ident, base: int, files: FileSet) -> ir.VisualFile | None:
+    """The file of a visual at a path that stands in the file number ``base``; not looked into.
+
+    What is wrong with the path is reported; None then.
+    """
+    place = files.place(path, base)
+    if place is None:
+        return None
+    if not place.path.lower().endswith(VISUALS):
+        message = "this is no visual, by the end of its name"
+        hint = f"known: {', '.join(f'`{each}`' for each in VISUALS)}"
+        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        return None
+    data = files.binary(place, path, VISUALS)
+    if data is None:
+        return None
+    return ir.VisualFile(place.path, hashlib.sha256(data).hexdigest(), data)
 
 
 def is_mesh(path: str) -> bool:

@@ -10,6 +10,7 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 from typing import TypeAlias
 
 from grammar_lang import ir
@@ -48,17 +49,18 @@ class _Triangles:
         self.parts.setdefault(name, []).append(triangle)
 
 
-def scene_of(path: str, data: bytes) -> ir.Scene:
+def scene_of(path: str, data: bytes, *, faces_alone: bool = True) -> ir.Scene:
     """The objects of a mesh, in the order in which they first occur.
 
     Args:
         path: where it lies, which says what it is.
         data: what the file holds.
+        faces_alone: whether it may have nothing but faces; else what it has besides is left out.
 
     Raises:
         MeshError: it is no mesh, or a larger one than can be read.
     """
-    found = _obj(data) if meshes.is_obj(path) else _stl(data)
+    found = _obj(data, faces_alone=faces_alone) if meshes.is_obj(path) else _stl(data)
     if not found.count:
         raise MeshError("it has no triangle")
     objects = tuple(_objects(found))
@@ -80,9 +82,7 @@ def _objects(found: _Triangles) -> Iterator[ir.SceneObject]:
             yield _object(f"{number}", part, corners)
 
 
-def _object(
-    label: str, triangles: Sequence[Triangle], corners: Sequence[Corner]
-) -> ir.SceneObject:
+def _object(label: str, triangles: Sequence[Triangle], corners: Sequence[Corner]) -> ir.SceneObject:
     own: dict[int, int] = {}
     faces = tuple(
         (own.setdefault(a, len(own)), own.setdefault(b, len(own)), own.setdefault(c, len(own)))
@@ -144,7 +144,7 @@ def _facets(data: bytes) -> Iterator[tuple[Corner, ...]]:
 # --- OBJ ----------------------------------------------------------------------------------------
 
 
-def _obj(data: bytes) -> _Triangles:
+def _obj(data: bytes, *, faces_alone: bool) -> _Triangles:
     found = _Triangles()
     lines = list(_joined(data))
     kinds = {words[0] for _, words in lines}
@@ -163,9 +163,9 @@ def _obj(data: bytes) -> _Triangles:
             face = [_vertex(each, vertices, number) for each in words[1:]]
             if len(face) < 3:
                 raise MeshError(f"the face in line {number} has fewer than three corners")
-            for b, c in zip(face[1:], face[2:], strict=False):
+            for b, c in pairwise(face[1:]):
                 found.add(name, (face[0], b, c))
-        elif word in _DROPPED:
+        elif faces_alone and word in _DROPPED:
             raise MeshError(f"line {number} has `{word}`, which is no face")
     return found
 

@@ -13,12 +13,15 @@ from dataclasses import dataclass, field
 from grammar_lang.ir.emissions import (
     Effector,
     Emission,
+    Emitted,
     Mesh,
     PointMass,
     Rod,
     Shape,
     ShapeKind,
     Solid,
+    Visual,
+    VisualFile,
     with_expressions,
 )
 from grammar_lang.ir.expressions import (
@@ -84,6 +87,7 @@ from grammar_lang.ir.family import (
     SymbolKind,
     Torque,
     owners,
+    semantic_block,
 )
 from grammar_lang.ir.formula import (
     Aligned,
@@ -165,6 +169,7 @@ __all__ = [
     "Effort",
     "EffortOf",
     "Emission",
+    "Emitted",
     "EndsWith",
     "Eventually",
     "Expr",
@@ -245,12 +250,15 @@ __all__ = [
     "Unary",
     "Until",
     "Vector",
+    "Visual",
+    "VisualFile",
     "Window",
     "Workspace",
     "World",
     "factors",
     "leaves",
     "owners",
+    "semantic_block",
     "with_expressions",
     "with_leaves",
 ]

@@ -188,6 +188,7 @@ EMISSION_SNIPPETS = MappingProxyType(
         ),
         "box": "box(frame: ${1:this.frame}, size: ${2:(10, 8, 6) cm});",
         "hull": 'hull(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
+        "visual": 'visual(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
     }
 )
 
