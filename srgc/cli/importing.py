@@ -22,6 +22,10 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
             | {"arguments", "pieces", "detail"}
         ),
     ),
+    "timor": (
+        "srgc.imports.timor.timor_import:timor_import",
+        frozenset({"name", "exact", "any_end"}),
+    ),
 }
 """By kind where the function is that imports it, and the options that it takes."""
 
@@ -75,6 +79,7 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     type=click.FloatRange(0, 1, min_open=True),
     help="What convex pieces may add to the volume of a mesh, as a share; default 0.1.",
 )
+@click.option("--any-end", is_flag=True, help="timor: modules may stand on any of their ends.")
 @click.option("--force", is_flag=True, help="Replace files that are there.")
 def import_(
     kind: str,
