@@ -24,7 +24,7 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     ),
     "timor": (
         "srgc.imports.timor.timor_import:timor_import",
-        frozenset({"name", "exact", "any_end"}),
+        frozenset({"name", "exact", "any_end", "pieces", "detail"}),
     ),
 }
 """By kind where the function is that imports it, and the options that it takes."""

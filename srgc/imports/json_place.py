@@ -13,10 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srgc.faults import UsageFault
-from srgc.imports.limited_files import limited_bytes
+from srgc.imports.source_files import SourceFiles
 
-MOST_JSON_BYTES = 50_000_000
-"""What is read of a file takes about ten times its size."""
 MOST_ENTRIES = 20_000
 """A list of more is refused: nothing that is imported needs so many."""
 LARGEST = 1e12
@@ -175,15 +173,15 @@ class Place:
         return self.fault(f"expected {expected}, found {found}")
 
 
-def json_file(path: Path) -> Place:
-    """The value of a JSON file.
+def json_file(files: SourceFiles) -> Place:
+    """The value of the JSON file that is imported.
 
     ``Infinity`` and numbers such as 1e500 are read, for limits; NaN is a number for nobody.
 
     Raises:
         UsageFault: it cannot be read, is too large, or is no JSON.
     """
-    content = limited_bytes(path, MOST_JSON_BYTES)
+    path, content = files.main, files.main_bytes()
     try:
         value = json.loads(
             content.decode("utf-8-sig"), object_pairs_hook=_object, parse_constant=_constant

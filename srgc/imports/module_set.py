@@ -74,7 +74,7 @@ def steps_of(matrix: NDArray[np.float64]) -> Steps:
 def turns_of(rotation: NDArray[np.float64]) -> Steps:
     """Turns about z, y and x, in this order, whose product is a rotation (3, 3).
 
-    Of the two ways to say it that with fewer turns, the one with a pitch of at most 90 degrees else.
+    Of the two ways to say it the one with fewer turns, else with a pitch of at most 90 degrees.
     """
     pitch = math.atan2(-rotation[2, 0], math.hypot(rotation[0, 0], rotation[1, 0]))
     if abs(math.cos(pitch)) > 1e-9:
@@ -134,8 +134,8 @@ class Drive:
 class Dof:
     """A degree of freedom; None where nothing bounds it.
 
-    ``range`` in rad or m, ``rate`` per s, ``accel`` per s^2, ``effort`` in N m or N.  Nothing drives
-    a ``passive`` one.
+    ``range`` in rad or m, ``rate`` per s, ``accel`` per s^2, ``effort`` in N m or N.  Nothing
+    drives a ``passive`` one.
     """
 
     name: str

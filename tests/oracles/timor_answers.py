@@ -69,8 +69,8 @@ def robot(db: Any, asked: dict[str, Any]) -> dict[str, Any]:
     n = made.dof
     made.model.gravity.linear = np.array(asked["gravity"])
     found: dict[str, Any] = {"dof": n, "mass": made.mass, "states": []}
-    for q, dq in asked["states"]:
-        q, dq = np.array(q), np.array(dq)
+    for coordinates, rates in asked["states"]:
+        q, dq = np.array(coordinates), np.array(rates)
         bias = made.id(q, dq, np.zeros(n), friction=False)
         columns = [made.id(q, dq, column, friction=False) - bias for column in np.eye(n)]
         frame = made.fk(q).homogeneous
@@ -87,10 +87,10 @@ def robot(db: Any, asked: dict[str, Any]) -> dict[str, Any]:
 def main() -> None:
     question = json.load(sys.stdin)
     if "set" not in question:
-        print(json.dumps(shipped()))
+        sys.stdout.write(json.dumps(shipped()))
         return
     db = ModulesDB.from_json_file(Path(question["set"]), validate=False)
-    print(
+    sys.stdout.write(
         json.dumps(
             {
                 "pairs": pairs(db),

@@ -54,7 +54,7 @@ def read_geometries(place: Place) -> list[Geometry]:
 def _read(kind: GeometryKind, place: Place) -> Geometry:
     pose = place.get("pose", IDENTITY).pose()
     parameters = place["parameters"]
-    file = ""
+    file, size = "", tuple[float, ...]()
     match kind:
         case "box":
             parameters.keys(("x", "y", "z"))

@@ -1,33 +1,28 @@
-"""Meshes of a module set as hulls: what becomes of them is decided here alone."""
+"""Meshes that a JSON file names: pieces of VRML as they are, others as bodies of URDF have them."""
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Iterator
-from pathlib import PurePosixPath
 
 import numpy as np
 
 from srgc.faults import UsageFault
-from srgc.imports.limited_files import FileTree, limited_bytes
+from srgc.imports.body_meshes import BodyMeshes
 from srgc.imports.module_set import Placement, Shape, steps_of
-from srgc.imports.names import Names
 from srgc.imports.timor.geometry_data import Geometry
 from srgc.imports.timor.vrml_file import vrml_pieces
 
-FOLDER = "meshes"
-"""Where meshes stand beside the spec."""
-MOST_MESH_BYTES = 50_000_000
+VISUALS = False
+"""Whether the language has meshes for pictures alone."""
 
 
 class MeshHulls:
-    """Copies meshes beside the spec, once each, and says how shapes name them."""
+    """Makes hulls of meshes; ``meshes`` has the files that they name."""
 
-    def __init__(self, tree: FileTree) -> None:
-        self.tree = tree
-        self.files = dict[str, bytes]()
-        self.remarks = list[str]()
-        self._names = Names()
-        self._done = dict[tuple[str, tuple[float, ...]], list[tuple[str, float]]]()
+    def __init__(self, meshes: BodyMeshes) -> None:
+        self.meshes = meshes
+        self._pieces = dict[tuple[str, tuple[float, ...]], list[str]]()
 
     def shapes(self, geometry: Geometry, body: str) -> Iterator[Shape]:
         """The hulls of a mesh that is fixed to the frame ``body``.
@@ -35,43 +30,47 @@ class MeshHulls:
         Raises:
             UsageFault: the file is not below the folder of the set, or is no mesh that is known.
         """
-        key = (geometry.file, geometry.size)
-        if key not in self._done:
-            self._done[key] = list(self._copied(geometry))
-        for file, scale in self._done[key]:
-            place = Placement(body, steps_of(geometry.pose))
-            yield Shape("hull", place, (scale,), file)
-
-    def _copied(self, geometry: Geometry) -> Iterator[tuple[str, float]]:
-        place = geometry.place["parameters"]["file"]
+        place = Placement(body, steps_of(geometry.pose))
+        owner = geometry.place.path
         try:
-            path = self.tree.found(geometry.file.removeprefix("package://"))
+            if geometry.file.lower().endswith(".wrl"):
+                yield from self._vrml(geometry, place)
+            else:
+                yield from self.meshes.hulls(owner, geometry.file, geometry.size, place)
         except UsageFault as fault:
-            raise place.fault(str(fault)) from None
-        suffix = path.suffix.lower()
-        stem = PurePosixPath(geometry.file).name.split(".")[0]
-        even = len(set(geometry.size)) == 1
-        if suffix in (".stl", ".obj") and even:
-            name = f"{FOLDER}/{self._names.name(stem)}{suffix}"
-            self.files[name] = limited_bytes(path, MOST_MESH_BYTES)
-            self.remarks.append(
-                f"{place.path}: {geometry.file} counts as its convex hull; "
-                "take it apart into convex pieces where that is too much"
-            )
-            yield name, geometry.size[0]
+            raise _at(geometry, fault) from None
+
+    def visuals(self, geometry: Geometry, body: str) -> Iterator[Shape]:
+        """A mesh for pictures alone; nothing for other shapes."""
+        if geometry.kind != "mesh" or not VISUALS:
             return
-        if suffix != ".wrl":
-            raise place.fault(
-                f"{geometry.file} is no mesh that is read here; known are .stl, .obj, and .wrl as "
-                "boundingmesh writes it" + ("" if even else "; its scales have to be equal")
-            )
-        for vertices in vrml_pieces(path):
-            name = f"{FOLDER}/{self._names.name(stem)}.obj"
-            self.files[name] = _points_file(vertices * np.array(geometry.size))
-            yield name, 1.0
+        place = Placement(body, steps_of(geometry.pose))
+        try:
+            yield from self.meshes.visual(geometry.place.path, geometry.file, geometry.size, place)
+        except UsageFault as fault:
+            raise _at(geometry, fault) from None
+
+    def _vrml(self, geometry: Geometry, place: Placement) -> Iterator[Shape]:
+        """A hull for each shape of a VRML file, which is one point set each."""
+        key = (geometry.file, geometry.size)
+        if key not in self._pieces:
+            stem = posixpath.basename(geometry.file).split(".")[0]
+            self._pieces[key] = []
+            for points in vrml_pieces(self.meshes.files.bytes_of(geometry.file)):
+                name = f"{self.meshes.folder}/{self.meshes.names.name(stem)}.obj"
+                self.meshes.written[name] = _points_file(points * np.array(geometry.size))
+                self._pieces[key].append(name)
+        for name in self._pieces[key]:
+            yield Shape("hull", place, (1.0,), name)
 
 
-def _points_file(vertices: np.ndarray) -> bytes:
+def _at(geometry: Geometry, fault: UsageFault) -> UsageFault:
+    """A fault of a mesh, with where its file is named."""
+    place = geometry.place["parameters"]["file"]
+    return place.fault(str(fault).removeprefix(f"{place.file}: "))
+
+
+def _points_file(points: np.ndarray) -> bytes:
     """An OBJ file of points, whose hull is the piece; three of them make its only triangle."""
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
     return ("\n".join([*lines, "f 1 2 3"]) + "\n").encode()

@@ -111,7 +111,6 @@ class _Mounted:
         ports = output_names(mounting)
         names = Names((*_TAKEN, *ports.values()))
         self._walk(names)
-        bodies = {body.id: body for body in data.bodies}
         outputs = [
             Frame(ports[output.id], self._placed(output.body, output.pose))
             for output in mounting.outputs
@@ -129,11 +128,7 @@ class _Mounted:
                 if body.id in self.at and (body.mass > 0 or any(body.inertia))
             ],
             shapes=[
-                shape
-                for body in data.bodies
-                if body.id in self.at
-                for geometry in bodies[body.id].shapes
-                for shape in self._shapes(body.id, geometry)
+                shape for body in data.bodies if body.id in self.at for shape in self._of_body(body)
             ],
             effectors=[self._placed(each.body, each.pose) for each in mounting.effectors],
             comments=[self._comment(ports)],
@@ -266,23 +261,32 @@ class _Mounted:
             self.remarks.append(f"{where}: a limit that is infinite became {far:g} {unit}")
         return max(lower, -far), min(upper, far)
 
+    def _of_body(self, body: BodyData) -> Iterator[Shape]:
+        for geometry in body.shapes:
+            yield from self._shapes(body.id, geometry)
+        for geometry in body.visuals:
+            yield from self.meshes.visuals(geometry, self.at[body.id])
+
     def _shapes(self, body: str, geometry: Geometry) -> Iterator[Shape]:
         if geometry.kind == "mesh":
             yield from self.meshes.shapes(geometry, self.at[body])
             return
-        pose = _from_its_end(geometry) if geometry.kind == "cylinder" else geometry.pose
+        pose: Pose = geometry.pose
+        if geometry.kind == "cylinder":
+            pose = _from_its_end(geometry)
         yield Shape(geometry.kind, Placement(self.at[body], _some_steps(pose)), geometry.size)
 
 
 def _from_its_end(geometry: Geometry) -> Pose:
-    """The pose of a cylinder, which is about z, at an end of its axis; turned only if that counts."""
+    """The pose of a cylinder at the end where its axis begins; turned only if that counts."""
     pose, down = geometry.pose, np.eye(4)
     down[2, 3] = -geometry.size[1] / 2
     if abs(abs(pose[2, 2]) - 1) > NOTHING:
-        return pose @ down
+        found: Pose = pose @ down
+        return found
     upright = np.eye(4)
     upright[:3, 3] = pose[:3, 3]
-    return upright @ down
+    return np.asarray(upright @ down)
 
 
 def _some_steps(pose: Pose) -> Steps:

@@ -19,16 +19,28 @@ ConnectorGender: TypeAlias = Literal["f", "m", "h"]
 JointKind: TypeAlias = Literal["revolute", "prismatic", "fixed"]
 
 GENDERS: dict[str, ConnectorGender] = {
-    **{"f": "f", "female": "f", "m": "m", "male": "m"},
-    **{"h": "h", "hermaphroditic": "h"},
+    "f": "f",
+    "female": "f",
+    "m": "m",
+    "male": "m",
+    "h": "h",
+    "hermaphroditic": "h",
 }
 JOINTS: dict[str, tuple[JointKind, bool]] = {
-    **{"revolute": ("revolute", False), "revolute_active": ("revolute", False)},
-    **{"continuous": ("revolute", False), "revolute_passive": ("revolute", True)},
-    **{"prismatic": ("prismatic", False), "prismatic_active": ("prismatic", False)},
-    **{"prismatic_passive": ("prismatic", True), "fixed": ("fixed", False)},
+    "revolute": ("revolute", False),
+    "revolute_active": ("revolute", False),
+    "revolute_passive": ("revolute", True),
+    "continuous": ("revolute", False),
+    "prismatic": ("prismatic", False),
+    "prismatic_active": ("prismatic", False),
+    "prismatic_passive": ("prismatic", True),
+    "fixed": ("fixed", False),
 }
 """By the name of a joint's type its kind, and whether it is passive."""
+JOINT_KEYS = (
+    *("ID", "type", "passive", "parent", "child", "poseParent", "poseChild", "limits"),
+    *("gearRatio", "motorInertia", "frictionCoulomb", "frictionViscous"),
+)
 BASE, EFFECTOR = "base", "eef"
 """Types of connectors that stand on the world, and that are where the robot works."""
 
@@ -51,14 +63,14 @@ class Connector:
 
 @dataclass(frozen=True, slots=True)
 class BodyData:
-    """A rigid body: mass (kg), centre of mass (m) and inertia about it, (xx, yy, zz, xy, xz, yz)."""
+    """A rigid body: mass (kg), its centre (m), inertia about that, (xx, yy, zz, xy, xz, yz)."""
 
     id: str
     mass: float
     com: tuple[float, float, float]
     inertia: tuple[float, float, float, float, float, float]
     shapes: Sequence[Geometry]
-    visuals: int
+    visuals: Sequence[Geometry]
     connectors: Sequence[Connector]
 
 
@@ -171,7 +183,7 @@ def _body(place: Place) -> BodyData:
         (x, y, z),
         _inertia(place.get("inertia", np.zeros((3, 3)).tolist())),
         read_geometries(place.get("collision", [])),
-        len(place.get("visual", []).one_or_more()),
+        read_geometries(place.get("visual", [])),
         [_connector(entry, body) for entry in place.get("connectors", []).one_or_more()],
     )
 
@@ -217,10 +229,7 @@ def _joints(place: Place, bodies: set[str]) -> list[JointData]:
 
 
 def _joint(place: Place, bodies: set[str]) -> JointData:
-    place.keys(
-        ("ID", "type", "passive", "parent", "child", "poseParent", "poseChild", "limits")
-        + ("gearRatio", "motorInertia", "frictionCoulomb", "frictionViscous")
-    )
+    place.keys(JOINT_KEYS)
     named = place.get("type", "revolute").text()
     if named not in JOINTS:
         raise place["type"].fault(f"unknown joint `{named[:40]}`; known are {', '.join(JOINTS)}")

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from srgc.faults import UsageFault
+from srgc.imports.body_meshes import BodyMeshes
 from srgc.imports.json_place import json_file
-from srgc.imports.limited_files import FileTree
 from srgc.imports.module_set import ModuleSet
 from srgc.imports.names import Names
+from srgc.imports.source_files import source_files
 from srgc.imports.spec_text import spec_text
 from srgc.imports.timor.mesh_hulls import MeshHulls
 from srgc.imports.timor.mounted_module import Mounting, mounted_module
@@ -44,41 +45,71 @@ class ReadSet:
     types: PortTypes
 
 
-def timor_import(file: Path, *, name: str | None, exact: bool, any_end: bool) -> Imported:
+@dataclass(frozen=True, slots=True)
+class SetOptions:
+    """How a set is read.
+
+    Attributes:
+        name: of the grammar, with which those of modules begin; that of the folder is the default,
+            and modules then have their own names alone.
+        any_end: modules may stand on any of their ends.
+        pieces: at most so many convex pieces of a mesh.
+        detail: what they may add to its volume, as a share.
+    """
+
+    name: str | None = None
+    any_end: bool = False
+    pieces: int | None = None
+    detail: float | None = None
+
+
+def timor_import(
+    file: Path,
+    *,
+    name: str | None = None,
+    exact: bool = False,
+    any_end: bool = False,
+    pieces: int | None = None,
+    detail: float | None = None,
+) -> Imported:
     """The spec of a module set.
 
     Args:
         file: ``modules.json``, or the folder that it is in.
-        name: the name of the grammar, with which those of modules begin; that of the folder is the
-            default, and modules then have their own names alone.
-        exact: whether angles stay as they are.
-        any_end: whether modules may stand on any of their ends.
+        name: see :class:`SetOptions`, as of the others.
+        exact: keep angles as they are.
+        any_end: see there.
+        pieces: see there.
+        detail: see there.
 
     Raises:
         UsageFault: the file cannot be read, or is against the schema.
     """
-    found = read_modules(file, name=name, any_end=any_end)
+    found = read_modules(file, SetOptions(name, any_end, pieces, detail))
     text = spec_text(found.modules, exact=exact)
     return Imported(_file_name(found.name), text, found.files, tuple(found.modules.remarks))
 
 
-def read_modules(file: Path, *, name: str | None, any_end: bool) -> ReadSet:
+def read_modules(file: Path, options: SetOptions) -> ReadSet:
     """The modules of a set, before they are text."""
     path = file / FILE if file.is_dir() else file
     if file.is_dir() and not path.is_file():
         raise UsageFault(f"{file} has no {FILE}")
-    place = json_file(path)
+    files = source_files(path)
+    place = json_file(files)
     data = read_set(place)
     folder = path.absolute().parent.name
     stem = folder if path.name == FILE else path.stem
-    family = Names().camel(name or stem)
-    prefix = "" if name is None else f"{family}_"
+    family = Names().camel(options.name or stem)
+    prefix = "" if options.name is None else f"{family}_"
     types = PortTypes(each for module in data.modules for each in module.connectors)
     result = ModuleSet(comments=_comments(data, path, folder))
-    names, meshes = Names(), MeshHulls(FileTree(path.parent))
+    names = Names()
+    folder_of_meshes = f"{family.lower()}_meshes"
+    meshes = BodyMeshes(files, folder_of_meshes, result.remarks, options.pieces, options.detail)
     named = list[tuple[str, Mounting]]()
     for module in data.modules:
-        ways = mountings_of(module, any_end=any_end)
+        ways = mountings_of(module, any_end=options.any_end)
         if not ways:
             result.remarks.append(f"{module.place.path}: nothing can carry it; it is left out")
         for way in ways:
@@ -86,15 +117,16 @@ def read_modules(file: Path, *, name: str | None, any_end: bool) -> ReadSet:
             end = f"_{way.entry.id}" if len(ways) > 1 else ""
             named.append((names.name(f"{prefix}{Names().camel(wanted)}{end}"), way))
     arrangement = arranged(named, names, family)
+    hulls = MeshHulls(meshes)
     for called, way in named:
-        result.modules.append(mounted_module(way, called, types, meshes, result.remarks))
+        result.modules.append(mounted_module(way, called, types, hulls, result.remarks))
     has_tip = any(each.type == EFFECTOR for m in data.modules for each in m.connectors)
-    for called, end in arrangement.open_ends.items():
-        result.modules.append(open_module(called, end, types, effector=not has_tip))
+    for called, left_open in arrangement.open_ends.items():
+        result.modules.append(open_module(called, left_open, types, effector=not has_tip))
     result.families += arrangement.families
-    result.remarks += [*arrangement.remarks, *meshes.remarks, *_remarks(data, any_end=any_end)]
+    result.remarks += [*arrangement.remarks, *_remarks(data, any_end=options.any_end)]
     result.remarks += [f"{unread}: an unknown key" for unread in place.unread.places]
-    return ReadSet(family, result, meshes.files, dict(named), types)
+    return ReadSet(family, result, meshes.written, dict(named), types)
 
 
 def _wanted(identifier: str, called: str) -> str:
@@ -118,14 +150,14 @@ def _comments(data: SetData, path: Path, folder: str) -> list[str]:
 
 def _remarks(data: SetData, *, any_end: bool) -> list[str]:
     found = list[str]()
-    if visuals := sum(body.visuals for module in data.modules for body in module.bodies):
+    if visuals := sum(len(body.visuals) for module in data.modules for body in module.bodies):
         found.append(f"{visuals} visual shapes: pictures show what collides")
     if any(module.cost for module in data.modules):
         found.append("costs stand in comments: write `const price = ...;` to minimize their sum")
     if data.collisions != LIKE_OURS:
         found.append(
-            f"ignore_collisions is {data.collisions}: `avoid self with body` does not compare links "
-            "that one joint connects, Timor some of their bodies"
+            f"ignore_collisions is {data.collisions}: `avoid self with body` does not compare "
+            "links that one joint connects, Timor some of their bodies"
         )
     if any_end:
         return found
