@@ -26,6 +26,10 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
         "srgc.imports.timor.timor_import:timor_import",
         frozenset({"name", "exact", "any_end", "pieces", "detail"}),
     ),
+    "cobra": (
+        "srgc.imports.cobra.cobra_import:cobra_import",
+        frozenset({"modules", "name", "exact", "base", "any_order", "cost", "pieces", "detail"}),
+    ),
 }
 """By kind where the function is that imports it, and the options that it takes."""
 
@@ -80,6 +84,15 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     help="What convex pieces may add to the volume of a mesh, as a share; default 0.1.",
 )
 @click.option("--any-end", is_flag=True, help="timor: modules may stand on any of their ends.")
+@click.option(
+    "--modules",
+    type=PathOf(path_type=Path),
+    metavar="SET",
+    help="cobra: a module set of Timor, or a spec with a grammar from ports.",
+)
+@click.option("--base", metavar="MODULE", help="cobra: which module of the set is the base.")
+@click.option("--any-order", is_flag=True, help="cobra: leave the order of goals open.")
+@click.option("--cost", metavar="COSTS", help="cobra: what to minimize, as in `mass,cyc`.")
 @click.option("--force", is_flag=True, help="Replace files that are there.")
 def import_(
     kind: str,
