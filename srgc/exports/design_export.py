@@ -32,6 +32,8 @@ from srgc.exports.motion_formats import (
     trajectory_table,
 )
 from srgc.exports.urdf import urdf_text
+from srgc.exports.visual_meshes import UNSAID as NO_VISUALS
+from srgc.exports.visual_meshes import mujoco_reads, unread_by_mujoco, visual_files, visual_names
 from srgc.faults import NoAnswer, UsageFault
 from srgc.results.folder_writer import folder_output
 from srgc.results.found_design import FoundDesign, found_design
@@ -103,19 +105,21 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     """
     design = found_design(folder)
     if form == "mujoco":
-        return ExportFolder(_replayed(design, exported_motion(design)), ())
+        files = _replayed(design, exported_motion(design))
+        return ExportFolder(files, _left_out_of(design, "mjcf"))
     if form == "controller":
         return ExportFolder(*controller_files(folder, design))
     motion = exported_motion(design)
     found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
     notes = list(remarks(design))
-    for name in ROBOTS:
+    for name, files_of in (("urdf", _urdf_files), ("mjcf", _mjcf_files)):
         try:
-            found[FILE_NAMES[name]] = _robot_text(design, ROBOTS[name]).encode()
+            beside = files_of(design, Path(FILE_NAMES[name]).stem)
         except UsageFault as fault:
             notes.append(f"no {FILE_NAMES[name]}: {fault}")
-    if FILE_NAMES["urdf"] in found:
-        found |= _urdf_files(design, Path(FILE_NAMES["urdf"]).stem)
+            continue
+        found |= beside
+        notes += _left_out_of(design, name)
     try:
         found |= _replayed(design, motion)
     except UsageFault as fault:
@@ -137,22 +141,29 @@ def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
     Raises:
         UsageFault: the format cannot hold the robot or its dynamics.
     """
-    others = left_out(design)
-    if others is not None:
-        raise UsageFault(f"MJCF does not hold {others}, so held torques do not move it as planned")
+    _refuse_own(design)
     return _robot_text(design, mjcf_text, factors)
 
 
+def _refuse_own(design: FoundDesign) -> None:
+    others = left_out(design)
+    if others is not None:
+        raise UsageFault(f"MJCF does not hold {others}, so held torques do not move it as planned")
+
+
 def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
-    robot, *loaded = (
-        mujoco_text(design, body_factors(design, loads)).encode() for loads in load_states(design)
+    _refuse_own(design)
+    stem = Path(FILE_NAMES["mjcf"]).stem
+    first, *others = (
+        _mjcf_files(design, stem, body_factors(design, loads)) for loads in load_states(design)
     )
+    loaded = (files[FILE_NAMES["mjcf"]] for files in others)
     found = {f"robot_loaded_{number}.xml": text for number, text in enumerate(loaded, 1)}
     gains = gain_table(motion)
     if gains is not None:
         found[GAINS] = gains.encode()
     return found | {
-        FILE_NAMES["mjcf"]: robot,
+        **first,
         FILE_NAMES["csv"]: trajectory_table(motion).encode(),
         TORQUES: torque_table(motion).encode(),
         SCRIPT: files("srgc.exports").joinpath("stand_alone_replay.py").read_bytes(),
@@ -206,19 +217,21 @@ def written_export(
     if output is None:
         design = found_design(folder)
         content = export_bytes(design, form, efforts=efforts)
-        unsaid = _left_to_files(design) if form == "urdf" else ()
+        unsaid = _left_to_files(design, form) if form in ROBOTS else ()
         return WrittenExport((), content, (*remarks(design), *unsaid))
     first = folder_output(folder, output)
     design = found_design(folder)
-    if form != "urdf":
+    if form not in ROBOTS:
         first.write(export_bytes(design, form, efforts=efforts))
         return WrittenExport((output,), None, remarks(design))
-    robot, *beside = _urdf_files(design, output.stem).items()
+    files_of = _urdf_files if form == "urdf" else _mjcf_files
+    robot, *beside = files_of(design, output.stem).items()
     paths = [output.parent / name for name, _ in beside]
     others = [folder_output(folder, path) for path in paths]
     for file, (_, content) in zip((first, *others), (robot, *beside), strict=True):
         file.write(content)
-    notes = (*remarks(design), *_earlier(output.parent, output.stem, {*paths}))
+    earlier = _earlier(output.parent, output.stem, {*paths}) if form == "urdf" else ()
+    notes = (*remarks(design), *_left_out_of(design, form), *earlier)
     return WrittenExport((output, *paths), None, notes)
 
 
@@ -229,32 +242,65 @@ def _urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
         UsageFault: the robot cannot be exported.
     """
     hulls: dict[tuple[float, ...], bytes] = {}
+    seen: dict[str, bytes] = {}
 
     def text(robot: ExportedRobot) -> str:
         hulls.update(hull_files(robot))
-        return urdf_text(robot, dict(zip(hulls, _hull_names(stem), strict=False)))
+        names = visual_names(robot.visuals, stem)
+        seen.update(visual_files(robot.visuals, names))
+        return urdf_text(robot, dict(zip(hulls, _hull_names(stem), strict=False)), names)
 
     found = {f"{stem}.urdf": _robot_text(design, text).encode()}
     if joints := _robot_text(design, joints_json):
         found[f"{stem}{SUFFIX}"] = joints.encode()
-    return found | dict(zip(_hull_names(stem), hulls.values(), strict=False))
+    return found | dict(zip(_hull_names(stem), hulls.values(), strict=False)) | seen
+
+
+def _mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) -> dict[str, bytes]:
+    """An MJCF, the first, and the visuals that it names, by names that begin with ``stem``.
+
+    Masses and moments of inertia of each body are times its factor, default 1.
+
+    Raises:
+        UsageFault: the robot cannot be exported.
+    """
+    seen: dict[str, bytes] = {}
+
+    def text(robot: ExportedRobot) -> str:
+        names = visual_names(robot.visuals, stem)
+        read = [visual for visual in robot.visuals if mujoco_reads(visual.file)]
+        seen.update(visual_files(read, names))
+        return mjcf_text(robot, names)
+
+    return {f"{stem}.xml": _robot_text(design, text, factors).encode()} | seen
+
+
+def _left_out_of(design: FoundDesign, form: str) -> tuple[str, ...]:
+    """What of its visuals the export of a robot, written with files beside it, does not show."""
+    if form != "mjcf":
+        return ()
+    return tuple(unread_by_mujoco(exported_robot(design).visuals))
 
 
 def _hull_names(stem: str) -> Iterator[str]:
     return (f"{stem}.hull_{number}.stl" for number in count(1))
 
 
-def _left_to_files(design: FoundDesign) -> tuple[str, ...]:
-    """What a URDF without files beside it does not say of a robot."""
+def _left_to_files(design: FoundDesign, form: str) -> tuple[str, ...]:
+    """What a URDF or an MJCF without files beside it does not say of a robot."""
     robot = exported_robot(design)
+    seen = (NO_VISUALS,) if robot.visuals else ()
+    if form != "urdf":
+        return seen
     joints = (UNSAID,) if joints_json(robot) else ()
-    return (*joints, NO_MESHES) if hull_files(robot) else joints
+    return (*joints, NO_MESHES, *seen) if hull_files(robot) else (*joints, *seen)
 
 
 def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str]:
     """Notes on what stands beside a URDF and belongs to another one."""
-    hulls = sorted(folder.glob(f"{glob.escape(stem)}.hull_*.stl"))
-    for path in (folder / f"{stem}{SUFFIX}", *hulls):
+    meshes = [path for kind in ("hull_*.stl", "visual_*.*")
+              for path in sorted(folder.glob(f"{glob.escape(stem)}.{kind}"))]  # fmt: skip
+    for path in (folder / f"{stem}{SUFFIX}", *meshes):
         if path not in written and path.exists():
             yield _of_an_earlier_export(path)
 

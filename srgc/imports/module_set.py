@@ -56,6 +56,28 @@ class Placement:
     steps: Steps = ()
 
 
+def acts(step: Step) -> bool:
+    """Whether a step does anything."""
+    match step:
+        case Move():
+            return any(step.by)
+        case Turn():
+            return step.angle != 0
+        case Motion():
+            return True
+
+
+def joined(first: Steps, second: Steps) -> Steps:
+    """Steps one after the other; two shifts with nothing between them are one."""
+    before = tuple(step for step in first if acts(step))
+    after = tuple(step for step in second if acts(step))
+    if before and after and isinstance(before[-1], Move) and isinstance(after[0], Move):
+        one, two = before[-1].by, after[0].by
+        both = Move((one[0] + two[0], one[1] + two[1], one[2] + two[2]))
+        return (*before[:-1], both, *after[1:])
+    return (*before, *after)
+
+
 def steps_of(matrix: NDArray[np.float64]) -> Steps:
     """The shift and the turns of a homogeneous matrix (4, 4): ``move * rot z * rot y * rot x``.
 

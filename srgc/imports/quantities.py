@@ -2,7 +2,8 @@
 
 Files of other tools hold 1.570796325 for a right angle and 1e-17 for nothing.  Such noise is taken
 away: a number gets at most twelve decimals in SI units, and an angle that is within 1e-5 rad of a
-multiple of 15 degrees is that multiple.  With ``exact`` angles stay as they are.
+multiple of 15 degrees is that multiple, a length below a micrometre is 0.  With ``exact`` they stay
+as they are.
 """
 
 from __future__ import annotations
@@ -14,6 +15,10 @@ from decimal import Decimal
 
 NOISE = 1e-5
 """Angles this near a multiple of 15 degrees are taken for it (rad)."""
+SHORT = 1e-6
+"""Lengths below it are taken for 0 (m)."""
+WORTH_SAYING = 1e-9
+"""What is rounded by less (rad, m) is not told of."""
 _DECIMALS = Decimal("1e-12")
 _STEP = 15
 
@@ -35,11 +40,16 @@ def _significant(number: Decimal) -> Decimal:
 
 @dataclass(slots=True)
 class Quantities:
-    """Writes quantities; remembers by how much angles were rounded at most (rad), and how many."""
+    """Writes quantities.
+
+    It remembers how many angles it has rounded and by how much at most (rad), and how many lengths
+    it has left out.
+    """
 
     exact: bool = False
     most: float = 0.0
     rounded: int = 0
+    left_out: int = 0
 
     def angle(self, value: float) -> str:
         """An angle, in degrees where that is short and in radians else."""
@@ -47,12 +57,13 @@ class Quantities:
         near = round(degrees / _STEP) * _STEP
         shift = abs(value - math.radians(near))
         if shift == 0 or (shift <= NOISE and not self.exact):
-            if shift > 1e-15:
+            if shift > WORTH_SAYING:
                 self.rounded += 1
                 self.most = max(self.most, shift)
             return f"{near} deg" if near else "0 rad"
-        whole = Decimal(f"{degrees:.6f}")
-        if abs(math.radians(float(whole)) - value) <= 4e-16 * abs(value):
+        whole = Decimal(f"{degrees:.2f}")
+        most = 4e-16 * abs(value) if self.exact else WORTH_SAYING
+        if abs(math.radians(float(whole)) - value) <= most:
             return f"{decimal_text(whole)} deg"
         return f"{decimal_text(value)} rad"
 
@@ -66,14 +77,20 @@ class Quantities:
         unit = units.pop() if units else "rad"
         return f"[{first.split()[0]}, {second.split()[0]}] {unit}"
 
-    @staticmethod
-    def lengths(values: Sequence[float]) -> tuple[list[str], str]:
+    def lengths(self, values: Sequence[float]) -> tuple[list[str], str]:
         """Lengths in metres or millimetres, whichever is shorter, and that unit."""
-        exact = [Decimal(repr(float(value))).quantize(_DECIMALS) for value in values]
+        exact = [Decimal(repr(float(self._kept(value)))).quantize(_DECIMALS) for value in values]
         in_m = [decimal_text(value) for value in exact]
         in_mm = [decimal_text(value * 1000) for value in exact]
         use_m = sum(map(len, in_m)) < sum(map(len, in_mm)) or not any(exact)
         return (in_m, "m") if use_m else (in_mm, "mm")
+
+    def _kept(self, value: float) -> float:
+        """A length; one below a micrometre is noise."""
+        if self.exact or abs(value) >= SHORT:
+            return value
+        self.left_out += abs(value) > WORTH_SAYING
+        return 0.0
 
     def length(self, value: float) -> str:
         """One length."""

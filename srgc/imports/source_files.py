@@ -63,7 +63,7 @@ class SourceFiles:
             raise UsageFault(
                 f"{self.main}: `{visible(written)}`: only files are read, package:// and model://"
             )
-        name, _, path = rest.partition("/")
+        name, _, path = rest.lstrip("/").partition("/")
         place = self.packages.get(name) or self._found_above(name, path)
         if place is None:
             raise UsageFault(

@@ -40,6 +40,9 @@ def modules_text(modules: ModuleSet, *, exact: bool = False) -> list[str]:
             f"{many} rounded to whole multiples of 15 deg, by at most {quantities.most:.1g} rad; "
             "--exact keeps them"
         )
+    if quantities.left_out:
+        lengths = "1 length" if quantities.left_out == 1 else f"{quantities.left_out} lengths"
+        modules.remarks.append(f"{lengths} below 1 um taken for 0; --exact keeps them")
     return blocks
 
 

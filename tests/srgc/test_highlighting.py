@@ -101,6 +101,8 @@ workspace Hall {
   region radius ball (1, 1) m radius 2 * 5 cm; target ball capsule (1, 1), (2, 1) m radius 1 cm;
   region capsule cylinder (1, 1), (2, 1) m radius 1 cm;
   obstacles from "map.yaml";
+  obstacles from "at.stl" in mm at world * move((1, 0, 0) m) * rot(-z, 2 * 15 deg);
+  obstacles from "in.obj" at move(x, 1 m); obstacles from 'a.obj' in cm;
 }
 task Turn {
   robot robot; workspace workspace;

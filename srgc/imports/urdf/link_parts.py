@@ -10,7 +10,7 @@ import numpy as np
 
 from grammar_lang.files.file_tree import visible
 from srgc.imports.body_meshes import BodyMeshes
-from srgc.imports.module_set import Body, Move, Placement, Shape, Turn
+from srgc.imports.module_set import Body, Move, Placement, Shape, Turn, joined
 from srgc.imports.solid_moments import Moments, moments_of_shape
 from srgc.imports.urdf.robot_model import UrdfRobot
 
@@ -118,7 +118,7 @@ class LinkParts:
             yield Shape("sphere", place, (float(geometry.sphere.radius),))
         elif geometry.cylinder is not None:
             radius, length = float(geometry.cylinder.radius), float(geometry.cylinder.length)
-            below = Placement(place.base, (*place.steps, Move((0.0, 0.0, -length / 2))))
+            below = Placement(place.base, joined(place.steps, (Move((0.0, 0.0, -length / 2)),)))
             yield Shape("cylinder", below, (radius, length))
         elif geometry.mesh is not None:
             mesh = geometry.mesh

@@ -11,12 +11,10 @@ from srgc.imports.module_set import (
     Dof,
     Frame,
     Motion,
-    Move,
     Placement,
     Shape,
-    Step,
-    Steps,
-    Turn,
+    acts,
+    joined,
 )
 from srgc.imports.names import Names
 from srgc.imports.urdf.link_parts import LinkParts
@@ -75,7 +73,7 @@ class RigidPart:
 
     def frame(self, wanted: str, place: Placement) -> str:
         """The name of a frame; that of its base where it is the same frame."""
-        if not any(map(_acts, place.steps)):
+        if not any(map(acts, place.steps)):
             return place.base
         name = self.names.name(wanted)
         self.named.append(Frame(name, place))
@@ -114,7 +112,7 @@ class RigidPart:
     def _spare(frame: Frame, uses: int) -> bool:
         """Whether a frame needs no name; one with a motion keeps it, as people write it."""
         moves = any(isinstance(step, Motion) for step in frame.place.steps)
-        return uses == 0 and not moves or uses == 1 and not moves
+        return uses <= 1 and not moves
 
     def _placements(self) -> Iterator[Placement]:
         yield from (frame.place for frame in self.named)
@@ -130,25 +128,3 @@ class RigidPart:
         self.named = [Frame(frame.name, put(frame.place)) for frame in self.named]
         self.bodies = [replace(body, place=put(body.place)) for body in self.bodies]
         self.shapes = [replace(shape, place=put(shape.place)) for shape in self.shapes]
-
-
-def _acts(step: Step) -> bool:
-    """Whether a step does anything."""
-    match step:
-        case Move():
-            return any(step.by)
-        case Turn():
-            return step.angle != 0
-        case Motion():
-            return True
-
-
-def joined(first: Steps, second: Steps) -> Steps:
-    """Steps one after the other; two shifts with nothing between them are one."""
-    before = tuple(step for step in first if _acts(step))
-    after = tuple(step for step in second if _acts(step))
-    if before and after and isinstance(before[-1], Move) and isinstance(after[0], Move):
-        one, two = before[-1].by, after[0].by
-        both = Move((one[0] + two[0], one[1] + two[1], one[2] + two[2]))
-        return (*before[:-1], both, *after[1:])
-    return (*before, *after)

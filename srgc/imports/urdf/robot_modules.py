@@ -167,7 +167,9 @@ class RobotModules:
             part.named.append(Frame(name, place))
         part.inline()
         links = ", ".join(map(_plain, part.links))
-        joint = "" if part.joint is None else f"Joint {_plain(part.joint)}; "
+        many = "links" if len(part.links) > 1 else "link"
+        said = f"{many} {links}"
+        said = said[0].upper() + said[1:] if part.joint is None else f"Joint {_plain(part.joint)}; {said}"
         return Module(
             part.name,
             role,
@@ -176,7 +178,7 @@ class RobotModules:
             part.dofs,
             part.bodies,
             part.shapes,
-            comments=[f"{joint}{'links' if len(part.links) > 1 else 'link'} {links}."],
+            comments=[f"{said}."],
         )
 
     def _type(self, lead: str) -> str:

@@ -23,7 +23,7 @@ _COMPOUND = ("N*m", "kg/m", "m/s", "m/s^2", "rad/s", "deg/s", "kg*m^2", "N*m*s/r
 _SUFFIXES = {
     "include": (".srg",),
     "std": (".srg",),
-    "from": (".yaml", ".yml", ".geojson", ".json"),
+    "from": (".yaml", ".yml", ".geojson", ".json", ".stl", ".obj"),
 }
 _MOST_PATHS = 200
 
@@ -188,6 +188,7 @@ EMISSION_SNIPPETS = MappingProxyType(
         ),
         "box": "box(frame: ${1:this.frame}, size: ${2:(10, 8, 6) cm});",
         "hull": 'hull(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
+        "visual": 'visual(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
     }
 )
 

@@ -1,0 +1,142 @@
+"""A mesh as convex pieces that hold all of it, with the volume that they add.
+
+The part whose hull adds most is split until little is added; then neighbours are joined where that
+adds little.  That is a search in doubles, and nobody has to believe it: the pieces are decimals, and
+whether they hold every triangle is decided exactly; where one is not, a piece grows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.meshes.containment import uncovered
+from srgc.imports.meshes.convex_piece import ConvexPiece
+from srgc.imports.meshes.enclosing import enclosing
+from srgc.imports.meshes.few_corners import hull_volume
+from srgc.imports.meshes.measures import Measures, measured, not_covered
+from srgc.imports.meshes.mesh import Floats, Ints
+from srgc.imports.meshes.regions import Region
+from srgc.imports.meshes.solids import Anatomy, anatomy
+from srgc.imports.meshes.splitting import refined, regions_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+DETAIL = 0.1
+"""The volume that pieces add, as a share of that of the mesh, unless another is asked for."""
+MOST_PIECES = 256
+"""No more are made, whatever the detail."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """Convex pieces that hold every triangle of a mesh, which was checked exactly.
+
+    ``thickened`` are the numbers of those that were flat, and ``notes`` say what was done.
+    """
+
+    pieces: tuple[ConvexPiece, ...]
+    measures: Measures
+    thickened: tuple[int, ...]
+    notes: tuple[str, ...]
+
+
+def decomposed(
+    vertices: Floats, triangles: Ints, *, detail: float = DETAIL, pieces: int | None = None
+) -> Pieces:
+    """Convex pieces whose union holds every triangle, and the inside of what is closed.
+
+    Args:
+        vertices: (n, 3) in metres, finite.
+        triangles: (m, 3) of their numbers, m >= 1.
+        detail: the volume that may be added, as a share of that of the mesh (of the hull of an
+            open part).  It is kept unless :data:`MOST_PIECES` or ``pieces`` do not allow it.
+        pieces: at most so many.
+
+    Raises:
+        UsageFault: there is no triangle, or the detail or the number of pieces is not positive.
+    """
+    _refuse(triangles, detail, pieces)
+    parts = anatomy(vertices, triangles)
+    reference = _reference(parts)
+    most = min(pieces or MOST_PIECES, MOST_PIECES)
+    regions = regions_of(parts, vertices, triangles, detail * reference, most)
+    regions = refined(regions, detail * reference, most)
+    found, thickened = _covering(vertices, triangles, parts, regions, most)
+    order = sorted(range(len(found)), key=lambda i: found[i].corners)
+    return Pieces(
+        tuple(found[i] for i in order),
+        measured(parts, reference, found, vertices, triangles),
+        tuple(place for place, i in enumerate(order) if i in thickened),
+        tuple(parts.notes),
+    )
+
+
+def _refuse(triangles: Ints, detail: float, pieces: int | None) -> None:
+    if len(triangles) == 0:
+        raise UsageFault("a mesh without triangles has no pieces")
+    if not 0 < detail < float("inf"):
+        raise UsageFault(f"a detail of {detail} is no positive share of the volume")
+    if pieces is not None and pieces < 1:
+        raise UsageFault("at least one piece is due")
+
+
+def _reference(parts: Anatomy) -> float:
+    """What the volume added is a share of (m^3): solids, and the hulls of open parts."""
+    hulls = sum(hull_volume(shell.reshape(-1, 3)) for shell in parts.shells)
+    return float(sum(solid.volume() for solid in parts.solids)) + hulls
+
+
+# --- The exact check, and growing -----------------------------------------------------------------
+
+
+def _covering(
+    vertices: Floats, triangles: Ints, parts: Anatomy, regions: Sequence[Region], most: int
+) -> tuple[list[ConvexPiece], set[int]]:
+    """Pieces that hold every triangle, exactly, and the solids; and which were thickened."""
+    held = [region.points for region in regions]
+    found = [region.enclosed for region in regions]
+    for _ in range(50):
+        missing = [
+            np.array([[float(x) for x in point] for point in polygon])
+            for each in uncovered(vertices, triangles, [e.piece for e in found])
+            for polygon in each.polygons
+        ]
+        if not missing:
+            missing = not_covered(parts.solids, [e.piece for e in found])
+        if not missing:
+            break
+        grown = set[int]()
+        for points in missing:
+            nearest = _least_growth(points, held)
+            held[nearest] = np.concatenate([held[nearest], _a_bit_beyond(points, held[nearest])])
+            grown.add(nearest)
+        for number in grown:
+            found[number] = enclosing(held[number])
+    else:
+        raise ArithmeticError("pieces that were grown 50 times hold not all triangles")
+    return [each.piece for each in found], {i for i, e in enumerate(found) if e.thickened}
+
+
+def _a_bit_beyond(points: Floats, held: Floats) -> Floats:
+    """The points and ones a little farther out: they are rounded places of exact ones."""
+    middle = held.mean(axis=0)
+    return np.concatenate([points, points + 1e-9 * (points - middle)])
+
+
+def _least_growth(points: Floats, held: Sequence[Floats]) -> int:
+    """The number of the piece that grows least by holding the points."""
+    near = sorted(range(len(held)), key=lambda i: _gap(points, held[i]))[:5]
+    return min(
+        near, key=lambda i: hull_volume(np.concatenate([held[i], points])) - hull_volume(held[i])
+    )
+
+
+def _gap(points: Floats, held: Floats) -> float:
+    """How far apart the boxes about points are."""
+    apart = np.maximum(points.min(axis=0) - held.max(axis=0), held.min(axis=0) - points.max(axis=0))
+    return float(np.linalg.norm(np.maximum(apart, 0.0)))

@@ -1,0 +1,61 @@
+"""Volumes of hulls, estimated from the farthest points across fixed directions: for many trials."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from srgc.imports.meshes.few_corners import hull_volume
+from srgc.imports.meshes.mesh import Bools, Floats, Ints
+
+COUNT = 60
+"""Directions of the spiral."""
+
+
+@cache
+def directions() -> Floats:
+    """Unit vectors (d, 3): a spiral over the sphere, and the axes."""
+    turns = np.arange(COUNT) + 0.5
+    height = 1 - 2 * turns / COUNT
+    angle = np.pi * (1 + 5**0.5) * turns
+    width = np.sqrt(1 - height**2)
+    spiral = np.column_stack([width * np.cos(angle), width * np.sin(angle), height])
+    found: Floats = np.concatenate([spiral, np.eye(3), -np.eye(3)])
+    return found
+
+
+def estimated_volume(points: Floats) -> float:
+    """At most the volume of the hull of points (n, 3), and not much less."""
+    along = points @ directions().T
+    return hull_volume(points[np.unique(along.argmax(axis=0))])
+
+
+class Estimates:
+    """Volumes of hulls of both sides of planes, for a surface of points (n, 3) and edges (e, 2)."""
+
+    def __init__(self, points: Floats, edges: Ints) -> None:
+        self.points, self.edges = points, edges
+        self.directions = directions()
+        self.along = points @ self.directions.T
+
+    def both_sides(self, normal: Floats, offset: float) -> float:
+        """The sum of the volumes of the hulls of what is below and above a plane; inf of nothing."""
+        heights = self.points @ normal - offset
+        below, above = heights <= 0, heights >= 0
+        if not below.any() or not above.any():
+            return float("inf")
+        first, last = self.edges.T
+        crossing = heights[first] * heights[last] < 0
+        one, other = first[crossing], last[crossing]
+        share = heights[one] / (heights[one] - heights[other])
+        between = self.points[one] + share[:, None] * (self.points[other] - self.points[one])
+        cut = between @ self.directions.T
+        return self._side(below, between, cut) + self._side(above, between, cut)
+
+    def _side(self, side: Bools, between: Floats, cut: Floats) -> float:
+        numbers = np.flatnonzero(side)
+        chosen = self.points[numbers[np.unique(self.along[numbers].argmax(axis=0))]]
+        if len(between):
+            chosen = np.concatenate([chosen, between[np.unique(cut.argmax(axis=0))]])
+        return hull_volume(chosen)

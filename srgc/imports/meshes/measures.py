@@ -1,0 +1,98 @@
+"""What pieces add to a mesh: volumes by manifold3d, and how far they stand out; in doubles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from srgc.imports.meshes.convex_piece import ConvexPiece
+from srgc.imports.meshes.mesh import Floats, Ints
+from srgc.imports.meshes.solids import Anatomy, manifold_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from manifold3d import Manifold
+
+NOTHING = 1e-7
+"""This share of a solid is rounding of the volumes, and not uncovered."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """Volumes in m^3, and a length in m.
+
+    ``volume`` is that of the solids, ``reference`` with the hulls of open parts, ``union`` that of
+    the pieces together, ``added`` what of it is not of the solids as a share of the reference, and
+    ``farthest`` about how far a corner of a piece is from the mesh.
+    """
+
+    volume: float
+    reference: float
+    union: float
+    added: float
+    farthest: float
+
+
+def measured(
+    parts: Anatomy,
+    reference: float,
+    pieces: Sequence[ConvexPiece],
+    vertices: Floats,
+    triangles: Ints,
+) -> Measures:
+    """The volumes of a mesh and its pieces."""
+    union = float(union_of(pieces).volume())
+    volume = float(sum(each.volume() for each in parts.solids))
+    added = max(union - volume, 0.0)
+    share = added / reference if reference else 0.0
+    return Measures(volume, reference, union, share, _farthest(pieces, vertices, triangles))
+
+
+def union_of(pieces: Sequence[ConvexPiece]) -> Manifold:
+    """The pieces as one solid."""
+    from manifold3d import Manifold, OpType
+
+    found = [solid_of(each) for each in pieces]
+    return found[0] if len(found) == 1 else Manifold.batch_boolean(found, OpType.Add)
+
+
+def solid_of(piece: ConvexPiece) -> Manifold:
+    """A piece as a solid.
+
+    Raises:
+        ArithmeticError: it is so thin that it is none in doubles.
+    """
+    found = manifold_of(piece.points(), np.array(piece.outward(), dtype=np.int64))
+    if found is None:
+        raise ArithmeticError("a piece without an inside")
+    return found
+
+
+def not_covered(solids: Sequence[Manifold], pieces: Sequence[ConvexPiece]) -> list[Floats]:
+    """The corners (n, 3) of each part of the solids that is in no piece."""
+    from manifold3d import Manifold, OpType
+
+    if not solids:
+        return []
+    rest = Manifold.batch_boolean(
+        [Manifold.batch_boolean(list(solids), OpType.Add), union_of(pieces)], OpType.Subtract
+    )
+    least = NOTHING * sum(each.volume() for each in solids)
+    return [
+        np.asarray(part.to_mesh64().vert_properties, dtype=np.float64)[:, :3]
+        for part in rest.decompose()
+        if part.volume() > least
+    ]
+
+
+def _farthest(pieces: Sequence[ConvexPiece], vertices: Floats, triangles: Ints) -> float:
+    """The largest distance from a corner of a piece to the nearest vertex or middle of a triangle."""
+    from scipy.spatial import KDTree
+
+    sides = vertices[triangles]
+    near = KDTree(np.concatenate([vertices, sides.mean(axis=1)]))
+    corners = np.concatenate([piece.points() for piece in pieces])
+    return float(near.query(corners)[0].max())

@@ -1,0 +1,65 @@
+"""A mesh of triangles in metres, and the pieces of space that convex pieces are made from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.int64]
+Bools: TypeAlias = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class MeshObject:
+    """A part of a mesh that its file names: triangles ``start`` to ``stop``, without the last."""
+
+    name: str
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """Vertices (n, 3) in metres, and triangles (m, 3) of their numbers, in the order of the file.
+
+    ``notes`` says what of the file was not taken.
+    """
+
+    vertices: Floats
+    triangles: Ints
+    objects: tuple[MeshObject, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def part(self, item: MeshObject) -> Mesh:
+        """The mesh of one object."""
+        triangles = self.triangles[item.start : item.stop]
+        used, inverse = np.unique(triangles, return_inverse=True)
+        return Mesh(
+            self.vertices[used],
+            inverse.reshape(-1, 3).astype(np.int64),
+            (MeshObject(item.name, 0, len(triangles)),),
+        )
+
+    def corners(self) -> Floats:
+        """The corners of all triangles, (m, 3, 3)."""
+        found: Floats = self.vertices[self.triangles]
+        return found
+
+
+def joined(parts: Sequence[tuple[str, tuple[Floats, Ints]]]) -> Mesh:
+    """Parts one after the other, each an object with its name."""
+    vertices, triangles, objects = list[Floats](), list[Ints](), list[MeshObject]()
+    before = start = 0
+    for name, (points, faces) in parts:
+        vertices.append(points)
+        triangles.append(faces + before)
+        objects.append(MeshObject(name, start, start + len(faces)))
+        before, start = before + len(points), start + len(faces)
+    if not parts:
+        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+    return Mesh(np.concatenate(vertices), np.concatenate(triangles), tuple(objects))

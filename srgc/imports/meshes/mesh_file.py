@@ -1,0 +1,207 @@
+"""Meshes of STL, OBJ and COLLADA files, by trimesh and pycollada; what is hostile is refused.
+
+No other file is opened: neither the materials of an OBJ nor the images of a COLLADA file.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.limited_files import MOST_XML_BYTES, limited_bytes
+from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+SUFFIXES = (".stl", ".obj", ".dae")
+MOST_TRIANGLES = 1_000_000
+LARGEST = 1e6
+"""Coordinates are smaller, in metres: what is farther off is no scene of a robot."""
+_HEADER, _TRIANGLE = 84, 50
+
+
+def read_mesh(path: Path, unit: float | None = None) -> Mesh:
+    """The mesh of a file, in metres.
+
+    Args:
+        path: a file that ends with one of :data:`SUFFIXES`.
+        unit: what a length of one in the file is, in metres.  None: what a COLLADA file says, and
+            metres of the others.
+
+    Raises:
+        UsageFault: it is no such file, is cut off, has too many triangles, or corners that are not
+            finite or too far off.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise UsageFault(
+            f"{path} is no mesh that is read here, by the end of its name; known: "
+            "STL (.stl), OBJ (.obj), COLLADA (.dae)"
+        )
+    content = limited_bytes(path, *([MOST_XML_BYTES] if suffix == ".dae" else []))
+    try:
+        if suffix == ".stl":
+            mesh = _stl(content, path)
+        elif suffix == ".obj":
+            mesh = _obj(content, path)
+        else:
+            from srgc.imports.meshes.collada_file import collada_mesh
+
+            mesh = collada_mesh(content, path, own_unit=unit is None)
+    except (MemoryError, RecursionError):
+        raise UsageFault(f"{path}: it is too large or too deeply nested") from None
+    return _checked(mesh, 1.0 if unit is None else unit, path)
+
+
+def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
+    """The mesh scaled; vertices that equal others become one, and triangles of a point are left."""
+    if not 0 < unit < LARGEST:
+        raise UsageFault(f"{path}: a unit of {unit} m is none")
+    if len(mesh.triangles) == 0:
+        raise UsageFault(f"{path} has no triangle")
+    too_many(len(mesh.triangles), path)
+    vertices = np.asarray(mesh.vertices, dtype=np.float64)
+    if not np.isfinite(vertices).all():
+        bad = int(np.argmin(np.isfinite(vertices).all(axis=1)))
+        raise UsageFault(f"{path}: vertex {bad + 1} has a coordinate that is no finite number")
+    vertices = vertices * unit
+    if np.abs(vertices).max(initial=0.0) >= LARGEST:
+        raise UsageFault(
+            f"{path}: a vertex is {LARGEST:g} m away or farther; is the unit right? "
+            "(--unit mm reads millimetres)"
+        )
+    return Mesh(vertices, np.asarray(mesh.triangles, dtype=np.int64), mesh.objects, mesh.notes)
+
+
+def too_many(count: int, path: Path) -> None:
+    """Refuse more triangles than are read.
+
+    Raises:
+        UsageFault: there are more.
+    """
+    if count > MOST_TRIANGLES:
+        raise UsageFault(
+            f"{path} has {count:,} triangles, and may have {MOST_TRIANGLES:,}; simplify it first"
+        )
+
+
+# --- STL ------------------------------------------------------------------------------------------
+
+
+def _stl(content: bytes, path: Path) -> Mesh:
+    """Binary where the size fits the number of triangles that is said, whatever it begins with."""
+    from trimesh.exchange.stl import load_stl_ascii, load_stl_binary
+
+    if len(content) >= _HEADER:
+        (count,) = struct.unpack_from("<I", content, 80)
+        if len(content) == _HEADER + _TRIANGLE * count:
+            too_many(count, path)
+            return joined([(path.stem, _vertices(load_stl_binary(io.BytesIO(content)), path))])
+    if not content.lstrip().lower().startswith(b"solid") or b"\0" in content:
+        raise UsageFault(f"{path} is no STL file, or was cut off: its size is not what it says")
+    lowered = content.lower()
+    facets, corners = lowered.count(b"endfacet"), len(re.findall(rb"\bvertex\b", lowered))
+    too_many(facets, path)
+    if corners != 3 * facets or not lowered.rstrip().rpartition(b"\n")[2].lstrip().startswith(
+        b"endsolid"
+    ):
+        raise UsageFault(f"{path} was cut off: it has {corners} corners of {facets} triangles")
+    try:
+        loaded = load_stl_ascii(io.BytesIO(content))
+    except Exception as error:
+        raise _broken(path, "STL", error) from None
+    parts = list(loaded["geometry"].values()) if "geometry" in loaded else [loaded]
+    mesh = joined([(path.stem, _vertices(part, path)) for part in parts])
+    if len(mesh.triangles) != facets:
+        raise UsageFault(f"{path}: {facets} triangles are begun and {len(mesh.triangles)} are read")
+    return mesh
+
+
+# --- OBJ ------------------------------------------------------------------------------------------
+
+
+def _obj(content: bytes, path: Path) -> Mesh:
+    """Each ``o`` or ``g`` with faces is an object; lines, points and materials are no triangles."""
+    from trimesh.exchange.obj import load_obj
+
+    if b"\0" in content:
+        raise UsageFault(f"{path} is no OBJ file: it is not text")
+    lines, due, left_out = _obj_lines(content, path)
+    content = b"\n".join(lines)
+    try:
+        loaded = load_obj(
+            io.BytesIO(content),
+            skip_materials=True,
+            maintain_order=True,
+            group_material=False,
+            split_objects=_splits(content, b"o"),
+            split_groups=_splits(content, b"g"),
+        )
+        parts = loaded["geometry"].items() if "geometry" in loaded else [(path.stem, loaded)]
+        mesh = joined([(str(name), _vertices(part, path)) for name, part in parts])
+    except UsageFault:
+        raise
+    except Exception as error:
+        raise _broken(path, "OBJ", error) from None
+    if len(mesh.triangles) != due:
+        raise UsageFault(
+            f"{path}: its faces are {due} triangles, and {len(mesh.triangles)} were read; "
+            "a face names corners that are not there, or was cut off"
+        )
+    notes = (f"{path.name}: {left_out} faces of one or two corners: left out",) if left_out else ()
+    return Mesh(mesh.vertices, mesh.triangles, mesh.objects, notes)
+
+
+def _splits(content: bytes, word: bytes) -> bool:
+    return re.search(rb"(?m)^[ \t]*" + word + rb"[ \t]+\S", content) is not None
+
+
+def _obj_lines(content: bytes, path: Path) -> tuple[list[bytes], int, int]:
+    """The lines but for faces of one or two corners, how many triangles, and how many such faces.
+
+    Raises:
+        UsageFault: there is no face, there are too many, or a vertex has no three coordinates.
+    """
+    kept, due, left_out = list[bytes](), 0, 0
+    for number, line in enumerate(content.replace(b"\\\n", b" ").split(b"\n"), 1):
+        words = line.split()
+        first = words[0] if words else b""
+        if first == b"v" and len(words) < 4:
+            raise UsageFault(
+                f"{path}:{number}: a vertex has {len(words) - 1} of 3 coordinates; "
+                "was the file cut off?"
+            )
+        if first == b"f" and len(words) < 4:
+            left_out += 1
+            continue
+        due += len(words) - 3 if first == b"f" else 0
+        kept.append(line)
+    if not due:
+        raise UsageFault(f"{path} has no triangle: no line begins with `f` and has three corners")
+    too_many(due, path)
+    return kept, due, left_out
+
+
+# --- What loaders give, as meshes -----------------------------------------------------------------
+
+
+def _vertices(loaded: Mapping[str, Any], path: Path) -> tuple[Floats, Ints]:
+    vertices = np.asarray(loaded.get("vertices", ()), dtype=np.float64)
+    triangles = np.asarray(loaded.get("faces", ()), dtype=np.int64)
+    if vertices.ndim != 2 or triangles.ndim != 2 or triangles.shape[1] != 3:
+        raise UsageFault(f"{path} has no triangle")
+    if triangles.min() < 0 or triangles.max() >= len(vertices):
+        raise UsageFault(f"{path}: a triangle names a vertex that is not there")
+    return vertices[:, :3], triangles
+
+
+def _broken(path: Path, kind: str, error: Exception) -> UsageFault:
+    said = " ".join(str(error).split())[:120]
+    return UsageFault(f"{path} cannot be read as {kind}: {said or type(error).__name__}")

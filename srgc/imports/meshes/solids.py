@@ -1,0 +1,288 @@
+"""What of a mesh is solid and what is a shell: connected parts, their winding, what they enclose.
+
+Parts are connected over edges.  A part is closed where each edge is passed as often one way as the
+other; then it is solid, or a cavity of the part about it where its triangles look inwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from srgc.imports.meshes.mesh import Floats, Ints
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+WELD = 1e-6
+"""Vertices nearer than this share of the size of the mesh are one, where that closes a surface."""
+HOLES = 0.01
+"""Holes of this share of the surface are cracks; larger ones are meant."""
+
+
+@dataclass(slots=True)
+class Anatomy:
+    """The solids of a mesh, and the triangles (s, 3, 3) of its shells, in metres."""
+
+    solids: list[Manifold] = field(default_factory=list)
+    shells: list[Floats] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def anatomy(vertices: Floats, triangles: Ints) -> Anatomy:
+    """The solids and shells of a mesh: vertices (n, 3), triangles (m, 3) of their numbers.
+
+    Solids that overlap or touch are one; each that is given back is connected,
+    but for solids with cavities.
+    """
+    found = Anatomy()
+    size = float(np.ptp(vertices, axis=0).max()) or 1.0
+    closed: list[tuple[Manifold, float]] = []
+    counts = {"turned": 0, "welded": 0, "filled": 0, "refused": 0}
+    points, faces = _merged(vertices, triangles)
+    for part in parts(faces):
+        done = _closed(points, part, WELD * size, counts)
+        solid = None if done is None else manifold_of(*done)
+        if done is None or solid is None:
+            counts["refused"] += done is not None
+            found.shells.append(points[part])
+        else:
+            closed.append((solid, _signed_volume(done[0][done[1]])))
+    said = {
+        "turned": "with mixed winding: turned to agree",
+        "welded": f"with cracks of less than {WELD:g} of the size: closed",
+        "filled": f"with holes of less than {100 * HOLES:g} % of the surface: filled",
+        "refused": "closed, and without an inside: taken as a shell",
+    }
+    found.notes += [f"{counted(n, 'part')} {said[what]}" for what, n in counts.items() if n]
+    open_parts = len(found.shells) - counts["refused"]
+    if open_parts:
+        found.notes.append(f"{counted(open_parts, 'part')} open: a shell, its triangles alone")
+    found.solids = _nested(closed, found.notes)
+    return found
+
+
+def _closed(
+    points: Floats, part: Ints, weld: float, counts: dict[str, int]
+) -> tuple[Floats, Ints] | None:
+    """Vertices and triangles of a part as a closed surface; None where it is open."""
+    corners, faces = _used(points, part)
+    if balanced(faces):
+        return corners, faces
+    joined_corners, joined_faces = _welded(corners, faces, weld)
+    if len(joined_faces) and balanced(joined_faces):
+        counts["welded"] += 1
+        return joined_corners, joined_faces
+    turned = _rewound(corners, faces)
+    if balanced(turned):
+        counts["turned"] += 1
+        return corners, turned
+    for one, other in ((joined_corners, joined_faces), (corners, turned)):
+        filled = filled_holes(one, other)
+        if filled is not None:
+            counts["filled"] += 1
+            return filled
+    return None
+
+
+def _used(points: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    used, local = np.unique(faces, return_inverse=True)
+    return points[used], local.reshape(-1, 3).astype(np.int64)
+
+
+def _welded(corners: Floats, faces: Ints, grid: float) -> tuple[Floats, Ints]:
+    """The triangles with corners of one cell of a grid as one."""
+    _, first, inverse = np.unique(
+        np.round(corners / grid), axis=0, return_index=True, return_inverse=True
+    )
+    numbers = inverse.reshape(-1)[faces]
+    a, b, c = numbers.T
+    return corners[first], numbers[(a != b) & (b != c) & (a != c)].astype(np.int64)
+
+
+def counted(number: int, what: str) -> str:
+    """``1 part`` or ``2 parts``."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def _merged(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
+    """Vertices that are equal are one; triangles with a corner twice are left out, and doubles."""
+    points, inverse = np.unique(vertices + 0.0, axis=0, return_inverse=True)
+    faces = inverse.reshape(-1)[triangles]
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (a != c)]
+    start = faces.argmin(axis=1)[:, None]
+    turned = np.take_along_axis(faces, (start + np.arange(3)) % 3, axis=1)
+    _, first = np.unique(turned, axis=0, return_index=True)
+    kept: Ints = faces[np.sort(first)]
+    return points, kept
+
+
+def _edges(faces: Ints) -> Ints:
+    """The directed edges (3 m, 2), those of a triangle together."""
+    found: Ints = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    return found
+
+
+def parts(faces: Ints) -> list[Ints]:
+    """The triangles that edges connect, in the order of their first triangles."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    if len(faces) == 0:
+        return []
+    edges = np.sort(_edges(faces), axis=1)
+    _, numbers = np.unique(edges, axis=0, return_inverse=True)
+    numbers = numbers.reshape(-1)
+    owner = np.repeat(np.arange(len(faces)), 3)
+    size = len(faces) + int(numbers.max()) + 1
+    graph = coo_matrix((np.ones(len(owner)), (owner, len(faces) + numbers)), shape=(size, size))
+    _, labels = connected_components(graph, directed=False)
+    labels = labels[: len(faces)]
+    order = np.argsort(labels, kind="stable")
+    bounds = np.flatnonzero(np.diff(labels[order])) + 1
+    return sorted((faces[part] for part in np.split(order, bounds)), key=lambda part: -len(part))
+
+
+def balanced(faces: Ints) -> bool:
+    """Whether every edge is passed as often one way as the other."""
+    edges = _edges(faces)
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    sign = np.where(edges[:, 0] == low, 1, -1)
+    key = low.astype(np.int64) * (int(faces.max()) + 1) + high
+    _, numbers = np.unique(key, return_inverse=True)
+    return not np.bincount(numbers.reshape(-1), weights=sign).any()
+
+
+def _rewound(corners: Floats, faces: Ints) -> Ints:
+    """Triangles turned so that neighbours agree, where no edge has more than two."""
+    edges = np.sort(_edges(faces), axis=1)
+    _, counts = np.unique(edges, axis=0, return_counts=True)
+    if (counts > 2).any():
+        return faces
+    import trimesh
+
+    mesh = trimesh.Trimesh(corners, faces, process=False)
+    trimesh.repair.fix_winding(mesh)
+    return np.asarray(mesh.faces, dtype=np.int64)
+
+
+def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:
+    """The surface with cones over its borders; None where these are more than :data:`HOLES`."""
+    rings = _borders(faces)
+    caps, tops = list[tuple[int, int, int]](), list[Floats]()
+    for ring in rings:
+        top = len(corners) + len(tops)
+        tops.append(corners[ring].mean(axis=0))
+        caps += [(b, a, top) for a, b in zip(ring, [*ring[1:], ring[0]], strict=True)]
+    points = np.concatenate([corners, np.array(tops).reshape(-1, 3)])
+    added = np.array(caps, dtype=np.int64).reshape(-1, 3)
+    if _area(points, added) > HOLES * _area(points, faces):
+        return None
+    whole = np.concatenate([faces, added])
+    return (points, whole) if balanced(whole) else None
+
+
+def _borders(faces: Ints) -> list[list[int]]:
+    """Rings of directed edges that are passed more often than the other way round."""
+    surplus = dict[tuple[int, int], int]()
+    for a, b in _edges(faces).tolist():
+        key, sign = ((a, b), 1) if a < b else ((b, a), -1)
+        surplus[key] = surplus.get(key, 0) + sign
+    onward = dict[int, list[int]]()
+    for (a, b), count in surplus.items():
+        start, end = (a, b) if count > 0 else (b, a)
+        onward.setdefault(start, []).extend([end] * abs(count))
+    rings = list[list[int]]()
+    for start in list(onward):
+        while onward.get(start):
+            ring, at = [start], onward[start].pop()
+            while at != start and onward.get(at):
+                ring.append(at)
+                at = onward[at].pop()
+            rings.append(ring)
+    return rings
+
+
+def _area(points: Floats, faces: Ints) -> float:
+    a, b, c = (points[faces[:, i]] for i in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
+
+
+def _signed_volume(sides: Floats) -> float:
+    base = sides[0, 0]
+    a, b, c = (sides[:, i] - base for i in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6
+
+
+def manifold_of(corners: Floats, faces: Ints) -> Manifold | None:
+    """The solid that triangles bound, looking outwards; None where manifold3d knows of none."""
+    from manifold3d import Error, Manifold, Mesh64
+
+    if _signed_volume(corners[faces]) < 0:
+        faces = faces[:, ::-1]
+    mesh: Any = Mesh64(
+        vert_properties=np.ascontiguousarray(corners, dtype=np.float64),
+        tri_verts=np.ascontiguousarray(faces, dtype=np.uint64),
+    )
+    solid = Manifold(mesh)
+    if solid.status() != Error.NoError or solid.is_empty() or solid.volume() <= 0:
+        return None
+    return solid
+
+
+def _nested(closed: list[tuple[Manifold, float]], notes: list[str]) -> list[Manifold]:
+    """The solids without their cavities, as one union; inverted ones that are no cavity turned."""
+    from manifold3d import Manifold, OpType
+
+    if not closed:
+        return []
+    signs = [1 if volume > 0 else -1 for _, volume in closed]
+    if sum(volume for _, volume in closed) < 0:
+        signs = [-sign for sign in signs]
+        notes.append("the triangles look inwards: turned")
+    wholes = [solid for (solid, _), sign in zip(closed, signs, strict=True) if sign > 0]
+    cavities: list[list[Manifold]] = [[] for _ in wholes]
+    turned = 0
+    for (solid, _), sign in zip(closed, signs, strict=True):
+        if sign > 0:
+            continue
+        about = _smallest_about(solid, wholes)
+        if about is None:
+            turned += 1
+            wholes.append(solid)
+            cavities.append([])
+        else:
+            cavities[about].append(solid)
+    if turned:
+        notes.append(f"{counted(turned, 'part')} whose triangles look inwards: turned")
+    found = [
+        Manifold.batch_boolean([whole, *inside], OpType.Subtract) if inside else whole
+        for whole, inside in zip(wholes, cavities, strict=True)
+    ]
+    whole = found[0] if len(found) == 1 else Manifold.batch_boolean(found, OpType.Add)
+    return connected(whole)
+
+
+def connected(solid: Manifold) -> list[Manifold]:
+    """The connected parts of a solid; one with cavities stays whole."""
+    parts = solid.decompose()
+    return parts if all(part.volume() > 0 for part in parts) else [solid]
+
+
+def _smallest_about(solid: Manifold, wholes: list[Manifold]) -> int | None:
+    """The number of the smallest solid that one is inside of."""
+    about = [
+        i
+        for i, whole in enumerate(wholes)
+        if _boxed(solid, whole) and (solid - whole).volume() <= 1e-9 * solid.volume()
+    ]
+    return min(about, key=lambda i: wholes[i].volume(), default=None)
+
+
+def _boxed(solid: Manifold, whole: Manifold) -> bool:
+    inner, outer = solid.bounding_box(), whole.bounding_box()
+    return all(inner[i] >= outer[i] and inner[i + 3] <= outer[i + 3] for i in range(3))

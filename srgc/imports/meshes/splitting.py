@@ -1,0 +1,91 @@
+"""The parts of a mesh that pieces are made for: split where hulls add much, joined where they add little."""
+
+from __future__ import annotations
+
+import heapq
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from srgc.imports.meshes.joining import Joining
+from srgc.imports.meshes.mesh import Bools, Floats, Ints
+from srgc.imports.meshes.regions import Region, ShellRegion, SolidRegion
+from srgc.imports.meshes.solids import Anatomy
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ROUGH, JOINED = 0.45, 0.7
+"""The shares of the detail up to which parts are split at first, and up to which they are joined."""
+
+
+def regions_of(
+    parts: Anatomy, vertices: Floats, triangles: Ints, budget: float, most: int
+) -> list[Region]:
+    solids: list[Region] = [SolidRegion(each) for each in parts.solids]
+    solids = _split_up(solids, ROUGH * budget, 2 * most + 8)
+    shells: list[Region] = []
+    for shell in parts.shells:
+        outside = ~_inside_hulls(shell, solids)
+        if outside.any():
+            shells.append(ShellRegion(shell[outside]))
+    shells = _split_up(shells, ROUGH * budget, 2 * most + 8)
+    regions = [*solids, *shells]
+    if not regions:  # all triangles are segments or points
+        regions = [ShellRegion(vertices[triangles])]
+    return Joining(regions).join(JOINED * budget, most)
+
+
+def _split_up(regions: list[Region], budget: float, most: int) -> list[Region]:
+    """Split the region that adds most until all add at most the budget (m^3)."""
+    heap = [(-each.excess, i, each) for i, each in enumerate(regions)]
+    heapq.heapify(heap)
+    total, count, done = sum(each.excess for each in regions), len(regions), list[Region]()
+    while heap and total > budget and len(heap) + len(done) < most:
+        _, _, worst = heapq.heappop(heap)
+        parts = worst.split()
+        if len(parts) == 1:
+            done.append(worst)
+            continue
+        total += sum(part.excess for part in parts) - worst.excess
+        for part in parts:
+            count += 1
+            heapq.heappush(heap, (-part.excess, count, part))
+    return [*done, *(each for _, _, each in sorted(heap, key=lambda each: each[1]))]
+
+
+def _inside_hulls(sides: Floats, regions: Sequence[Region]) -> Bools:
+    """Which triangles (m, 3, 3) lie in the hull of one of the regions, in doubles."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    inside = np.zeros(len(sides), dtype=bool)
+    for region in regions:
+        try:
+            planes = ConvexHull(region.points).equations
+        except (QhullError, ValueError):
+            continue
+        lower, upper = region.points.min(axis=0), region.points.max(axis=0)
+        near = np.flatnonzero(~inside & ((sides >= lower) & (sides <= upper)).all(axis=(1, 2)))
+        heights = sides[near].reshape(-1, 3) @ planes[:, :3].T + planes[:, 3]
+        inside[near] = (heights <= 0).all(axis=1).reshape(-1, 3).all(axis=1)
+    return inside
+
+
+def refined(regions: list[Region], budget: float, most: int) -> list[Region]:
+    """Split regions whose pieces, with few corners, add most, until all add at most the budget."""
+    heap = [(each.volume - each.piece_volume, i, each) for i, each in enumerate(regions)]
+    heapq.heapify(heap)
+    total, count, done = -sum(each[0] for each in heap), len(heap), list[Region]()
+    while heap and total > budget:
+        added, number, worst = heapq.heappop(heap)
+        parts = worst.split()
+        if len(parts) == 1 or len(heap) + len(done) + len(parts) > most:
+            done.append(worst)
+            continue
+        total += added
+        for part in parts:
+            count += 1
+            change = part.volume - part.piece_volume
+            total -= change
+            heapq.heappush(heap, (change, count, part))
+    return [*done, *(each for _, _, each in sorted(heap, key=lambda each: each[1]))]

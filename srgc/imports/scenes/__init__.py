@@ -1,0 +1,1 @@
+"""Scenes of other tools as workspaces."""
