@@ -133,7 +133,15 @@ class RegionSets:
             box[axis] = max(box[axis, 0], low), min(box[axis, 1], high)
         if not skew:
             return self.box(box)
-        sides = [Slab(axis, *row) for axis, row in zip(np.eye(3), box.tolist(), strict=True)]
+        closed = [each.direction for each in slabs if math.isfinite(each.high - each.low)]
+        spans = np.linalg.matrix_rank(np.array([*closed, np.zeros(3)]), 1e-6) == 3
+        sides = [
+            Slab(axis, low, high)
+            for axis, (low, high), kept in zip(
+                np.eye(3), box.tolist(), self.bounds.tolist(), strict=True
+            )
+            if not spans or [low, high] != kept
+        ]
         rows = [row for each in (*skew, *sides) for row in _inequalities(each)]
         return f"polytope {{ {'; '.join(rows)} }} m"
 

@@ -13,10 +13,6 @@ from srgc.imports.module_set import Placement, Shape, steps_of
 from srgc.imports.timor.geometry_data import Geometry
 from srgc.imports.timor.vrml_file import vrml_pieces
 
-VISUALS = False
-"""Whether the language has meshes for pictures alone."""
-
-
 class MeshHulls:
     """Makes hulls of meshes; ``meshes`` has the files that they name."""
 
@@ -42,7 +38,7 @@ class MeshHulls:
 
     def visuals(self, geometry: Geometry, body: str) -> Iterator[Shape]:
         """A mesh for pictures alone; nothing for other shapes."""
-        if geometry.kind != "mesh" or not VISUALS:
+        if geometry.kind != "mesh":
             return
         place = Placement(body, steps_of(geometry.pose))
         try:

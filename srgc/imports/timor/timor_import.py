@@ -150,8 +150,10 @@ def _comments(data: SetData, path: Path, folder: str) -> list[str]:
 
 def _remarks(data: SetData, *, any_end: bool) -> list[str]:
     found = list[str]()
-    if visuals := sum(len(body.visuals) for module in data.modules for body in module.bodies):
-        found.append(f"{visuals} visual shapes: pictures show what collides")
+    bodies = [body for module in data.modules for body in module.bodies]
+    visuals = sum(shape.kind != "mesh" for body in bodies for shape in body.visuals)
+    if visuals:
+        found.append(f"{visuals} shapes for pictures that are no meshes: those show what collides")
     if any(module.cost for module in data.modules):
         found.append("costs stand in comments: write `const price = ...;` to minimize their sum")
     if data.collisions != LIKE_OURS:
