@@ -39,6 +39,8 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     cls=DocumentedCommand,
     examples=[
         "srgc import urdf robots/scara.urdf -o out/scara.srg",
+        "srgc import timor specs/imports/scara_modules -o out/kit.srg",
+        "srgc import cobra specs/imports/sort_parts.json --modules specs/imports/scara_modules -o -",
     ],
     reads_spec=False,
     read_on="docs/how-to/import.md",

@@ -29,6 +29,10 @@ without_download()
 
 import timor_sample_robots  # noqa: E402
 from timor import ModuleAssembly, ModulesDB  # noqa: E402
+from timor.task import Task as of_tasks  # noqa: E402, N813
+from timor.utilities.frames import FrameTree  # noqa: E402
+from timor.utilities.tolerated_pose import ToleratedPose  # noqa: E402
+from timor.utilities.transformation import Transformation  # noqa: E402
 
 
 def shipped() -> dict[str, str]:
@@ -84,12 +88,64 @@ def robot(db: Any, asked: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
+def tolerated(poses: list[dict[str, Any]], frames: dict[str, Any]) -> list[list[bool]]:
+    """Of each pose with tolerances whether candidates are within them."""
+    found = []
+    for asked in poses:
+        pose = ToleratedPose.from_json_data(
+            asked["pose"], frames=FrameTree.from_json_data(frames), annonymousFrame=True
+        )
+        candidates = map(Transformation, asked["candidates"])
+        found.append([bool(pose.valid(candidate)) for candidate in candidates])
+    return found
+
+
+class AnyTask:
+    """Stands for the schemata, which would have to be fetched."""
+
+    def is_valid(self, content: object) -> bool:
+        return True
+
+
+def judged(db: Any, asked: dict[str, Any]) -> dict[str, Any]:
+    """Which goals the samples of a motion are at, and which samples touch something."""
+    of_tasks.get_schema_validator = lambda file: ({}, AnyTask())
+    file = Path(asked["task"])
+    content = json.loads(file.read_text())
+    for obstacle in content["obstacles"]:
+        for shape in obstacle["collision"]:
+            if "file" in shape["parameters"]:
+                shape["parameters"]["file"] = str(file.parent / shape["parameters"]["file"])
+    content.pop("costFunction", None)
+    task = of_tasks.Task.from_json_data(content)
+    made = ModuleAssembly.from_serial_modules(db, asked["modules"]).robot
+    made.set_base_placement(Transformation(asked["base"]))
+    found: dict[str, Any] = {"goals": {goal.id: [] for goal in task.goals}, "touching": []}
+    for number, q in enumerate(asked["samples"]):
+        pose = made.fk(np.array(q))
+        for goal in task.goals:
+            if goal.goal_pose.valid(pose):
+                found["goals"][goal.id].append(number)
+        if made.has_collisions(task) or made.has_self_collision():
+            found["touching"].append(number)
+    low, high = made.joint_limits
+    samples = np.array(asked["samples"])
+    found["in range"] = bool(np.all((low <= samples) & (samples <= high)))
+    return found
+
+
 def main() -> None:
     question = json.load(sys.stdin)
+    if "tolerated" in question:
+        sys.stdout.write(json.dumps(tolerated(question["tolerated"], question["frames"])))
+        return
     if "set" not in question:
         sys.stdout.write(json.dumps(shipped()))
         return
     db = ModulesDB.from_json_file(Path(question["set"]), validate=False)
+    if "task" in question:
+        sys.stdout.write(json.dumps(judged(db, question)))
+        return
     sys.stdout.write(
         json.dumps(
             {

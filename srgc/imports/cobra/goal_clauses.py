@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from srgc.imports.cobra.pose_data import ToleratedPose
-from srgc.imports.cobra.region_sets import RegionSets
+from srgc.imports.cobra.region_sets import RegionSets, is_turned
 from srgc.imports.cobra.task_data import Goal, TaskData
 from srgc.imports.names import Names
 from srgc.imports.quantities import decimal_text
@@ -105,8 +105,8 @@ class _Stops:
         remarks, where = self.sets.remarks, goal.place.path
         match goal.kind:
             case "at" | "reach":
-                outer = (not stops or last) and not self.any_order
-                stop = self._stop(goal, goal.poses[0], _named(goal.id), flat=not outer)
+                flat = self._in_formula(goal, first=not stops, last=last)
+                stop = self._stop(goal, goal.poses[0], _named(goal.id), flat=flat)
                 self.known[goal.id] = [stop]
                 stops.append(stop)
             case "pause":
@@ -129,6 +129,14 @@ class _Stops:
                 self.known[goal.id] = stops[-1:]
             case "follow":
                 self._follow(goal, stops)
+
+    def _in_formula(self, goal: Goal, *, first: bool, last: bool) -> bool:
+        """Whether a formula may name the region of a goal, which is no round one then."""
+        if self.any_order or not (first or last):
+            return True
+        returns = any(each.kind == "returnTo" for each in self.goals)
+        pauses = any(each.kind == "pause" for each in self.goals)
+        return returns or (first and (pauses or is_turned(goal.poses[0])))
 
     def _follow(self, goal: Goal, stops: list[Stop]) -> None:
         count = len(goal.poses)

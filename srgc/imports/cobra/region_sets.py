@@ -201,6 +201,12 @@ class RegionSets:
             self.remarks.append(f"{pose.place.path}: one bound of turns alone")
 
 
+def is_turned(pose: ToleratedPose) -> bool:
+    """Whether something may be asked of the turn."""
+    turns = (*ROTATIONS, "Theta_R")
+    return not pose.tolerances or any(each.projection in turns for each in pose.tolerances)
+
+
 def inner(length: float) -> float:
     """A length rounded down: to tenths of a millimetre, or micrometres where it is small."""
     parts = 1e4 if length >= 1e-3 else 1e6
