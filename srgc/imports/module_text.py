@@ -107,7 +107,7 @@ class _Writer:
             case "hull" | "visual":
                 unit = f"scale: {self.write.length(size[0])}"
                 text = f'{shape.kind}({frame}, file: "{shape.file}", {unit});'
-            case "cylinder" | "capsule":
+            case _:
                 radius, length = (self.write.length(value) for value in size)
                 text = f"{shape.kind}({frame}, axis: z, length: {length}, radius: {radius});"
         return f"{text}{_behind(shape.comment)}"

@@ -41,9 +41,7 @@ class Moments:
         """The same body, seen from where the steps to its frame begin."""
         matrix = matrix_of(steps)
         turn = matrix[:3, :3]
-        return Moments(
-            self.mass, matrix[:3, 3] + turn @ self.centre, turn @ self.inertia @ turn.T
-        )
+        return Moments(self.mass, matrix[:3, 3] + turn @ self.centre, turn @ self.inertia @ turn.T)
 
     def times(self, factor: float) -> Moments:
         """A body of so many times the density."""
@@ -63,7 +61,8 @@ def moments_of_shape(geometry: Geometry) -> Moments | None:
     """The moments of a box, sphere or cylinder about its middle, for a density of 1 kg/m^3."""
     if geometry.box is not None:
         a, b, c = (float(value) for value in geometry.box.size)
-        return _diagonal(a * b * c, (b * b + c * c) / 12, (a * a + c * c) / 12, (a * a + b * b) / 12)
+        three = ((b * b + c * c) / 12, (a * a + c * c) / 12, (a * a + b * b) / 12)
+        return _diagonal(a * b * c, *three)
     if geometry.sphere is not None:
         radius = float(geometry.sphere.radius)
         own = 0.4 * radius**2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from srgc.imports.module_set import (
     Move,
     Steps,
     Turn,
-    turns_of,
 )
 from srgc.imports.urdf.robot_model import UrdfRobot
 
@@ -31,7 +30,8 @@ if TYPE_CHECKING:
 UNLIMITED = 1e9
 """From here on a limit is none: exporters write such numbers where URDF demands one."""
 STRAIGHT = 1e-12
-_AXES: tuple[Axis, ...] = ("x", "y", "z")
+_AXES: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
+_OPPOSITE: tuple[Axis, ...] = ("-x", "-y", "-z")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,20 +40,6 @@ class JointMotion:
 
     dofs: tuple[Dof, ...]
     steps: Steps
-
-    def renamed(self, names: Mapping[str, str]) -> JointMotion:
-        """The same with other names of the degrees of freedom."""
-        dofs = tuple(
-            Dof(
-                names[dof.name], dof.kind, dof.axis, dof.range, dof.rate, dof.accel, dof.effort,
-                dof.drive, dof.comment,
-            )
-            for dof in self.dofs
-        )  # fmt: skip
-        steps = tuple(
-            Motion(names[step.dof]) if isinstance(step, Motion) else step for step in self.steps
-        )
-        return JointMotion(dofs, steps)
 
 
 @dataclass(slots=True)
@@ -114,8 +100,8 @@ class JointMotions:
             return (Move((x, y, z)),)
         named = _coordinate(axis)
         if named is not None:
-            sign = -1.0 if named.startswith("-") else 1.0
-            return (Turn(_letter(named), sign * value),)
+            number = int(np.argmax(np.abs(axis)))
+            return (Turn(_AXES[number], float(np.sign(axis[number])) * value),)
         aligned = _aligning(axis)
         return (*aligned, Turn("z", value), *_inverse(aligned))
 
@@ -197,8 +183,8 @@ class JointMotions:
         for name in said:
             value = float(getattr(dynamics, name) or 0.0) if dynamics is not None else 0.0
             if value < 0:
-                message = f"joint `{visible(joint.name)}` has the {name} {value:g}"
-                raise self.robot.fault("joint", joint.name, message, "it is negative")
+                message = f"joint `{visible(joint.name)}` has the {name} {value:g}, below 0"
+                raise self.robot.fault("joint", joint.name, message)
             said[name] = value or None
         gear = self.robot.gears.get(joint.name) if joint.type != "prismatic" else None
         return Drive(gear=gear, viscous=said["damping"], coulomb=said["friction"])
@@ -212,7 +198,7 @@ def held_values(robot: UrdfRobot, texts: Iterable[str]) -> dict[str, float]:
     """
     found = dict[str, float]()
     for text in texts:
-        name, equals, value = text.rpartition("=") if "=" in text else (text, "", "0")
+        name, _, value = text.rpartition("=") if "=" in text else (text, "", "0")
         if name not in robot.joints:
             near = nearest(name, list(robot.joints))
             hint = "" if near is None else f"; did you mean `{near}`?"
@@ -236,11 +222,7 @@ def _coordinate(axis: np.ndarray) -> Axis | None:
     if np.abs(rest).max() > STRAIGHT:
         return None
     letter = _AXES[number]
-    return letter if axis[number] > 0 else f"-{letter}"  # type: ignore[return-value]
-
-
-def _letter(axis: Axis) -> str:  # type: ignore[type-arg]
-    return axis.removeprefix("-")
+    return letter if axis[number] > 0 else _OPPOSITE[number]
 
 
 def _aligning(axis: np.ndarray) -> Steps:
@@ -253,6 +235,4 @@ def _aligning(axis: np.ndarray) -> Steps:
 
 
 def _inverse(turns: Steps) -> Steps:
-    return tuple(
-        Turn(turn.axis, -turn.angle) for turn in reversed(turns) if isinstance(turn, Turn)
-    )
+    return tuple(Turn(turn.axis, -turn.angle) for turn in reversed(turns) if isinstance(turn, Turn))

@@ -47,7 +47,8 @@ class LinkParts:
             return
         element = self.robot.elements["link", name].find("inertial")
         if element is None or inertial.inertia is None:
-            raise self.robot.fault("link", name, f"link `{visible(name)}` has a mass and no inertia")
+            message = f"link `{visible(name)}` has a mass and no inertia"
+            raise self.robot.fault("link", name, message)
         tensor = np.asarray(inertial.inertia, dtype=float)
         self._check(name, float(inertial.mass), tensor)
         steps = self.robot.steps(element)
@@ -63,11 +64,13 @@ class LinkParts:
     def _check(self, name: str, mass: float, tensor: np.ndarray) -> None:
         said = f"link `{visible(name)}`"
         if mass < 0:
-            raise self.robot.fault("link", name, f"{said} has the mass {mass:g} kg", "it is negative")
+            raise self.robot.fault(
+                "link", name, f"{said} has the mass {mass:g} kg", "it is negative"
+            )
         moments = np.linalg.eigvalsh(tensor)
         if moments[0] < -1e-12 * max(1.0, abs(moments[2])):
-            least = f"the principal moment {moments[0]:.3g} kg*m^2"
-            raise self.robot.fault("link", name, f"{said} has {least}", "it is negative")
+            message = f"{said} has the principal moment {moments[0]:.3g} kg*m^2, which is negative"
+            raise self.robot.fault("link", name, message, "no body has that")
         if moments[0] + moments[1] < moments[2] * (1 - 1e-9):
             self.remarks.append(
                 f"{said}: no body has such moments of inertia (the two smaller principal ones are "
@@ -79,9 +82,7 @@ class LinkParts:
         element = self.robot.elements["link", link.name]
         found = list[Moments]()
         if self.density is not None:
-            for shape, written in zip(
-                link.collisions, element.findall("collision"), strict=True
-            ):
+            for shape, written in zip(link.collisions, element.findall("collision"), strict=True):
                 steps = self.robot.steps(written)
                 moments = self._moments(shape)
                 if moments is not None:

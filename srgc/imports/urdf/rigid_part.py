@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 
 from srgc.imports.module_set import (
@@ -90,9 +90,11 @@ class RigidPart:
 
     # --- Frames that are used once need no name ---------------------------------------------------
 
-    def inline(self) -> None:
-        """Write frames where they are used, those used once; leave out those never used."""
-        ports = {"out"} | {frame.name for frame in self.named if frame.name.startswith("to_")}
+    def inline(self, ports: Collection[str]) -> None:
+        """Write frames where they are used, those used once; leave out those never used.
+
+        Those of ``ports`` are kept.
+        """
         while True:
             uses = Counter(place.base for place in self._placements())
             once = next(

@@ -140,7 +140,7 @@ class RobotModules:
         return ends
 
     def _tips(self, part: RigidPart) -> Iterator[Module]:
-        for number, link in enumerate(part.tips):
+        for link in part.tips:
             alone = sum(len(each.tips) for each in self.made) == 1
             name = "Tip" if alone else f"{self._short(link)}_tip"
             port = Port("in", self._type(link))
@@ -149,7 +149,7 @@ class RobotModules:
                 "effector",
                 [port],
                 effectors=[Placement("in")],
-                comments=[f"The frame of link {_plain(link)}."] if number == 0 or not alone else [],
+                comments=[f"The frame of link {_plain(link)}."],
             )
 
     # --- From parts to modules --------------------------------------------------------------------
@@ -165,11 +165,12 @@ class RobotModules:
             ports.append(Port(name, self._type(lead)))
             place = part.outputs.get(lead) or part.tips[lead]
             part.named.append(Frame(name, place))
-        part.inline()
+        part.inline({port.name for port in ports})
         links = ", ".join(map(_plain, part.links))
         many = "links" if len(part.links) > 1 else "link"
         said = f"{many} {links}"
-        said = said[0].upper() + said[1:] if part.joint is None else f"Joint {_plain(part.joint)}; {said}"
+        joint = "" if part.joint is None else f"joint {_plain(part.joint)}; "
+        said = f"{joint}{said}"
         return Module(
             part.name,
             role,
@@ -178,7 +179,7 @@ class RobotModules:
             part.dofs,
             part.bodies,
             part.shapes,
-            comments=[f"{said}."],
+            comments=[f"{said[0].upper()}{said[1:]}."],
         )
 
     def _type(self, lead: str) -> str:

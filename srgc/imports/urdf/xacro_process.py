@@ -12,6 +12,7 @@ import os
 import resource
 import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 SECONDS, BYTES = 20, 2 * 2**30
@@ -48,8 +49,9 @@ def expanded(file: str, packages: Mapping[str, str], arguments: Mapping[str, str
             )
         return packages[package]
 
-    substitution_args._eval_find = find
-    fence([os.path.dirname(file), *packages.values()])
+    # There is no other way to tell the library where packages are, without an index of ROS.
+    substitution_args._eval_find = find  # noqa: SLF001
+    fence([str(Path(file).parent), *packages.values()])
     document = xacro.process_file(file, mappings=dict(arguments))
     text: str = document.toprettyxml(indent="  ")
     return text

@@ -29,15 +29,15 @@ def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
         if not separator or not name:
             raise UsageFault(f"--arg {text}: write NAME:=VALUE")
         values[name] = value
+    packages = {files.folder.name: files.folder} | dict(files.packages)
     asked = {
         "file": os.path.realpath(files.main),
-        "packages": {name: str(place) for name, place in files.packages.items()},
+        "packages": {name: str(place) for name, place in packages.items()},
         "arguments": values,
     }
-    asked["packages"].setdefault(files.folder.name, str(files.folder))
     command = [sys.executable, "-P", "-m", "srgc.imports.urdf.xacro_process"]
     environment = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONHASHSEED": "0"}
-    done = subprocess.run(
+    done = subprocess.run(  # noqa: S603 — our own module, with input on stdin alone
         command,
         input=json.dumps(asked).encode(),
         capture_output=True,

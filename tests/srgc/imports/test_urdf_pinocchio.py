@@ -19,7 +19,11 @@ from tests.oracles.exported_robots import exported
 
 GRAVITY = (0.7, -1.3, -9.6)
 TASK = """
-workspace W { space xyz; bounds box [-9, 9] x [-9, 9] x [-9, 9] m; target T box [0, 1] x [0, 1] x [0, 1] m; }
+workspace W {
+  space xyz;
+  bounds box [-9, 9] x [-9, 9] x [-9, 9] m;
+  target T box [0, 1] x [0, 1] x [0, 1] m;
+}
 task Task { robot %s; workspace W; start in T; reach T; effort <= 1 N*m; effort <= 1 N;
   gravity (0.7, -1.3, -9.6) m/s^2; horizon 2 steps of 0.1 s; }
 """
