@@ -50,10 +50,12 @@ class MeshHulls:
         """A hull for each shape of a VRML file, which is one point set each."""
         key = (geometry.file, geometry.size)
         if key not in self._pieces:
-            stem = posixpath.basename(geometry.file).split(".")[0]
+            stem = self.meshes.names.name(posixpath.basename(geometry.file).split(".")[0])
             self._pieces[key] = []
-            for points in vrml_pieces(self.meshes.files.bytes_of(geometry.file)):
-                name = f"{self.meshes.folder}/{self.meshes.names.name(stem)}.obj"
+            pieces = vrml_pieces(self.meshes.files.bytes_of(geometry.file))
+            for number, points in enumerate(pieces):
+                end = f"_{number + 1}" if len(pieces) > 1 else ""
+                name = f"{self.meshes.folder}/{stem}{end}.obj"
                 self.meshes.written[name] = _points_file(points * np.array(geometry.size))
                 self._pieces[key].append(name)
         for name in self._pieces[key]:

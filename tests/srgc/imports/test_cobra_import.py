@@ -175,7 +175,7 @@ def test_obstacles(tmp_path: Path) -> None:
     rules = [{"type": "collisionFree", "safety_margin": 0.01}]
     text, _ = imported(tmp_path, [goal("a", 0.2), goal("b", 0.3)], rules, obstacles=obstacles)
     assert "obstacle Wall box [0.9, 1.1] x [-0.2, 0.2] x [-0.3, 0.3] m;" in text
-    assert "obstacle Wall_2 hull (" in text
+    assert "obstacle Wall_2 hull (1040, -220, -300) mm," in text
     assert "obstacle Wall_3 ball (1, 1, 0) m radius 100 mm;" in text
     assert "obstacle Wall_4 cylinder (1, 0, -0.2) m, (1, 0, 0.2) m radius 100 mm;" in text
     assert (
