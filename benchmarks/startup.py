@@ -36,6 +36,8 @@ COMMANDS = {
     "new": ["new"],
     "check": ["check", ARM],
     "fmt": ["fmt", "--check", ARM],
+    "import": ["import", "timor", "specs/imports/scara_modules", "-o", "{scratch}/kit.srg",
+               "--force"],
     "expand": ["expand", "specs/serial_kit.srg"],
     "synth": ["synth", ARM, "-o", "{scratch}", "--force", "--quiet"],
     "evolve": ["evolve", DEMO, ARM, "-o", "{scratch}", "--force", "--quiet"],

@@ -22,6 +22,14 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
             | {"arguments", "pieces", "detail"}
         ),
     ),
+    "timor": (
+        "srgc.imports.timor.timor_import:timor_import",
+        frozenset({"name", "exact", "any_end", "pieces", "detail"}),
+    ),
+    "cobra": (
+        "srgc.imports.cobra.cobra_import:cobra_import",
+        frozenset({"modules", "name", "exact", "base", "any_order", "cost", "pieces", "detail"}),
+    ),
 }
 """By kind where the function is that imports it, and the options that it takes."""
 
@@ -31,6 +39,8 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     cls=DocumentedCommand,
     examples=[
         "srgc import urdf robots/scara.urdf -o out/scara.srg",
+        "srgc import timor specs/imports/scara_modules -o out/kit.srg",
+        "srgc import cobra specs/imports/sort_parts.json --modules specs/imports/scara_modules -o -",
     ],
     reads_spec=False,
     read_on="docs/how-to/import.md",
@@ -75,6 +85,16 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     type=click.FloatRange(0, 1, min_open=True),
     help="What convex pieces may add to the volume of a mesh, as a share; default 0.1.",
 )
+@click.option("--any-end", is_flag=True, help="timor: modules may stand on any of their ends.")
+@click.option(
+    "--modules",
+    type=PathOf(path_type=Path),
+    metavar="SET",
+    help="cobra: a module set of Timor, or a spec with a grammar from ports.",
+)
+@click.option("--base", metavar="MODULE", help="cobra: which module of the set is the base.")
+@click.option("--any-order", is_flag=True, help="cobra: leave the order of goals open.")
+@click.option("--cost", metavar="COSTS", help="cobra: what to minimize, as in `mass,cyc`.")
 @click.option("--force", is_flag=True, help="Replace files that are there.")
 def import_(
     kind: str,

@@ -94,7 +94,10 @@ def steps_of(matrix: NDArray[np.float64]) -> Steps:
 
 
 def turns_of(rotation: NDArray[np.float64]) -> Steps:
-    """Turns about z, y and x, in this order, whose product is a rotation (3, 3)."""
+    """Turns about z, y and x, in this order, whose product is a rotation (3, 3).
+
+    Of the two ways to say it the one with fewer turns, else with a pitch of at most 90 degrees.
+    """
     pitch = math.atan2(-rotation[2, 0], math.hypot(rotation[0, 0], rotation[1, 0]))
     if abs(math.cos(pitch)) > 1e-9:
         roll = math.atan2(rotation[2, 1], rotation[2, 2])
@@ -102,7 +105,15 @@ def turns_of(rotation: NDArray[np.float64]) -> Steps:
     else:  # only the difference or the sum of the two counts
         roll = 0.0
         yaw = math.atan2(-rotation[0, 1], rotation[1, 1])
+    said = (yaw, pitch, roll)
+    other = (_opposite(yaw), math.copysign(math.pi, pitch) - pitch, _opposite(roll))
+    chosen = min((said, other), key=lambda angles: sum(abs(a) > 1e-9 for a in angles))
+    yaw, pitch, roll = (math.pi if a < 1e-9 - math.pi else a for a in chosen)
     return (Turn("z", yaw), Turn("y", pitch), Turn("x", roll))
+
+
+def _opposite(angle: float) -> float:
+    return angle - math.copysign(math.pi, angle)
 
 
 def matrix_of(steps: Steps) -> NDArray[np.float64]:
@@ -145,7 +156,8 @@ class Drive:
 class Dof:
     """A degree of freedom; None where nothing bounds it.
 
-    ``range`` in rad or m, ``rate`` per s, ``accel`` per s^2, ``effort`` in N m or N.
+    ``range`` in rad or m, ``rate`` per s, ``accel`` per s^2, ``effort`` in N m or N.  Nothing
+    drives a ``passive`` one.
     """
 
     name: str
@@ -157,6 +169,7 @@ class Dof:
     effort: float | None = None
     drive: Drive = Drive()
     comment: str = ""
+    passive: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,6 +79,8 @@ class _Writer:
             parts.append(f"effort <= {decimal_text(dof.effort)} {'N*m' if turns else 'N'}")
         yield f"{' '.join(parts)};{_behind(dof.comment)}"
         yield from _drive(dof.name, dof.drive, turns=turns)
+        if dof.passive:
+            yield f"torque({dof.name}) = 0 {'N*m' if turns else 'N'};"
 
     def port(self, port: Port) -> str:
         gender = "" if port.gender is None else f" {port.gender}"

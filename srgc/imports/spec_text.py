@@ -22,6 +22,15 @@ def spec_text(modules: ModuleSet, *, exact: bool = False) -> str:
         modules: what was read; a remark about rounded angles is added to it.
         exact: whether angles stay as they are.
     """
+    blocks = modules_text(modules, exact=exact)
+    head = [*modules.comments]
+    if modules.remarks:
+        head += ["Not carried over, or changed:", *(f"- {line}" for line in modules.remarks)]
+    return canonical_text([comment_lines(head), *blocks])
+
+
+def modules_text(modules: ModuleSet, *, exact: bool = False) -> list[str]:
+    """The blocks of modules and grammars; see :func:`spec_text`."""
     quantities = Quantities(exact)
     blocks = [module_text(module, quantities) for module in modules.modules]
     blocks += [family_text(family) for family in modules.families]
@@ -34,10 +43,7 @@ def spec_text(modules: ModuleSet, *, exact: bool = False) -> str:
     if quantities.left_out:
         lengths = "1 length" if quantities.left_out == 1 else f"{quantities.left_out} lengths"
         modules.remarks.append(f"{lengths} below 1 um taken for 0; --exact keeps them")
-    head = [*modules.comments]
-    if modules.remarks:
-        head += ["Not carried over, or changed:", *(f"- {line}" for line in modules.remarks)]
-    return canonical_text([comment_lines(head), *blocks])
+    return blocks
 
 
 def comment_lines(lines: Iterable[str]) -> str:
