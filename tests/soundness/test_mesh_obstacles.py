@@ -63,7 +63,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return synthesised(path, SPEC)
 
 
-@pytest.mark.slow
 def test_a_motion_over_a_tilted_wall_is_found_and_proved(folder: Path) -> None:
     report = verify_directory(folder)
     assert report.outcome is Outcome.VALID
@@ -80,7 +79,6 @@ def placed(corners: np.ndarray) -> np.ndarray:
     return found
 
 
-@pytest.mark.slow
 def test_mujoco_keeps_the_distance(folder: Path) -> None:
     """The links stay as far from the true wall and post as the task says, in MuJoCo."""
     exported = folder / "robot.xml"
@@ -108,7 +106,6 @@ def test_mujoco_keeps_the_distance(folder: Path) -> None:
     assert 0.01 <= least < 0.2
 
 
-@pytest.mark.slow
 def test_a_higher_wall_is_not_avoided(folder: Path) -> None:
     """The hand passes nearer than 3 cm over it: 3 cm higher, the same motion is refuted."""
     old, new = "move((-0.075, 0, 0) m)", "move((-0.075, 0, 0.03) m)"
@@ -119,7 +116,6 @@ def test_a_higher_wall_is_not_avoided(folder: Path) -> None:
     assert "scene" in str(report.reason)
 
 
-@pytest.mark.slow
 def test_other_bytes_are_another_specification(folder: Path) -> None:
     mesh = folder / "spec" / "scene.obj"
     kept = mesh.read_bytes()
