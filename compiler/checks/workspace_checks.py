@@ -10,6 +10,7 @@ from typing import assert_never
 
 from compiler.checks.region_checks import Shapes, end_diagnostics, ends, sound_polytope
 from compiler.tasks.obstacle_pieces import pieces_of, polytopes_within
+from compiler.workspaces.convex_objects import hollow_objects
 from compiler.workspaces.hull import turn
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.overlaps import candidates, interiors_meet
@@ -297,8 +298,9 @@ def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, 
     outside = every.count - inside
     if outside:
         parts.append(f"{counted(outside, 'more piece')} outside the bounds left out")
-    if every.hollow:
-        objects = f"{every.hollow:,} of {counted(every.count, 'object')}"
+    hollow = 0 if found.scene is None else hollow_objects(found.scene)
+    if hollow:
+        objects = f"{hollow:,} of {counted(every.count, 'object')}"
         parts.append(f"{objects} not convex, or not closed: hollows are filled")
         message = f"obstacle `{found.name}`: {', '.join(parts)}"
         cut = f"`srgc import scene {posixpath.basename(found.path)}` cuts it into convex pieces"

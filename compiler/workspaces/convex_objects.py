@@ -7,11 +7,18 @@ that no plane holds four of them exactly; what is off by as little as that count
 from __future__ import annotations
 
 from collections import Counter
+from functools import lru_cache
 
-from grammar_lang.ir import SceneObject
+from grammar_lang.ir import Scene, SceneObject
 
 TOLERANCE = 1e-6
 """Of the size of an object, by so much its surface may be off."""
+
+
+@lru_cache(maxsize=8)
+def hollow_objects(scene: Scene) -> int:
+    """How many objects of a mesh are not convex; the corners of none lie in one plane."""
+    return sum(not is_convex(each) for each in scene.objects)
 
 
 def is_convex(found: SceneObject) -> bool:

@@ -13,7 +13,6 @@ from fractions import Fraction
 from math import isqrt, lcm
 
 from compiler.workspaces.closed_frame import RationalFrame, rational_frame
-from compiler.workspaces.convex_objects import is_convex
 from compiler.workspaces.enclosing_planes import FEW, enclosing_rows
 from compiler.workspaces.hull import Point, Vertex, counter_clockwise, hull_rows, integer_row
 from compiler.workspaces.map_header import MapFault
@@ -48,13 +47,7 @@ def scene_pieces(scene: Scene) -> Pieces:
         inflation = max(inflation, grown)
     if inflation > FARTHEST:
         raise _too_far()
-    return Pieces(
-        (),
-        _origin(scene, many),
-        inflation,
-        polytopes=tuple(found),
-        hollow=sum(not is_convex(each) for each in scene.objects),
-    )
+    return Pieces((), _origin(scene, many), inflation, polytopes=tuple(found))
 
 
 def _too_far() -> MapFault:

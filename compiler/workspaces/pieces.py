@@ -22,8 +22,7 @@ class Pieces:
     ``origin`` says in words what they were made of; no point of theirs is further than
     ``inflation`` metres from an obstacle.  ``extent`` is what the map knows of, if it has an end.
 
-    Those of a mesh are ``polytopes`` instead, by facets, one for each object, which it holds;
-    ``hollow`` counts the objects that are not convex.
+    Those of a mesh are ``polytopes`` instead, by facets, one for each object, which it holds.
     """
 
     polygons: tuple[Polygon, ...]
@@ -31,7 +30,6 @@ class Pieces:
     inflation: Fraction = Fraction(0)
     extent: Polygon | None = None
     polytopes: tuple[Polytope, ...] = ()
-    hollow: int = 0
 
     @property
     def count(self) -> int:

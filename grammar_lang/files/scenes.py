@@ -125,7 +125,7 @@ def _stl(data: bytes) -> _Triangles:
 def _facets(data: bytes) -> Iterator[tuple[Corner, ...]]:
     """The corners of each facet of an STL file that is text."""
     corners: list[Corner] = []
-    facets = 0
+    facets = solids = 0
     for number, words in meshes.text_lines(data):
         word = words[0].lower()
         if word == "vertex":
@@ -137,8 +137,12 @@ def _facets(data: bytes) -> Iterator[tuple[Corner, ...]]:
                 raise MeshError(f"the facet that ends in line {number} has {len(corners)} corners")
             yield tuple(corners)
             corners, facets = [], facets - 1
+        else:
+            solids += (word == "solid") - (word == "endsolid")
     if facets or corners:
         raise MeshError("its last facet does not end: it may have been cut off")
+    if solids > 0:
+        raise MeshError("it has no `endsolid`: it may have been cut off")
 
 
 # --- OBJ ----------------------------------------------------------------------------------------

@@ -31,9 +31,9 @@ WORDS = _listed(
     "implies by rates for fixed control open loop feedback repeat mass measure bound revolute "
     "prismatic rate base joint link xy xyz m kg N deg s N*m rad/s "
     "accel drive gear rotor viscous coulomb payload carry minimize then sum held aligned oriented "
-    "to within except by hull visual ball capsule cylinder sphere radius axis length size file scale mass "
+    "to within except by hull ball capsule cylinder sphere radius axis length size file scale mass "
     "com inertia let frame port male female with ports std in from "
-    "at most time "
+    "at most time visual "
     "0 1 2 -1 1e300 1e-300 0.1 1000000 99999999999999999999 1/0 2^200 ; { } ( ) [ ] , : = -> <= >= "
     "< > == | * + ? ^ . / - % 'a' \"b.srg\" /* */ //"
 )

@@ -90,6 +90,7 @@ semantics Tree {
   root { T.at = world; this.length = L.length; }
   branch { left.at = this.at * rot(-z, 30 deg); right.at = this.at * move((1, 2, 3) m); }
   task { effector(frame: this.at); point(frame: this.at, mass: 0.2 kg);
+    visual(frame: this.at, file: "visual.dae", scale: 1 mm); visual.visual = let.visual;
     effector.effector = sin(pi/2) + pi.pi; }
   let { let let = let.let * rot(z, 3 deg); let.in = let; let f = (1 + 2) m; Elbow.in = f * world; }
 }

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from lsprotocol import types as lsp
 
 from grammar_lang.files.file_tree import LIBRARY
+from grammar_lang.files.meshes import SUFFIXES, VISUALS
 from grammar_lang.source import Span
 from grammar_lang.units import UNIT_NAMES
 from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
@@ -25,6 +26,7 @@ _SUFFIXES = {
     "std": (".srg",),
     "from": (".yaml", ".yml", ".geojson", ".json", ".stl", ".obj"),
 }
+_OF_EMISSIONS = {"hull": SUFFIXES, "visual": VISUALS}
 _MOST_PATHS = 200
 
 
@@ -70,6 +72,9 @@ def _paths(cursor: Cursor, folder: Path | None) -> Iterator[Offer]:
     """Files that a string may name."""
     said = cursor.statement[-1:]
     suffixes = _SUFFIXES.get(said[0]) if said else None
+    if cursor.statement[-2:] == ("file", ":"):
+        call = open_call(cursor.statement)
+        suffixes = None if call is None else _OF_EMISSIONS.get(call.name)
     if said == ("std",):
         folder = Path(LIBRARY)
     if folder is None or suffixes is None:
