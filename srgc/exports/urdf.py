@@ -63,7 +63,8 @@ class _Writer:
         self.xml.open("link", name=self.robot.names.links[number])
         self.inertial(self.remaining(number))
         for look in link.looks:
-            self.geometry("visual", look)
+            for part in _parts(look):
+                self.geometry("visual", part)
         for geometry in link.collisions:
             for part in _parts(geometry):
                 self.geometry("collision", part)
