@@ -37,8 +37,8 @@ BINARY = ("npz", "gltf", "mcap")
     required=True,
     type=click.Choice([*FORMS, *FOLDERS]),
     help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
-    "(JointTrajectory as YAML), npz (NumPy). Both, with regions: gltf (3-D picture that moves), mcap "
-    "(log for Foxglove). Folders: mujoco (robot, torques and a script that replays them), "
+    "(JointTrajectory as YAML), npz (NumPy). Both, with regions: gltf (3-D picture that moves), "
+    "mcap (log for Foxglove). Folders: mujoco (robot, torques and a script that replays them), "
     "controller (C, Python, npz), ros2-package (URDF, launch file, MoveIt), all (all files but "
     "those of gltf, mcap and ros2-package).",
 )

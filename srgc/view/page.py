@@ -125,8 +125,8 @@ class ViewPage:
         self.frames.append({"links": links, "effectors": tools})
         if len(self.designs) > 1:
             low, high = scene.bounds
-            place = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]])
-            label = add.add_label(f"{root}/name", shown.label, position=place)
+            above = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]])
+            label = add.add_label(f"{root}/name", shown.label, position=above)
             self.parts["Names"].append(label)
 
     def _mesh(
@@ -183,7 +183,7 @@ class ViewPage:
         gui = self.server.gui
         self.playing = False
         ticks = max(round(self.end / TICK), 1)
-        self.slider = gui.add_slider("Time (s)", 0.0, ticks * TICK, TICK, 0.0)
+        self.slider: Any = gui.add_slider("Time (s)", 0.0, ticks * TICK, TICK, 0.0)
         self.slider.on_update(lambda _: self._seek())
         self.button = gui.add_button("Play")
         self.button.on_click(lambda _: self._play(playing=not self.playing))

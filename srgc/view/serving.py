@@ -52,9 +52,7 @@ def page_address(server: viser.ViserServer) -> str:
     return f"http://{HOST}:{server.get_port()}"
 
 
-def serve(
-    shown: ShownDesigns, server: viser.ViserServer, ready: Callable[[str], object]
-) -> None:
+def serve(shown: ShownDesigns, server: viser.ViserServer, ready: Callable[[str], object]) -> None:
     """Show designs and let them play, for ever; ``ready`` is told the address of the page."""
     page = ViewPage(server, shown.designs)
     ready(page_address(server))

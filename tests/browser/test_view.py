@@ -89,6 +89,7 @@ class Shown:
 
     def dots(self) -> np.ndarray:
         """The pixels (m, 2) in the colour of effectors, when the picture has come to rest."""
+
         def seen() -> np.ndarray:
             png = self.opened.driver.get_screenshot_as_png()
             picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)

@@ -93,7 +93,7 @@ def shaped_arm(folder: Path, text: str = SPEC) -> Path:
         start = ["0.3", "-0.4", "0.1", "0.5", "-0.2", "0.05"]
         content["start"] = start
         content["inputs"] = [
-            [f"{rng.uniform(-3, 3):.6f}", f"{rng.uniform(-10, -7):.6f}", f"{rng.uniform(-3, 3):.6f}"]
+            [f"{rng.uniform(-3, 3):.6f}", f"{rng.uniform(-6, -4):.6f}", f"{rng.uniform(-3, 3):.6f}"]
             for _ in range(content["steps"])
         ]
 

@@ -116,9 +116,7 @@ def _control(xml: XmlLines, name: str, robot: ExportedRobot) -> None:
         xml.open("joint", name=motor.name)
         xml.element("command_interface", name="position")
         xml.open("state_interface", name="position")
-        xml.text(
-            "param", repr(start.get(motor.joint.dof, 0.0)), name="initial_value"
-        )
+        xml.text("param", repr(start.get(motor.joint.dof, 0.0)), name="initial_value")
         xml.close()
         xml.element("state_interface", name="velocity")
         xml.close()

@@ -10,6 +10,4 @@ import yaml
 
 def yaml_text(content: Mapping[str, Any]) -> str:
     """A document of YAML 1.1, as ROS reads it."""
-    return str(
-        yaml.safe_dump(dict(content), sort_keys=False, width=10**9, allow_unicode=True)
-    )
+    return str(yaml.safe_dump(dict(content), sort_keys=False, width=10**9, allow_unicode=True))

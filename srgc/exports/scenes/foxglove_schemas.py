@@ -14,14 +14,13 @@ STRING: dict[str, Any] = {"type": "string"}
 ANYTHING: dict[str, Any] = {"type": "array", "items": {"type": "object"}}
 
 
-def _object(title: str, needed: int | None = None, **fields: Mapping[str, Any]) -> dict[str, Any]:
-    """An object whose first fields, or all, have to be there."""
-    names = list(fields)
+def _object(title: str, **fields: Mapping[str, Any]) -> dict[str, Any]:
+    """An object whose fields all have to be there."""
     return {
         "title": title,
         "type": "object",
         "properties": dict(fields),
-        "required": names if needed is None else names[:needed],
+        "required": list(fields),
     }
 
 
@@ -62,7 +61,7 @@ TRANSFORM = _object(
     translation=VECTOR, rotation=QUATERNION,
 )  # fmt: skip
 JOINT = _object(
-    "foxglove.JointState", 1, name=STRING, position=NUMBER, velocity=NUMBER, acceleration=NUMBER,
+    "foxglove.JointState", name=STRING, position=NUMBER, velocity=NUMBER, acceleration=NUMBER,
     effort=NUMBER,
 )  # fmt: skip
 
@@ -78,7 +77,7 @@ SCHEMAS: Mapping[str, dict[str, Any]] = {
 
 def efforts_schema(joints: tuple[str, ...]) -> dict[str, Any]:
     """The schema of what motors give: a number per joint, each a line of a plot."""
-    return _object("srgc.Efforts", **{name: NUMBER for name in joints})
+    return _object("srgc.Efforts", **dict.fromkeys(joints, NUMBER))
 
 
 def schema_bytes(schema: Mapping[str, Any]) -> bytes:

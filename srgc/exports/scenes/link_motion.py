@@ -68,7 +68,9 @@ def link_motion(tree: RigidTree, q: Array) -> LinkMotion:
             joints.append(plain_pose(link.joint.origin) @ _moved(link.joint, q[:, link.joint.dof]))
             links.append(links[link.joint.parent] @ joints[-1])
     effectors = [links[frame.link] @ plain_pose(frame.pose) for frame in tree.effectors]
-    return LinkMotion(_stacked(links, len(q)), _stacked(effectors, len(q)), _stacked(joints, len(q)))
+    return LinkMotion(
+        _stacked(links, len(q)), _stacked(effectors, len(q)), _stacked(joints, len(q))
+    )
 
 
 def plain_pose(pose: Pose) -> Poses:

@@ -69,7 +69,7 @@ def mcap_log(scene: DesignScene, motion: ExportedMotion) -> MotionLog:
         raise UsageFault(INSTALL) from None
     description, notes = _description(scene)
     target = io.BytesIO()
-    writer = Writer(target, compression=CompressionType.NONE)
+    writer: Any = Writer(target, compression=CompressionType.NONE)
     writer.start(profile="", library=f"srgc {VERSION}")
     about = dict(zip(("robot", "spec", "exported"), origin(scene.design), strict=True))
     writer.add_metadata("srgc", about)
@@ -115,7 +115,11 @@ def _messages(scene: DesignScene, motion: ExportedMotion) -> Iterator[Message]:
         yield "/tf", time, {"transforms": [_transform(time, *frame) for frame in frames]}
         sample, within = divmod(instant, scene.instants.parts)
         if not within:
-            yield "/joint_states", time, {"timestamp": _stamp(time), "joints": _joints(motion, sample)}
+            yield (
+                "/joint_states",
+                time,
+                {"timestamp": _stamp(time), "joints": _joints(motion, sample)},
+            )
             yield "/efforts", time, _by_name(motion, motion.effort[sample])
 
 

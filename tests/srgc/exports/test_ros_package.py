@@ -209,9 +209,7 @@ def test_xacro_expands_to_the_robot(package: Path) -> None:
     path = str(package / "urdf" / f"{NAME}.urdf.xacro")
     plain = ET.fromstring(xacro.process_file(path).toxml())
     assert canonical(plain) == canonical(urdf_of(package))
-    driven = ET.fromstring(
-        xacro.process_file(path, mappings={"ros2_control": "true"}).toxml()
-    )
+    driven = ET.fromstring(xacro.process_file(path, mappings={"ros2_control": "true"}).toxml())
     (control,) = driven.findall("ros2_control")
     assert [each.attrib["name"] for each in control.findall("joint")] == list(arm.JOINTS)
     starts = [float(str(each.text)) for each in control.iter("param")]
@@ -400,9 +398,7 @@ def test_what_urdf_cannot_hold_is_refused(srgc: Export, tmp_path: Path) -> None:
     assert not (tmp_path / "package").exists()
 
 
-def test_what_another_robot_left_is_told(
-    srgc: Export, claimed: Path, tmp_path: Path
-) -> None:
+def test_what_another_robot_left_is_told(srgc: Export, claimed: Path, tmp_path: Path) -> None:
     package = tmp_path / "package"
     assert srgc("export", claimed, "--to", "ros2-package", "-o", package).status == 0
     other = claim_found(tmp_path / "turner", TURNER, "B eps JO eps L eps EN", ["1.5"])

@@ -64,9 +64,7 @@ def upright(place: np.ndarray) -> np.ndarray:
 def test_effectors_move_as_in_mujoco(driven: Driven, tmp_path: Path) -> None:
     folder = driven.folder(tmp_path / "claimed")
     mjcf = exported(folder, "mjcf", tmp_path / "robot.xml").decode()
-    expected: Sampled = sampled(
-        mjcf, result_files.read(folder), driven.joints, driven.effectors
-    )
+    expected: Sampled = sampled(mjcf, result_files.read(folder), driven.joints, driven.effectors)
     file = GlbFile.read(exported(folder, "gltf", tmp_path / "robot.glb"))
     moved = 0.0
     for time, tips in zip(expected.times, expected.tips, strict=True):
@@ -125,9 +123,7 @@ def test_regions_are_seen_through_and_named(shaped: bytes) -> None:
 def test_same_design_same_bytes(tmp_path: Path, shaped: bytes) -> None:
     folder = arm.shaped_arm(tmp_path / "out")
     for seed in ("1", "2"):
-        process = srgc_process(
-            ["export", folder, "--to", "gltf"], tmp_path, PYTHONHASHSEED=seed
-        )
+        process = srgc_process(["export", folder, "--to", "gltf"], tmp_path, PYTHONHASHSEED=seed)
         assert process.communicate() == (shaped, b"")
 
 
@@ -145,7 +141,14 @@ def test_the_validator_of_khronos_has_nothing_to_say(shaped: bytes, tmp_path: Pa
     node, npm = shutil.which("node"), shutil.which("npm")
     if node is None or npm is None:
         pytest.skip("no Node is installed")
-    install = [npm, "install", "--silent", "--no-fund", "--no-audit", "gltf-validator@2.0.0-dev.3.10"]
+    install = [
+        npm,
+        "install",
+        "--silent",
+        "--no-fund",
+        "--no-audit",
+        "gltf-validator@2.0.0-dev.3.10",
+    ]
     if subprocess.run(install, cwd=tmp_path, check=False, capture_output=True).returncode:
         pytest.skip("the validator cannot be installed")
     files = [shaped]

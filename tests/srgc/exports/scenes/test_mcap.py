@@ -43,7 +43,9 @@ def exported(folder: Path, form: str, path: Path) -> bytes:
 
 def read(data: bytes) -> Log:
     found: Log = defaultdict(list)
-    for schema, channel, message in make_reader(io.BytesIO(data), validate_crcs=True).iter_messages():
+    for schema, channel, message in make_reader(
+        io.BytesIO(data), validate_crcs=True
+    ).iter_messages():
         assert schema is not None
         assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
         assert schema.name == CHANNELS[channel.topic]
@@ -178,9 +180,7 @@ def test_it_says_what_it_is_of(shaped: bytes) -> None:
 def test_same_design_same_bytes(tmp_path: Path, shaped: bytes) -> None:
     folder = arm.shaped_arm(tmp_path / "out")
     for seed in ("1", "2"):
-        process = srgc_process(
-            ["export", folder, "--to", "mcap"], tmp_path, PYTHONHASHSEED=seed
-        )
+        process = srgc_process(["export", folder, "--to", "mcap"], tmp_path, PYTHONHASHSEED=seed)
         assert process.communicate() == (shaped, b"")
 
 
