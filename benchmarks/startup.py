@@ -58,7 +58,7 @@ COMMANDS = {
     "lsp": ["lsp", "--help"],
     "completion": ["completion", "bash"],
 }  # fmt: skip
-"""A small real invocation of every command; of ``view`` and ``lsp``, which serve for ever, the help."""
+"""A small real invocation of every command; of ``view`` and ``lsp``, which serve, the help."""
 PEERS = {
     "ruff --version": ["ruff", "--version"],
     "mypy --version": ["mypy", "--version"],

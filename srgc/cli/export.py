@@ -36,6 +36,7 @@ BINARY = ("npz", "gltf", "mcap")
     "form",
     required=True,
     type=click.Choice([*FORMS, *FOLDERS]),
+    metavar="FORM",
     help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
     "(JointTrajectory as YAML), npz (NumPy). Both, with regions: gltf (3-D picture that moves), "
     "mcap (log for Foxglove). Folders: mujoco (robot, torques and a script that replays them), "

@@ -195,11 +195,11 @@ class ViewPage:
 
     def _choice(self, part: str) -> None:
         box = self.server.gui.add_checkbox(part, initial_value=True)
+        box.on_update(lambda _: self._hide(part, visible=box.value))
 
-        @box.on_update
-        def _(_: object) -> None:
-            for handle in self.parts[part]:
-                handle.visible = box.value
+    def _hide(self, part: str, *, visible: bool) -> None:
+        for handle in self.parts[part]:
+            handle.visible = visible
 
     def _seek(self) -> None:
         """To where the slider was drawn, not where a page that plays has put it."""
