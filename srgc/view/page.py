@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import sin
 from threading import RLock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -130,14 +130,17 @@ class ViewPage:
             self.parts["Names"].append(label)
 
     def _mesh(
-        self, part: str, name: str, surface: Triangles, colour: Any, opacity: float | None = None
-    ) -> None:
+        self, part: str, name: str, surface: Triangles, colour: Any, opacity: float | None = None,
+        side: Literal["front", "back", "double"] = "front",
+    ) -> None:  # fmt: skip
         if not len(surface.faces):
             return
+        # What is seen through is drawn from far to near, by the places of the meshes.
+        middle = surface.corners.mean(axis=0)
         handle = self.server.scene.add_mesh_simple(
-            name, surface.corners.astype(np.float32), surface.faces.astype(np.uint32),
-            color=colour, opacity=opacity, flat_shading=True,
-            side="front" if opacity is None else "double", cast_shadow=opacity is None,
+            name, (surface.corners - middle).astype(np.float32), surface.faces.astype(np.uint32),
+            color=colour, opacity=opacity, flat_shading=True, side=side,
+            cast_shadow=opacity is None, position=middle,
         )  # fmt: skip
         self.parts[part].append(handle)
 
@@ -145,9 +148,11 @@ class ViewPage:
         for index, region in enumerate(scene.regions):
             name = f"{root}/regions/{_plain(region.name)}_{index}"
             colour = REGIONS.get(region.kind, REGIONS["region"])
-            self._mesh("Regions", name, region.surface, colour, SEEN_THROUGH)
+            # The far walls alone of what a robot may be in, or they would hide what is within.
+            side: Literal["back", "double"] = "double" if region.kind == "obstacle" else "back"
+            self._mesh("Regions", name, region.surface, colour, SEEN_THROUGH, side)
             if region.edges:
-                self._lines("Regions", f"{name}/edges", region.corners[np.array(region.edges)],
+                self._lines("Regions", f"{name}_edges", region.corners[np.array(region.edges)],
                             colour, 1.0)  # fmt: skip
 
     def _tube(self, name: str, tube: TubeBoxes) -> None:

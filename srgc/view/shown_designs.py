@@ -16,7 +16,7 @@ from srgc.results.found_design import found_design, found_tube
 from srgc.results.mission_folder import mission_folder
 from srgc.results.mission_refusal import is_mission_folder
 
-FREQUENCY = 30
+FREQUENCY = 60
 """Instants per second between which the motion is interpolated, at least."""
 APART = 0.15
 """Part of the extent of a design that is free between two of them."""

@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 from selenium.webdriver.common.keys import Keys
 
+from srgc.exports.scenes.design_scene import REGIONS
 from srgc.results.found_design import found_tube
 from tests.oracles.browsers import SPACE, Opened, start
 
@@ -186,6 +187,32 @@ def test_what_is_chosen_is_shown(browser: Any, made: Result) -> None:
             before = picture()
             shown.box(label).click()
             until(lambda old=before: np.abs(picture() - old).max() > 20, f"{label} stays")
+
+
+def test_regions_are_where_the_spec_says(browser: Any, made: Result) -> None:
+    """From above: their faces, and the box about all pixels in the colour of their edges."""
+    boxes = {"obstacle": ((1.4, 1.4), (2.5, 2.5)), "target": ((-0.3, 1.2), (0.3, 1.9))}
+    with viewed(browser, made("turner") / "out", tubes=False) as shown:
+        for label in ("Links", "Path"):
+            shown.box(label).click()
+        shown.aim((2.0, 0.9, 12.0), (2.0, 0.9, 0.0), 0.5)
+        shown.dots()
+        png = shown.opened.driver.get_screenshot_as_png()
+        picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
+        for kind, (low, high) in boxes.items():
+            # Half of the thickness of 1 cm is 0.04 pixels from so far.
+            corners = np.stack([shown.pixel(np.array([*each, -0.01])) for each in (low, high)])
+            x, y = corners.mean(axis=0).round().astype(int)
+            main = {"obstacle": 0, "target": 1}[kind]
+            assert picture[y, x].argmax() == main
+            assert picture[y, x].max() - picture[y, x].min() > 20
+            near = np.abs(picture - np.array(REGIONS[kind])).max(axis=2) < 25
+            rows, columns = np.nonzero(near)
+            found = [columns.min() + 0.5, columns.max() + 0.5, rows.min() + 0.5, rows.max() + 0.5]
+            (left, bottom), (right, top) = corners
+            assert found == pytest.approx([left, right, top, bottom], abs=2), kind
+        x, y = shown.pixel(np.array([0.8, 0.8, 0.0])).round().astype(int)
+        assert picture[y, x].min() > 240  # nothing is there
 
 
 def test_a_page_plays_to_the_end_and_stops(browser: Any, made: Result) -> None:
