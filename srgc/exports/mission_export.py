@@ -14,6 +14,7 @@ from srgc.exports.design_export import (
 from srgc.faults import UsageFault
 from srgc.results.folder_writer import folder_output
 from srgc.results.mission_folder import mission_folder
+from srgc.results.no_robot import no_robot
 
 
 def written_mission_export(
@@ -33,7 +34,7 @@ def written_mission_export(
     """
     mission = mission_folder(folder)
     if not mission.robots:
-        raise UsageFault(f"{folder} has no robots: its verdict is {mission.verdict}")
+        raise no_robot(folder, mission.verdict)
     if output is None:
         raise UsageFault("a mission has a design for each task: name a folder for them with -o")
     folder_output(folder, output)
