@@ -10,11 +10,12 @@ import numpy as np
 
 from compiler.arrays import Array
 from srgc.exports.scenes.design_scene import DesignScene, design_scene
-from srgc.faults import NoAnswer, UsageFault
+from srgc.faults import NoAnswer
 from srgc.report.motion_scene import TubeBoxes, tube_boxes
 from srgc.results.found_design import found_design, found_tube
 from srgc.results.mission_folder import mission_folder
 from srgc.results.mission_refusal import is_mission_folder
+from srgc.results.no_robot import no_robot
 
 FREQUENCY = 60
 """Instants per second between which the motion is interpolated, at least."""
@@ -84,5 +85,5 @@ def _labelled(folders: Sequence[Path]) -> Iterator[tuple[str, Path]]:
             continue
         mission = mission_folder(folder)
         if not mission.robots:
-            raise UsageFault(f"{folder} has no robots: its verdict is {mission.verdict}")
+            raise no_robot(folder, mission.verdict)
         yield from ((f"{label}: {task}", mission.of_task(task)) for task in mission.mission.tasks)
