@@ -41,14 +41,14 @@ def view(folders: tuple[Path, ...], port: int | None, no_browser: bool, no_tube:
     are shown.  The page has a slider for the time, the regions, and the certified tube.  It is
     served to this computer alone, until Ctrl-C.  It needs `pip install "srgc[view]"`.
     """
-    from srgc.view.serving import serve, viewer_server
+    from srgc.view.serving import refuse_without_viewer, serve, viewer_server
     from srgc.view.shown_designs import shown_designs
 
-    server = viewer_server(port)
+    refuse_without_viewer(port)
     shown = shown_designs(folders, tubes=not no_tube)
     for note in shown.notes:
         click.echo(f"note: {note}", err=True)
-    serve(shown, server, lambda address: _tell(address, browser=not no_browser))
+    serve(shown, viewer_server(port), lambda address: _tell(address, browser=not no_browser))
     return 0
 
 

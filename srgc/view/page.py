@@ -98,7 +98,7 @@ class ViewPage:
         return found
 
     def _draw(self, number: int, shown: ShownDesign) -> None:
-        scene, root = shown.scene, f"/{_plain(shown.label)}"
+        scene, root = shown.scene, f"/{number + 1} {_plain(shown.label)}"
         add = self.server.scene
         add.add_frame(root, show_axes=False, position=shown.offset)
         links = [

@@ -22,29 +22,37 @@ TICK = 1 / 30
 """Seconds between two pictures of a page that plays."""
 
 
-def viewer_server(port: int | None) -> viser.ViserServer:
-    """A server for this computer alone; None: the first port that is free from 8080 on.
+def refuse_without_viewer(port: int | None) -> None:
+    """Refuse before anything is computed what could not be served afterwards.
 
     Raises:
         UsageFault: the library is missing, or the port is not free.
     """
     try:
-        import viser
+        import viser  # noqa: F401
     except ModuleNotFoundError:
         raise UsageFault(INSTALL) from None
-    if port is not None:
-        _refuse_taken(port)
-    with redirect_stdout(io.StringIO()):  # it greets, and its name for the place is not ours
-        return viser.ViserServer(host=HOST, port=PORT if port is None else port, verbose=False)
-
-
-def _refuse_taken(port: int) -> None:
+    if port is None:
+        return
     with socket.socket() as trial:
         trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             trial.bind((HOST, port))
         except OSError as error:
             raise UsageFault(f"port {port} cannot be used: {error.strerror}") from None
+
+
+def viewer_server(port: int | None) -> viser.ViserServer:
+    """A server for this computer alone; None: the first port that is free from 8080 on.
+
+    Raises:
+        UsageFault: the library is missing, or the port is not free.
+    """
+    refuse_without_viewer(port)
+    import viser
+
+    with redirect_stdout(io.StringIO()):  # it greets, and its name for the place is not ours
+        return viser.ViserServer(host=HOST, port=PORT if port is None else port, verbose=False)
 
 
 def page_address(server: viser.ViserServer) -> str:

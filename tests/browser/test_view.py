@@ -215,6 +215,28 @@ def test_regions_are_where_the_spec_says(browser: Any, made: Result) -> None:
         assert picture[y, x].min() > 240  # nothing is there
 
 
+def test_the_tube_is_where_the_certificate_says(browser: Any, made: Result) -> None:
+    """The box about all of its pixels is that about all positions that it allows."""
+    folder = made("planar_arm") / "out"
+    with viewed(browser, folder) as shown:
+        for label in ("Links", "Regions", "Path"):
+            shown.box(label).click()
+        shown.aim((3.6, 2.4, 12.0), (3.6, 2.4, 0.0), 0.6)
+        shown.dots()
+        png = shown.opened.driver.get_screenshot_as_png()
+        picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
+        red, green, blue = np.moveaxis(picture, 2, 0)
+        tubes = (red - blue > 20) & (green > 150)
+        tubes[:200, :320] = False  # there the page says how slow a picture without a card is
+        rows, columns = np.nonzero(tubes)
+        bounds = found_tube(folder).points[:, 0]
+        low, high = bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0)
+        left, bottom = shown.pixel(np.array([*low, 0.0]))
+        right, top = shown.pixel(np.array([*high, 0.0]))
+        found = [columns.min(), columns.max() + 1, rows.min(), rows.max() + 1]
+        assert found == pytest.approx([left, right, top, bottom], abs=2)
+
+
 def test_a_page_plays_to_the_end_and_stops(browser: Any, made: Result) -> None:
     with viewed(browser, made("turner") / "out", tubes=False) as shown:
         stop = []
