@@ -48,7 +48,8 @@ def test_designs_stand_beside_one_another(tmp_path: Path, turner: Path) -> None:
     shown = shown_designs([turner, slider, turner], tubes=False)
     assert [each.label for each in shown.designs] == [str(turner), "slider", str(turner)]
     assert not shown.designs[0].offset.any()
-    assert shown.designs[0].bounds[:, :2].tolist() == [[-0.3, -0.3], [2.5, 2.5]]
+    # A rod of 1.5 m and a fiftieth of that as its radius, within regions of 2.5 m.
+    assert shown.designs[0].bounds.tolist() == [[-0.3, -0.3, -0.03], [2.5, 2.5, 0.03]]
     for before, after in zip(shown.designs, shown.designs[1:], strict=False):
         assert after.bounds[0, 1] > before.bounds[1, 1]
         assert after.offset[[0, 2]].tolist() == [0, 0]

@@ -29,6 +29,8 @@ REGIONS: dict[str, Colour] = {
 }  # fmt: skip
 SEEN_THROUGH = 0.35
 """Opacity of regions."""
+FEW = 24
+"""Instants at which it is asked how far shapes reach."""
 BENEATH = float(FLAT)
 """Regions of the plane lie so far (m) beneath the robot, and are as thick."""
 
@@ -81,9 +83,17 @@ class DesignScene:
 
     @property
     def bounds(self) -> Array:
-        """Low and high corners (2, 3) of all regions but the bounds, and of the motion."""
-        points = [self.motion.links.origins, self.motion.effectors.origins]
+        """Low and high corners (2, 3) of all regions but the bounds, and of the motion.
+
+        Shapes count at few instants, frames at all.
+        """
+        links = self.motion.links
+        points = [links.origins, self.motion.effectors.origins]
         points += [region.corners for region in self.regions]
+        few = np.unique(np.linspace(0, len(self.times) - 1, FEW).astype(int))
+        for each in self.shapes:
+            placed = Poses(links.turns[few, each.link], links.origins[few, each.link])
+            points.append(placed.points(each.surface.corners))
         every = np.concatenate([each.reshape(-1, 3) for each in points])
         return np.stack([every.min(axis=0), every.max(axis=0)])
 
