@@ -56,10 +56,11 @@ COMMANDS = {
     "report": ["report", DEMO, "-o", "{scratch}/r.html", "--quiet"],
     "export": ["export", DEMO, "--to", "urdf"],
     "replay": ["replay", DEMO, "--in", "mujoco"],
+    "view": ["view", "--help"],
     "lsp": ["lsp", "--help"],
     "completion": ["completion", "bash"],
 }  # fmt: skip
-"""A small real invocation of every command; of ``lsp``, which serves on and on, its help."""
+"""A small real invocation of every command; of ``view`` and ``lsp``, which serve, the help."""
 PEERS = {
     "ruff --version": ["ruff", "--version"],
     "mypy --version": ["mypy", "--version"],

@@ -60,6 +60,7 @@ GROUPS = {
         "report": ("report", "Show a result as one page for a browser."),
         "export": ("export", "Write a robot or its motion for other tools."),
         "replay": ("replay", "Play a design in a simulator, against its proof."),
+        "view": ("view", "Show designs as a live page in space."),
     },
     "Editors and shells": {
         "lsp": ("lsp", "Serve an editor: findings, hover, completion."),

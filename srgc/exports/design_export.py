@@ -31,6 +31,10 @@ from srgc.exports.motion_formats import (
     trajectory_json,
     trajectory_table,
 )
+from srgc.exports.ros.ros_package import ros_package
+from srgc.exports.scenes.design_scene import design_scene
+from srgc.exports.scenes.gltf import gltf_bytes
+from srgc.exports.scenes.mcap_log import mcap_log
 from srgc.exports.urdf import urdf_text
 from srgc.exports.visual_meshes import UNSAID as NO_VISUALS
 from srgc.exports.visual_meshes import mujoco_reads, unread_by_mujoco, visual_files, visual_names
@@ -53,15 +57,20 @@ FILE_NAMES = {
     "ros2": "trajectory.yaml",
     "npz": "trajectory.npz",
 }
+SCENES = {"gltf": "robot.glb", "mcap": "run.mcap"}
+"""Of a robot in motion among regions; no part of ``all``."""
+FREQUENCY = 30
+"""Instants per second at which it is there, at least."""
 JOINTS = f"robot{SUFFIX}"
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
-FORMS = (*ROBOTS, *MOTIONS)
-FOLDERS = ("mujoco", "controller", "all")
-BINARY = ("npz",)
+FORMS = (*ROBOTS, *MOTIONS, *SCENES)
+FOLDERS = ("mujoco", "controller", "ros2-package", "all")
+BINARY = ("npz", *SCENES)
 REPLAYED = (FILE_NAMES["mjcf"], FILE_NAMES["csv"], TORQUES, GAINS, SCRIPT)
 FOLDER_FILES = {
     "mujoco": REPLAYED,
     "controller": CONTROLLER_FILES,
+    "ros2-package": (),
     "all": tuple(dict.fromkeys((*FILE_NAMES.values(), JOINTS, *CONTROLLER_FILES, *REPLAYED))),
 }
 
@@ -87,6 +96,8 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
     """
     if form in ROBOTS:
         return _robot_text(design, ROBOTS[form]).encode()
+    if form in SCENES:
+        return _scene_file(design, form)[0]
     motion = exported_motion(design)
     if form == "ros2":
         return joint_trajectory(motion, efforts=efforts).encode()
@@ -96,7 +107,7 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
 def export_folder(folder: Path, form: str) -> ExportFolder:
     """The design of a result folder as one of the ``FOLDERS``.
 
-    That is what MuJoCo replays, its controller, or everything.
+    That is what MuJoCo replays, its controller, a package of ROS 2, or everything.
 
     Raises:
         UsageFault: ``mujoco``: the robot cannot be replayed there; ``controller``: it has no
@@ -109,6 +120,8 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
         return ExportFolder(files, _left_out_of(design, "mjcf"))
     if form == "controller":
         return ExportFolder(*controller_files(folder, design))
+    if form == "ros2-package":
+        return ExportFolder(_package(design), remarks(design))
     motion = exported_motion(design)
     found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
     notes = list(remarks(design))
@@ -131,6 +144,27 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     except (UsageFault, NoAnswer) as fault:
         notes.append(f"no {C}: {fault}")
     return ExportFolder(found, tuple(notes))
+
+
+def _scene_file(design: FoundDesign, form: str) -> tuple[bytes, tuple[str, ...]]:
+    """One of the ``SCENES``, and what it does not hold.
+
+    Raises:
+        UsageFault: the robot is no tree of rigid links, or a library is missing.
+    """
+    scene = design_scene(design, FREQUENCY)
+    if form == "gltf":
+        return gltf_bytes(scene), ()
+    log = mcap_log(scene, exported_motion(design))
+    return log.content, log.notes
+
+
+def _package(design: FoundDesign) -> dict[str, bytes]:
+    motion = exported_motion(design)
+    try:
+        return ros_package(exported_robot(design), motion)
+    except ValueError as error:
+        raise UsageFault(f"the robot cannot be exported: {error}") from None
 
 
 def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
@@ -214,6 +248,8 @@ def written_export(
     """
     if form in FOLDERS:
         return _written_folder(folder, form, output)
+    if form in SCENES:
+        return _written_scene(folder, form, output)
     if output is None:
         design = found_design(folder)
         content = export_bytes(design, form, efforts=efforts)
@@ -233,6 +269,17 @@ def written_export(
     earlier = _earlier(output.parent, output.stem, {*paths}) if form == "urdf" else ()
     notes = (*remarks(design), *_left_out_of(design, form), *earlier)
     return WrittenExport((output, *paths), None, notes)
+
+
+def _written_scene(folder: Path, form: str, output: Path | None) -> WrittenExport:
+    target = None if output is None else folder_output(folder, output)
+    design = found_design(folder)
+    content, unsaid = _scene_file(design, form)
+    notes = (*remarks(design), *unsaid)
+    if target is None or output is None:
+        return WrittenExport((), content, notes)
+    target.write(content)
+    return WrittenExport((output,), None, notes)
 
 
 def _urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
@@ -305,6 +352,14 @@ def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str
             yield _of_an_earlier_export(path)
 
 
+def _strays(package: Path, written: Collection[Path]) -> Iterator[str]:
+    """Notes on robots and meshes in a package that are none of this one's."""
+    kinds = ("urdf/*.urdf", "urdf/*.urdf.xacro", "config/*.srdf", "meshes/*.stl")
+    for path in (path for kind in kinds for path in sorted(package.glob(kind))):
+        if path not in written:
+            yield _of_an_earlier_export(path)
+
+
 def _of_an_earlier_export(path: Path) -> str:
     return f"{path} is of an earlier export: remove it"
 
@@ -316,10 +371,11 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
     made = export_folder(folder, form)
     files |= {name: folder_output(folder, output / name) for name in made.files.keys() - files}
     if any(files[name].name is None for name in made.files):
-        try:
-            output.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UsageFault(f"{output}: {error.strerror}") from None
+        for place in dict.fromkeys((output / name).parent for name in made.files):
+            try:
+                place.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise UsageFault(f"{place}: {error.strerror}") from None
     for name, content in made.files.items():
         files[name].write(content)
     # Gains or single precision of another design, say, would be taken for this one's.
@@ -327,5 +383,6 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
     left = [name for name in other if (output / name).exists()]
     paths = {output / name for name in (*made.files, *other)}
     hulls = _earlier(output, Path(FILE_NAMES["urdf"]).stem, paths) if form == "all" else ()
-    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left), *hulls)
+    strays = _strays(output, paths) if form == "ros2-package" else ()
+    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left), *hulls, *strays)
     return WrittenExport(tuple(output / name for name in sorted(made.files)), None, notes)

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from srgc.exports.design_export import FILE_NAMES, FOLDERS, WrittenExport, written_export
+from srgc.exports.design_export import (
+    FILE_NAMES,
+    FOLDERS,
+    SCENES,
+    WrittenExport,
+    written_export,
+)
 from srgc.faults import UsageFault
 from srgc.results.folder_writer import folder_output
 from srgc.results.mission_folder import mission_folder
@@ -40,7 +46,7 @@ def written_mission_export(
             place.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UsageFault(f"{place}: {error.strerror}") from None
-        target = place if form in FOLDERS else place / FILE_NAMES[form]
+        target = place if form in FOLDERS else place / {**FILE_NAMES, **SCENES}[form]
         own = written_export(mission.of_task(task), form, target, efforts=efforts)
         written += own.files
         notes |= dict.fromkeys(f"{task}: {note}" for note in own.notes)

@@ -78,7 +78,8 @@ class _Writer:
         for visual in seen:
             self.visual(visual)
         for look in () if seen else link.looks:
-            self.geometry("visual", look)
+            for part in _parts(look):
+                self.geometry("visual", part)
         for geometry in link.collisions:
             for part in _parts(geometry):
                 self.geometry("collision", part)

@@ -40,6 +40,8 @@ RUNS = [
     "explain SRG0408",
     "completion bash",
     *(f"export out --to {form} -o written/arm.{form}" for form in ("urdf", "mjcf", "ros2", "npz")),
+    *(f"export out --to {form} -o written/arm.{form}" for form in ("gltf", "mcap")),
+    "export out --to ros2-package -o written/package",
     "export out --to controller -o written/controller",
     "export out --to all -o written/all",
     "replay out --in python",
