@@ -53,7 +53,7 @@ coverage: .venv/installed
 
 # All tests there are, with other random examples each time. Run again after an interruption or a
 # failure, it leaves out what has passed with the same code; `make test-slow SHARD=2/6` is a sixth.
-test-slow: .venv/oracles
+test-slow: .venv/oracles .venv/timor/installed
 	$(BIN)/pytest $(WORKERS) -m "" --hypothesis-profile=others --ledger=out/slow $(if $(SHARD),--shard=$(SHARD))
 
 # The pages as a site, with the notebooks run; a warning is an error. Then the tests of the site.

@@ -36,6 +36,8 @@ COMMANDS = {
     "new": ["new"],
     "check": ["check", ARM],
     "fmt": ["fmt", "--check", ARM],
+    "import": ["import", "timor", "specs/imports/scara_modules", "-o", "{scratch}/kit.srg",
+               "--force"],
     "expand": ["expand", "specs/serial_kit.srg"],
     "synth": ["synth", ARM, "-o", "{scratch}", "--force", "--quiet"],
     "evolve": ["evolve", DEMO, ARM, "-o", "{scratch}", "--force", "--quiet"],
@@ -54,10 +56,11 @@ COMMANDS = {
     "report": ["report", DEMO, "-o", "{scratch}/r.html", "--quiet"],
     "export": ["export", DEMO, "--to", "urdf"],
     "replay": ["replay", DEMO, "--in", "mujoco"],
+    "view": ["view", "--help"],
     "lsp": ["lsp", "--help"],
     "completion": ["completion", "bash"],
 }  # fmt: skip
-"""A small real invocation of every command; of ``lsp``, which serves on and on, its help."""
+"""A small real invocation of every command; of ``view`` and ``lsp``, which serve, the help."""
 PEERS = {
     "ruff --version": ["ruff", "--version"],
     "mypy --version": ["mypy", "--version"],

@@ -150,7 +150,7 @@ def _refused(*sources: Source, sink: Sink) -> Loaded:
 
 
 def _modules(
-    file: t.File, names: NameTable, meshes: Mapping[Span, ir.Mesh], sink: Sink
+    file: t.File, names: NameTable, meshes: Mapping[Span, ir.Mesh | ir.VisualFile], sink: Sink
 ) -> dict[str, ModuleInfo]:
     """The modules by name; a second one of a name is checked and left out."""
     found: dict[str, ModuleInfo] = {}

@@ -6,6 +6,7 @@ this file: a name is loaded when it is first used, and heavy libraries by the ca
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from srgc.api.evolution import evolve as evolve
     from srgc.api.export import export as export
     from srgc.api.graph import graph as graph
     from srgc.api.opened import open_result as open_result
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "SrgcError": "srgc.faults",
     "check": "srgc.api.program",
+    "evolve": "srgc.api.evolution",
     "export": "srgc.api.export",
     "graph": "srgc.api.graph",
     "load": "srgc.api.program",
@@ -37,6 +39,7 @@ _HOMES = {
 __all__ = [
     "SrgcError",
     "check",
+    "evolve",
     "export",
     "graph",
     "load",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from grammar_lang.diagnostics.diagnostic import Diagnostic
+    from grammar_lang.diagnostics.diagnostic import Code, Diagnostic
     from grammar_lang.ir import Program
     from grammar_lang.source import Source
 
@@ -15,7 +15,13 @@ MOST_FINDINGS = 200
 
 
 class SrgcError(Exception):
-    """What srgc says where it has no result: a fault of its input, or no answer in time."""
+    """What srgc says where it has no result: a fault of its input, or no answer in time.
+
+    Attributes:
+        code: what ``srgc explain`` explains, as the ``code`` of a finding; None of most faults.
+    """
+
+    code: Code | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,17 +44,23 @@ WITH_O = Argument(" with -o", "")
 class UsageFault(SrgcError):
     """Arguments that cannot be used; exit status 2.
 
-    Its arguments are the parts of the message; as a text it is that of the command line.
+    Its arguments are the parts of the message; as a text it is that of the command line, with the
+    ``hint``, how to mend it, on a line of its own.
     """
 
-    def __init__(self, *parts: str | Argument) -> None:
+    def __init__(
+        self, *parts: str | Argument, code: Code | None = None, hint: str | None = None
+    ) -> None:
         super().__init__(*parts)
+        self.code = code
+        self.hint = hint
 
     def __str__(self) -> str:
-        return "".join(part.option if isinstance(part, Argument) else part for part in self.args)
+        said = "".join(part.option if isinstance(part, Argument) else part for part in self.args)
+        return said if self.hint is None else f"{said}\n  hint: {self.hint}"
 
     def in_python(self) -> str:
-        """The message with arguments as functions have them."""
+        """The message with arguments as functions have them, without the hint."""
         return "".join(part.name if isinstance(part, Argument) else part for part in self.args)
 
 

@@ -283,7 +283,14 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         ],
         "dimension": [include("gap"), (word_of("xy", "xyz"), Keyword.Constant), default("#pop")],
         "region": [include("gap"), (NAME, Name.Entity, "#pop"), default("#pop")],
-        "map": [include("gap"), (word_of("from"), Keyword), include("string"), default("#pop")],
+        "map": [
+            include("gap"),
+            (word_of("from"), Keyword),
+            (word_of("in"), Keyword, "unit"),
+            (word_of("at"), Keyword, "operand"),
+            include("string"),
+            default("#pop"),
+        ],
         "shape": [
             include("gap"),
             (word_of("box", "polytope", "hull", "ball", "capsule", "cylinder"), Keyword),

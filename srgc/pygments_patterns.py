@@ -8,7 +8,9 @@ from pygments.token import Punctuation
 from grammar_lang.units import UNIT_NAMES
 
 FUNCTIONS = ("rot", "move", "sin", "cos", "tan", "sqrt", "abs", "rate")
-EMISSIONS = ("rod", "point", "solid", "effector", "sphere", "capsule", "cylinder", "box", "hull")
+EMISSIONS = (
+    "rod", "point", "solid", "effector", "sphere", "capsule", "cylinder", "box", "hull", "visual",
+)  # fmt: skip
 ROLES = ("base", "joint", "link", "effector")
 ITEMS = "module|grammar|semantics|workspace|task|mission"
 END = r"(?![A-Za-z0-9_])"

@@ -41,6 +41,7 @@ LONG = {
         "synth specs/robust_arm.srg -o out/robust -q",
         "replay out/robust --in mujoco --disturbed 20 --seed 1 --timestep 0.001",
     ),
+    "docs/how-to/timor.md": ("synth sort.srg -o out/sort -q", "verify out/sort -q"),
     "docs/how-to/objectives.md": ("synth specs/cheapest_arm.srg --pareto -o out/front",),
 }
 """What a page shows and only the slow suite runs."""

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import redirect_stderr
+from io import StringIO
 from pathlib import Path
 
 import pytest
 
+import srgc.cli
 from grammar_lang.diagnostics.code_pages import (
     FOLDER,
     Example,
@@ -38,6 +41,7 @@ UNPRINTABLE: dict[str, dict[str, bytes]] = {
         "spec.srg": "// Greifer für Äpfel\nmodule Grip { role effector; }\n".encode("cp1252")
     },
     "SRG0110": {"spec.srg": b" " * 9_000_000},
+    "SRG0735": {"out/Fetch/design.json": b'{"verdict": "impossible"}'},
     "files": {
         "latin.srg": "module B { role base; }  // Fuß\n".encode("cp1252"),
         "wide.srg": b"m\0o\0d\0u\0l\0e\0 \0B\0",
@@ -52,17 +56,27 @@ def shown(example: Example, page: Path, folder: Path) -> tuple[str, list[str]]:
         place = folder / name
         place.parent.mkdir(exist_ok=True)
         place.write_text(content, encoding="utf-8")
-    if not example.files:
+    if not example.files or example.command is not None:
         for name, data in UNPRINTABLE[page.stem].items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(data)
     before = Path.cwd()
     try:
         os.chdir(folder)
+        if example.command is not None:
+            return said_by(example.command)
         checked = check_file(Path(example.checked))
     finally:
         os.chdir(before)
     found = checked.diagnostics
     return to_text(found, checked.sources), [d.severity.value for d in found]
+
+
+def said_by(command: str) -> tuple[str, list[str]]:
+    """What another command than a check says instead of an answer."""
+    with redirect_stderr(StringIO()) as told:
+        assert srgc.cli.run(command.split()) == 2
+    return told.getvalue(), ["error"]
 
 
 def rewrite(page: Path, text: str, printed: list[tuple[Example, str]]) -> None:
@@ -208,6 +222,15 @@ def test_a_console_block_names_the_file_that_is_checked() -> None:
     [example] = examples("```console\n$ srgc check a.srg\nthe output\n```\n")
     assert (example.files, example.checked, example.expected) == ((), "a.srg", "the output\n")
     assert examples("```console\n$ srgc words a.srg\nB\n```\n") == ()
+
+
+def test_a_command_about_a_result_takes_the_program_before_it() -> None:
+    """Prose may stand between: what the result is."""
+    program, output = "```srg\none\n```\n\nIts result:\n\n", "error[SRG0735]: none\n"
+    [example] = examples(f"{program}```console\n$ srgc evolve out/a spec.srg\n{output}```\n")
+    assert example.files == (("spec.srg", "one\n"),)
+    assert (example.command, example.expected) == ("evolve out/a spec.srg", output)
+    assert example.findings == (("error", "SRG0735"),)
 
 
 @pytest.mark.parametrize("text", ["SRG0301", "srg0301", "0301", "301", " 301 ", "SRG301"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import islice
@@ -9,6 +10,7 @@ from typing import assert_never
 
 from compiler.checks.region_checks import Shapes, end_diagnostics, ends, sound_polytope
 from compiler.tasks.obstacle_pieces import pieces_of, polytopes_within
+from compiler.workspaces.convex_objects import hollow_objects
 from compiler.workspaces.hull import turn
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.overlaps import candidates, interiors_meet
@@ -275,7 +277,7 @@ def map_shapes(
             fault.report(found, sink)
             continue
         shapes[found.name] = inside
-        if every.polygons and not inside:
+        if every.count and not inside:
             sink.warning(
                 Code.REGION_OUTSIDE_BOUNDS,
                 f"obstacle `{found.name}` lies outside the bounds and has no effect",
@@ -293,9 +295,17 @@ def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, 
     parts = [f"{counted(inside, 'convex piece')} from {every.origin}"]
     if every.inflation:
         parts.append(f"rounded outwards by at most {_above(every.inflation)} m")
-    outside = len(every.polygons) - inside
+    outside = every.count - inside
     if outside:
         parts.append(f"{counted(outside, 'more piece')} outside the bounds left out")
+    hollow = 0 if found.scene is None else hollow_objects(found.scene)
+    if hollow:
+        objects = f"{hollow:,} of {counted(every.count, 'object')}"
+        parts.append(f"{objects} not convex, or not closed: hollows are filled")
+        message = f"obstacle `{found.name}`: {', '.join(parts)}"
+        cut = f"`srgc import scene {posixpath.basename(found.path)}` cuts it into convex pieces"
+        sink.warning(Code.FILLED_HOLLOWS, message, found.span, cut)
+        return
     hint = None
     if every.extent is not None and not _holds(every.extent, bounds):
         hint = "the bounds go on beyond the image, where there is no obstacle"

@@ -150,6 +150,22 @@ def rigid_tree(
         return RigidTree(model.dimension, links, effectors, _touching(model, links, frames))
 
 
+def fixed_frames(
+    model: RobotModel, theta: Sequence[Fraction], frames: Sequence[int]
+) -> tuple[LinkFrame, ...]:
+    """Where frames of a robot are in its links, which are numbered as in its tree.
+
+    Raises:
+        RigidTreeError: as for :func:`rigid_tree`.
+    """
+    with working_precision(PRECISION):
+        scalars = scalar_balls(model.scalars, [ball(value) for value in theta])
+        if not all(scalar.is_finite() for scalar in scalars):
+            raise RigidTreeError("a number of the robot has no value")
+        _, found = _frames(model, scalars)
+        return tuple(found[frame] for frame in frames)
+
+
 def _touching(
     model: RobotModel, links: Sequence[RigidLink], frames: Sequence[LinkFrame]
 ) -> tuple[tuple[int, int], ...]:

@@ -56,7 +56,8 @@ def evaluate(
 
     Emissions are ordered by their place in the word, frames and scalars by their first use in them,
     whatever the order of evaluation.  In the plane, ``dimension`` is 2.  ``order`` is that of the
-    grammar; without it, one is made for the productions of this derivation.
+    grammar; without it, one is made for the productions of this derivation.  Visuals are left out
+    unless it is made for them.
 
     Raises:
         SemanticsError: the rules define no robot (a missing or circular attribute).
@@ -83,6 +84,10 @@ def evaluate(
             else:
                 bodies.append(emitted.body(node, emission))
                 owners.append(_owner(derivation, node, emission))
+    # Behind all others: no number of a frame or a scalar is another one for being seen.
+    seen = [emitted.frame(node, visual.frame) for node in emission_order(derivation)
+            for visual in semantics[derivation.nodes[node].production.label].visuals
+            if order.visuals]  # fmt: skip
     return RobotModel(
         2 if dimension == 2 else 3,
         tuple(emitted.table.scalars),
@@ -95,6 +100,7 @@ def evaluate(
         owners=tuple(owners),
         shapes=tuple(shapes),
         shape_owners=tuple(shape_owners),
+        seen=tuple(seen),
         covered=_covered(emitted.table.frames, bodies, shapes),
     )
 

@@ -42,11 +42,13 @@ Plan: TypeAlias = tuple[EvaluationStep, ...]
 class EvaluationOrder:
     """The plans of one grammar.  Each is made when it is first asked for, and then kept.
 
-    Only what some emission needs is evaluated.  Productions without a block are left out.
+    Only what some emission needs is evaluated, and what ``visuals`` need where they are asked for.
+    Productions without a block are left out.
     """
 
     productions: Sequence[ir.Production]
     blocks: Mapping[str, ir.SemanticBlock]
+    visuals: bool = False
     useful: UsefulAttributes = field(init=False)
     _by_label: dict[str, ir.Production] = field(init=False)
     _needs: dict[str, dict[str, frozenset[str]]] = field(init=False)
@@ -54,7 +56,7 @@ class EvaluationOrder:
 
     def __post_init__(self) -> None:
         known = [p for p in self.productions if p.label in self.blocks]
-        self.useful = useful_attributes(known, self.blocks)
+        self.useful = useful_attributes(known, self.blocks, visuals=self.visuals)
         self._by_label = {production.label: production for production in known}
         self._done = {}
         needs: dict[str, dict[str, set[str]]] = {
@@ -291,9 +293,14 @@ def expressions(emission: ir.Emission) -> tuple[ir.Expr, ...]:
 
 
 def useful_attributes(
-    productions: Iterable[ir.Production], blocks: Mapping[str, ir.SemanticBlock]
+    productions: Iterable[ir.Production],
+    blocks: Mapping[str, ir.SemanticBlock],
+    *,
+    visuals: bool = False,
 ) -> UsefulAttributes:
     """The attributes that emissions need in some derivation; the others are never evaluated.
+
+    With ``visuals`` those count, too, that these need.
 
     An attribute that no production of its nonterminal defines for ``this`` is inherited.
     """
@@ -311,9 +318,10 @@ def useful_attributes(
                 synthesized.add(key)
             read = needs.setdefault((here, key), {})
             read |= {(owner(production, each), each.name): None for each in reads(rule.value)}
-        for emission in block.emissions:
-            for expression in expressions(emission):
-                todo += [(owner(production, each), each.name) for each in reads(expression)]
+        emitted = [expr for emission in block.emissions for expr in expressions(emission)]
+        emitted += [visual.frame for visual in block.visuals] if visuals else []
+        for expression in emitted:
+            todo += [(owner(production, each), each.name) for each in reads(expression)]
     found: dict[Key, None] = {}
     while todo:
         key = todo.pop()

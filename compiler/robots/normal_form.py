@@ -64,6 +64,7 @@ def with_rigid_steps_merged(model: RobotModel) -> RobotModel:
     bodies = tuple(replace(body, frame=rebuilder.frame(body.frame)) for body in model.bodies)
     effectors = tuple(rebuilder.frame(frame) for frame in model.effectors)
     shapes = tuple(replace(shape, frame=rebuilder.frame(shape.frame)) for shape in model.shapes)
+    seen = tuple(rebuilder.frame(frame) for frame in model.seen)
     return replace(
         model,
         frames=tuple(rebuilder.frames),
@@ -71,6 +72,7 @@ def with_rigid_steps_merged(model: RobotModel) -> RobotModel:
         bodies=bodies,
         effectors=effectors,
         shapes=shapes,
+        seen=seen,
     )
 
 

@@ -316,7 +316,8 @@ class RobotModel:
     of the word, in word order, once they may be others than ``dofs``.  ``owners`` says whose a body
     is, where that is known, ``shape_owners`` whose a shape.  ``covered`` bodies do not collide:
     their links do as shapes.  Pairs that have to stay ``apart`` are numbers of ``colliders``.  Of
-    ``posed`` robots the turn of effectors matters.  ``payloads`` are numbers of bodies.
+    ``posed`` robots the turn of effectors matters.  ``payloads`` are numbers of bodies.  ``seen``
+    are the frames of visuals, where these were asked for: no frame is kept or joined for them.
     """
 
     dimension: Literal[2, 3]
@@ -336,6 +337,7 @@ class RobotModel:
     covered: tuple[int, ...] = ()
     posed: bool = False
     payloads: tuple[int, ...] = ()
+    seen: tuple[int, ...] = ()
 
     @property
     def colliders(self) -> tuple[Collider, ...]:

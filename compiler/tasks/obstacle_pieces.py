@@ -10,7 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache, partial
+from itertools import product
 
+from compiler.workspaces.hull import value
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.pieces import Pieces, Polygon, apart, disjoint
 from compiler.workspaces.polytope import Polytope, polytope_of
@@ -29,6 +31,10 @@ def pieces_of(found: ir.ObstacleMap) -> Pieces:
     Raises:
         MapFault: it cannot be used.
     """
+    if found.scene is not None:
+        from compiler.workspaces.mesh_scene import scene_pieces
+
+        return scene_pieces(found.scene)
     if found.image is not None:
         from compiler.workspaces.map_server import map_server_pieces
 
@@ -58,12 +64,44 @@ def pieces_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polygon, ..
 
 
 @lru_cache(maxsize=8)
+def objects_within(
+    found: ir.ObstacleMap, bounds: ir.Region, *, touching: bool
+) -> tuple[Polytope, ...]:
+    """The pieces of a mesh that meet the bounds, whole; with ``touching`` those, too, that touch.
+
+    Raises:
+        MapFault: the mesh cannot be used.
+    """
+    every = pieces_of(found).polytopes
+    if not every:
+        return ()
+    area = polytope_of(bounds.shape, every[0].dimension)
+    return tuple(piece for piece in every if _meets(area, piece, touching=touching))
+
+
+def _meets(area: Polytope, piece: Polytope, *, touching: bool) -> bool:
+    """Whether a piece meets the bounds, or, unless ``touching`` counts, their interior."""
+    heights = [
+        [value(row, corner.ray) for corner in piece.description.vertices]
+        for row in area.integer_rows
+    ]
+    if all(max(each) <= 0 for each in heights):
+        return True
+    if any(min(each) > 0 or (min(each) == 0 and not touching) for each in heights):
+        return False
+    common = area.intersection(piece)
+    return not common.is_empty if touching else common.has_interior
+
+
+@lru_cache(maxsize=8)
 def polytopes_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polytope, ...]:
     """The pieces of a map that meet the interior of the bounds, by their facets.
 
     Raises:
         MapFault: as for :func:`pieces_within`.
     """
+    if found.scene is not None:
+        return objects_within(found, bounds, touching=False)
     area = polytope_of(bounds.shape, 2)
     return tuple(
         polytope_of(ir.Hull(piece), 2)
@@ -106,14 +144,22 @@ def _expanded(workspace: ir.Workspace) -> tuple[ir.Workspace, Mapping[str, tuple
     names: dict[str, tuple[str, ...]] = {}
     regions = list(workspace.regions)
     for found in workspace.maps:
-        polygons = pieces_within(found, workspace.bounds)
         pieces = [
-            ir.Region(f"{found.name}.{number}", "obstacle", ir.Hull(corners), found.span)
-            for number, corners in enumerate(polygons, start=1)
+            ir.Region(f"{found.name}.{number}", "obstacle", shape, found.span)
+            for number, shape in enumerate(_shapes(found, workspace.bounds), start=1)
         ]
         names[found.name] = tuple(piece.name for piece in pieces)
         regions += pieces
     return replace(workspace, regions=tuple(regions), maps=()), names
+
+
+def _shapes(found: ir.ObstacleMap, bounds: ir.Region) -> Iterator[ir.RegionShape]:
+    if found.scene is not None:
+        for piece in objects_within(found, bounds, touching=True):
+            yield ir.Inequalities(piece.rows)
+        return
+    for corners in pieces_within(found, bounds):
+        yield ir.Hull(corners)
 
 
 def expanded(program: ir.Program, task: ir.Task) -> tuple[ir.Program, ir.Task]:
@@ -179,9 +225,12 @@ def _with_nowhere(
 
     There are no constants in formulas; the bounds keep every effector out of the box.
     """
-    bounds = polytope_of(workspace.bounds.shape, 2)
-    right = max(x for x, _ in bounds.vertices) + 1
-    corners = tuple((right + x, Fraction(y)) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    size = workspace.dimension
+    bounds = polytope_of(workspace.bounds.shape, size)
+    right = max(x for x, *_ in bounds.vertices) + 1
+    corners = tuple(
+        (right + x, *map(Fraction, others)) for x, *others in product((0, 1), repeat=size)
+    )
     found = dict(names)
     regions = list(workspace.regions)
     for name, pieces in names.items():

@@ -42,7 +42,7 @@ class Fra:
             return ()
         block = self.semantics[transition.label]
         updates = updates_text(self.productions[transition.label], block)
-        statements = (*block.rules, *block.emissions)
+        statements = (*block.rules, *block.emissions, *block.visuals)
         return tuple(
             written(statement.span, self.sources) or update
             for statement, update in zip(statements, updates, strict=True)

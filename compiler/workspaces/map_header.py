@@ -202,7 +202,7 @@ def _same_image(node: Node, path: str, image: str) -> None:
 
 
 class MapFault(Exception):
-    """A map that cannot be used; ``start`` to ``end`` are offsets in its text, None: the image.
+    """A map that cannot be used; ``place`` is where in its text, None: its image, or all of a mesh.
 
     ``message`` is one line, ``hint`` says what to do about it.
     """
@@ -228,8 +228,9 @@ class MapFault(Exception):
 
     def report(self, found: ObstacleMap, sink: Sink) -> None:
         """Record it as an error."""
-        notes = [(found.span, "the map is named here")]
-        sink.error(self.code, self.message, self.span(found), self.hint, notes)
+        at = self.span(found)
+        notes = [] if at == found.span else [(found.span, "the map is named here")]
+        sink.error(self.code, self.message, at, self.hint, notes)
 
 
 # --- What is wrong with the image of a map, and how large one may be ------------------------------

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from compiler.workspaces.hull import turn
+from compiler.workspaces.polytope import Polytope
 
 Corner: TypeAlias = tuple[Fraction, Fraction]
 Polygon: TypeAlias = tuple[Corner, ...]
@@ -16,16 +17,24 @@ Polygon: TypeAlias = tuple[Corner, ...]
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """Convex polygons whose union holds all obstacles of a map.
+    """Convex polygons, or polytopes, whose union holds all obstacles of a map.
 
     ``origin`` says in words what they were made of; no point of theirs is further than
     ``inflation`` metres from an obstacle.  ``extent`` is what the map knows of, if it has an end.
+
+    Those of a mesh are ``polytopes`` instead, by facets, one for each object, which it holds.
     """
 
     polygons: tuple[Polygon, ...]
     origin: str
     inflation: Fraction = Fraction(0)
     extent: Polygon | None = None
+    polytopes: tuple[Polytope, ...] = ()
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.polytopes) or len(self.polygons)
 
 
 def area(polygon: Sequence[Corner]) -> Fraction:

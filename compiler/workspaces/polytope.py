@@ -102,7 +102,7 @@ class Polytope:
     @cached_property
     def affine_dimension(self) -> int:
         """The dimension of its affine hull, -1 if empty."""
-        return _rank([vertex.ray for vertex in self.description.vertices]) - 1
+        return rank([vertex.ray for vertex in self.description.vertices]) - 1
 
     @property
     def has_interior(self) -> bool:
@@ -350,7 +350,7 @@ def half_space_complement(row: HalfSpace) -> HalfSpace:
     return HalfSpace(tuple(-a for a in row.normal), -row.offset, row.span)
 
 
-def _rank(rays: Iterable[tuple[int, ...]]) -> int:
+def rank(rays: Iterable[tuple[int, ...]]) -> int:
     """The rank of integer vectors, by elimination without fractions."""
     basis: list[tuple[int, tuple[int, ...]]] = []
     for ray in rays:

@@ -23,16 +23,17 @@ Files: TypeAlias = tuple[tuple[str, str], ...]
 
 _FENCE = re.compile(r"^```(?P<kind>\w+)[ ]*(?P<name>.*)\n(?P<body>(?s:.*?))^```$", re.MULTILINE)
 _BREAK = re.compile(r"^(?:#+ .*|Repaired:)$", re.MULTILINE)
-_COMMAND = re.compile(r"\$ srgc check (?P<file>\S+)\n")
+_COMMAND = re.compile(r"\$ srgc (?:check (?P<file>\S+)|(?P<other>evolve .+))\n")
 _HEADING = re.compile(r"# (?P<code>SRG\d{4}): (?P<title>.+)\n\n")
-_SEVERITY = re.compile(r"^\S+:\d+:\d+: (error|warning|note)\[(SRG\d{4})\]", re.MULTILINE)
+_SEVERITY = re.compile(r"^(?:\S+:\d+:\d+: )?(error|warning|note)\[(SRG\d{4})\]", re.MULTILINE)
 _NUMBER = re.compile(r"(?:SRG)?0*([0-9]{1,4})", re.IGNORECASE)
 
 _INTRODUCTION = """\
 # The codes of `srgc`
 
-Every finding of `srgc check` has a code that never changes its meaning. Here each is shown with a
-small file that gives it and with that file repaired; `srgc explain CODE` prints the same page.
+Every finding of `srgc check` has a code that never changes its meaning, and so has a result without
+the robot that a command needs. Here each is shown with a small file that gives it and with that
+file repaired; `srgc explain CODE` prints the same page.
 This page is generated from `grammar_lang/diagnostics/catalogue` by `make golden`.
 
 """
@@ -53,12 +54,14 @@ class Example:
 
     ``expected`` is None where there is to be no error.  ``place`` holds the offsets of the expected
     text in the page.  ``files`` is empty where a page cannot show them: a missing file, for one.
+    ``command`` is what is run instead, as ``evolve out/a b.srg``, where that is not a check.
     """
 
     files: Files
     checked: str
     expected: str | None
     place: tuple[int, int]
+    command: str | None = None
 
     @property
     def findings(self) -> tuple[tuple[str, str], ...]:
@@ -99,7 +102,7 @@ def examples(text: str) -> tuple[Example, ...]:
     Blocks ``srg`` (or ``srg NAME``, for maps and meshes ``json NAME`` and ``text NAME``) make up a
     program; the ``diagnostics`` block that follows says what it prints.  A program that a heading,
     ``Repaired:`` or another one follows instead has no error.  A ``console`` block shows the
-    command itself, about files that no page can show.
+    command itself, about files that no page can show, or another command after a program.
     """
     found: list[Example] = []
     files: dict[str, str] = {}
@@ -124,10 +127,14 @@ def examples(text: str) -> tuple[Example, ...]:
         elif fence["kind"] == "diagnostics":
             close(body, fence.span("body"))
         elif command is not None:
-            start = fence.start("body") + command.end()
-            output = Example((), command["file"], body[command.end() :], (start, fence.end("body")))
+            place = (fence.start("body") + command.end(), fence.end("body"))
+            output = body[command.end() :]
+            if command["other"]:
+                found.append(Example(tuple(files.items()), MAIN, output, place, command["other"]))
+                files.clear()
+                continue
             close(None, (0, 0))
-            found.append(output)
+            found.append(Example((), command["file"], output, place))
     return tuple(found)
 
 

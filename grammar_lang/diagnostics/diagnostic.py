@@ -11,7 +11,7 @@ from grammar_lang.source import Span
 # --- Every diagnostic code, in one place ----------------------------------------------------------
 #
 # Ranges: 01xx files and syntax, 02xx names, 03xx sorts, units and numbers, 04xx grammars, 05xx
-# semantics, 06xx geometry, 07xx tasks and missions.
+# semantics, 06xx geometry, 07xx tasks, missions and their results.
 
 
 class Code(Enum):
@@ -85,6 +85,7 @@ class Code(Enum):
     UNUSED_OBSTACLE = "SRG0609"
     OVERLAPPING_REGIONS = "SRG0610"
     MAP_PIECES = "SRG0611"
+    FILLED_HOLLOWS = "SRG0612"
 
     MISSING_CLAUSE = "SRG0701"
     REPEATED_CLAUSE = "SRG0702"
@@ -115,6 +116,7 @@ class Code(Enum):
     OTHER_EFFORTS = "SRG0732"
     EMPTY_MISSION = "SRG0733"
     CONTRADICTORY_MISSION = "SRG0734"
+    NO_ROBOT = "SRG0735"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -1,4 +1,4 @@
-"""Emissions: rods, point masses, solids, shapes and effectors with named arguments."""
+"""Emissions: rods, point masses, solids, shapes, effectors and visuals, with named arguments."""
 
 from __future__ import annotations
 
@@ -40,6 +40,7 @@ _ARGUMENTS: dict[str, tuple[str, ...]] = {
     "cylinder": ("frame", "axis", "length", "radius"),
     "box": ("frame", "size"),
     "hull": ("frame", "file", "scale"),
+    "visual": ("frame", "file", "scale"),
 }
 _OPTIONAL = frozenset({("rod", "radius")})
 
@@ -51,9 +52,11 @@ class Emissions:
     scope: Scope
     sink: Sink
     modules: Sequence[ModuleInfo | None] = ()
-    meshes: Mapping[Span, ir.Mesh] = field(default_factory=dict[Span, ir.Mesh])
+    meshes: Mapping[Span, ir.Mesh | ir.VisualFile] = field(
+        default_factory=dict[Span, ir.Mesh | ir.VisualFile]
+    )
 
-    def lower(self, emission: s.Emission) -> ir.Emission | None:
+    def lower(self, emission: s.Emission) -> ir.Emitted | None:
         """The emission; None where an error was reported."""
         kind = emission.kind.text
         if kind in FUNCTIONS:
@@ -74,7 +77,7 @@ class Emissions:
 
     def _build(
         self, kind: str, arguments: Mapping[str, s.Expr], emission: s.Emission
-    ) -> ir.Emission | None:
+    ) -> ir.Emitted | None:
         frame = self._frame(arguments["frame"])
         others = [value for name, value in arguments.items() if name != "frame"]
         mentions = self.scope.mentions(others)
@@ -97,8 +100,8 @@ class Emissions:
             case "box":
                 edges = self._edges(arguments["size"])
                 return ir.Shape("box", frame, None, edges, emission.span, mentions)
-            case "hull":
-                return self._hull(frame, arguments, emission, mentions)
+            case "hull" | "visual":
+                return self._of_file(frame, arguments, emission, mentions)
             case _:
                 shape: ir.ShapeKind = "capsule" if kind == "capsule" else "cylinder"
                 axis = self._axis(arguments["axis"], kind)
@@ -122,13 +125,15 @@ class Emissions:
             radius = self._positive(arguments["radius"], LENGTH)
         return ir.Rod(frame, axis, length, density, radius, emission.span, mentions)
 
-    def _hull(
+    def _of_file(
         self,
         frame: ir.Expr,
         arguments: Mapping[str, s.Expr],
         emission: s.Emission,
         mentions: tuple[int, ...],
-    ) -> ir.Shape | None:
+    ) -> ir.Shape | ir.Visual | None:
+        """A hull or a visual, by the file that was read for it."""
+        kind = emission.kind.text
         path, scale = arguments["file"], Constants(self.sink).rational(arguments["scale"], LENGTH)
         if scale is not None and scale <= 0:
             message = "the unit of a mesh is not positive"
@@ -136,13 +141,15 @@ class Emissions:
             self.sink.error(Code.BAD_EMISSION, message, at, "write `scale: 1 mm`, or what it is")
             return None
         if not isinstance(path, s.Text):
-            message = "the file of a hull is a path in quotes"
+            message = f"the file of a {kind} is a path in quotes"
             self.sink.error(Code.BAD_EMISSION, message, path.span, 'write `file: "part.stl"`')
             return None
-        mesh = self.meshes.get(path.ident.span)
-        if mesh is None or scale is None:
+        found = self.meshes.get(path.ident.span)
+        if found is None or scale is None:
             return None
-        return ir.Shape("hull", frame, None, (), emission.span, mentions, mesh, scale)
+        if isinstance(found, ir.VisualFile):
+            return ir.Visual(frame, found, scale, emission.span, mentions)
+        return ir.Shape("hull", frame, None, (), emission.span, mentions, found, scale)
 
     def _axis(self, written: s.Expr, kind: str) -> ir.Axis:
         axis = require_axis(written, self.sink)

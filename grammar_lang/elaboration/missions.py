@@ -108,7 +108,11 @@ class _Reader:
                 continue
             if one_robot:
                 message = f"task `{task.name}` rebuilds a robot, and the mission has `one robot`"
-                hint = "remove `from` from the task, or write `reconfigure;` in the mission"
+                hint = (
+                    "remove `from` from the task, or write `reconfigure;` instead of `one robot;`"
+                )
+                if place:
+                    hint += " and name this task first"
             else:
                 message = f"task `{task.name}` says by `from` which robot there is before it"
                 hint = "in a mission it is that of the task before: only the first task has `from`"

@@ -141,7 +141,7 @@ def _frame(item: s.Frame, scope: _BodyScope, sink: Sink) -> ir.AttributeRule:
     return ir.AttributeRule(ir.AttributeOf(ir.LOCAL, item.name.text), value, item.span)
 
 
-def _emission(item: s.Emission, emissions: Emissions, sink: Sink) -> ir.Emission | None:
+def _emission(item: s.Emission, emissions: Emissions, sink: Sink) -> ir.Emitted | None:
     """An emission at a frame of the module."""
     before = len(sink.found)
     found = emissions.lower(item)
@@ -211,7 +211,7 @@ def _second(port: s.Port, first: s.Port, module: s.Module, sink: Sink) -> None:
 
 
 def with_body(
-    info: ModuleInfo, module: s.Module, meshes: Mapping[Span, ir.Mesh], sink: Sink
+    info: ModuleInfo, module: s.Module, meshes: Mapping[Span, ir.Mesh | ir.VisualFile], sink: Sink
 ) -> ModuleInfo:
     """A module with its frames, ports and emissions; whatever is wrong with them is reported.
 

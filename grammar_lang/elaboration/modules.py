@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from grammar_lang import ir
@@ -81,7 +81,7 @@ class ModuleBody:
     """
 
     frames: Mapping[str, ir.AttributeRule]
-    emissions: tuple[ir.Emission, ...]
+    emissions: tuple[ir.Emitted, ...]
     ports: Mapping[str, s.Port]
     used: Mapping[str, Span]
     uses: tuple[DimensionUse, ...]
@@ -93,7 +93,7 @@ class ModuleBody:
 
     def mounted(
         self, occurrence: int, called: str
-    ) -> tuple[tuple[ir.AttributeRule, ...], tuple[ir.Emission, ...]]:
+    ) -> tuple[tuple[ir.AttributeRule, ...], tuple[ir.Emitted, ...]]:
         """The rules of the frames, and the emissions, at an occurrence with its name."""
         here = (occurrence,)
 
@@ -104,8 +104,15 @@ class ModuleBody:
             ir.AttributeRule(frame_of(called, name), new(rule.value), rule.span, here)
             for name, rule in self.frames.items()
         )
-        emissions = (ir.with_expressions(each, new) for each in self.emissions)
-        return rules, tuple(replace(each, mentions=here) for each in emissions)
+        return rules, tuple(_emitted(each, new, here) for each in self.emissions)
+
+
+def _emitted(
+    found: ir.Emitted, new: Callable[[ir.Expr], ir.Expr], here: tuple[int, ...]
+) -> ir.Emitted:
+    if isinstance(found, ir.Visual):
+        return replace(found, frame=new(found.frame), mentions=here)
+    return replace(ir.with_expressions(found, new), mentions=here)
 
 
 def frame_of(called: str, name: str) -> ir.AttributeOf:

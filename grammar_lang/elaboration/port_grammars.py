@@ -86,7 +86,7 @@ def _block(part: Part) -> ir.SemanticBlock:
         for number, port in enumerate(part.outputs, 1)
     )
     rules = (ir.AttributeRule(mount, here), *frames, *carried)
-    return ir.SemanticBlock(rules, emissions, part.place)
+    return ir.semantic_block(rules, emissions, part.place)
 
 
 def lower_port_grammar(

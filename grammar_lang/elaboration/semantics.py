@@ -122,7 +122,7 @@ def _block(
     block: s.Block,
     rules: list[PlacedRule],
     scope: ProductionScope,
-    meshes: Mapping[Span, ir.Mesh],
+    meshes: Mapping[Span, ir.Mesh | ir.VisualFile],
     sink: Sink,
 ) -> ir.SemanticBlock:
     production = scope.info.production
@@ -130,7 +130,7 @@ def _block(
     emissions = Emissions(scope, sink, modules, meshes)
     by_place = {placed.span: placed for placed in rules}
     lowered: list[ir.AttributeRule] = []
-    emitted: list[ir.Emission | None] = []
+    emitted: list[ir.Emitted | None] = []
     for statement in block.statements:
         if isinstance(statement, s.Emission):
             emitted.append(emissions.lower(statement))
@@ -145,12 +145,12 @@ def _block(
         if None not in emitted:
             _check_dofs(scope, block, sink)
         _check_mounted(scope, block, sink)
-    return ir.SemanticBlock(tuple(lowered), tuple(e for e in emitted if e is not None), block.span)
+    return ir.semantic_block(lowered, (e for e in emitted if e is not None), block.span)
 
 
 def _mounted(
     position: int, scope: ProductionScope
-) -> tuple[tuple[ir.AttributeRule, ...], tuple[ir.Emission, ...]]:
+) -> tuple[tuple[ir.AttributeRule, ...], tuple[ir.Emitted, ...]]:
     """The frames and emissions of the module at a position."""
     production = scope.info.production
     module = scope.modules[production.right[position].name]
@@ -224,7 +224,7 @@ def lower_semantics(
     semantics: s.Semantics,
     modules: Mapping[str, ModuleInfo],
     names: NameTable,
-    meshes: Mapping[Span, ir.Mesh],
+    meshes: Mapping[Span, ir.Mesh | ir.VisualFile],
     sink: Sink,
 ) -> SemanticsInfo:
     """The semantics of a grammar; whatever is wrong with it is reported.

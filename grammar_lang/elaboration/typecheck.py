@@ -42,7 +42,7 @@ _SCALAR_FUNCTIONS: dict[str, ir.Function] = {
 }
 FUNCTIONS = (*_SCALAR_FUNCTIONS, "rot", "move")
 SHAPES = ("sphere", "capsule", "cylinder", "box", "hull")
-EMISSIONS = ("rod", "point", "solid", "effector", *SHAPES)
+EMISSIONS = ("rod", "point", "solid", "effector", *SHAPES, "visual")
 
 
 def read_unit(ident: s.Ident, sink: Sink) -> Unit | None:
@@ -100,7 +100,7 @@ class Checker:
         match expr:
             case s.Text():
                 message = "the path of a file is no value here"
-                hint = 'one stands in `file: "…"` of a `hull` only'
+                hint = 'one stands in `file: "…"` of a `hull` or `visual` only'
                 self.sink.error(Code.SORT_MISMATCH, message, expr.span, hint)
                 return UNKNOWN
             case s.AxisName(axis=axis):

@@ -10,6 +10,7 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.elaboration.region_shapes import RegionShapes
+from grammar_lang.elaboration.scenes import placed
 from grammar_lang.names.declarations import duplicate, map_name
 from grammar_lang.source import Span
 from grammar_lang.syntax import tasks as t
@@ -63,19 +64,6 @@ def _dimension(workspace: t.Workspace, sink: Sink) -> Literal[2, 3]:
     return found[0].value
 
 
-def _map(
-    item: t.ObstaclesFrom, size: Literal[2, 3], maps: Mapping[Span, ir.ObstacleMap], sink: Sink
-) -> list[ir.ObstacleMap]:
-    """The file of obstacles; none where it could not be read, or in space."""
-    if size == 3:
-        message = "a map of obstacles lies in the plane, this workspace in space"
-        hint = "say `plane xy`, or write the obstacles as boxes, polytopes or hulls"
-        sink.error(Code.OUT_OF_PLANE, message, item.span, hint)
-        return []
-    found = maps.get(item.path.span)
-    return [] if found is None else [found]
-
-
 def lower_workspace(
     workspace: t.Workspace, maps: Mapping[Span, ir.ObstacleMap], sink: Sink
 ) -> ir.Workspace:
@@ -92,7 +80,8 @@ def lower_workspace(
                 if item.path.span not in maps:
                     reader.names.setdefault(name_of_map.text, name_of_map.span)
                 elif reader.named(name_of_map, "a map is named after its file: rename one of them"):
-                    found += _map(item, size, maps, sink)
+                    made = placed(item, size, maps[item.path.span], sink)
+                    found += [] if made is None else [made]
             case t.Dimension():
                 pass
     if reader.bounds is None:

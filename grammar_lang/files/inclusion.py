@@ -15,8 +15,8 @@ from grammar_lang import ir
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import nearest
-from grammar_lang.files.file_tree import FileSet, visible
-from grammar_lang.files.meshes import read_mesh
+from grammar_lang.files.file_tree import FileSet, Place, visible
+from grammar_lang.files.meshes import SUFFIXES, MeshError, read_mesh, read_visual
 from grammar_lang.names.declarations import map_name
 from grammar_lang.parsing.parse import parse
 from grammar_lang.source import Source, Span, node
@@ -39,7 +39,7 @@ class Inclusion:
 
     file: t.File
     maps: Mapping[Span, ir.ObstacleMap]
-    meshes: Mapping[Span, ir.Mesh]
+    meshes: Mapping[Span, ir.Mesh | ir.VisualFile]
     opened: Mapping[Span, int]
     complete: bool
 
@@ -60,7 +60,9 @@ class _Traversal:
     broken: list[Span] = field(default_factory=list[Span])
     skipped: set[str] = field(default_factory=set[str])
     maps: dict[Span, ir.ObstacleMap] = field(default_factory=dict[Span, ir.ObstacleMap])
-    meshes: dict[Span, ir.Mesh] = field(default_factory=dict[Span, ir.Mesh])
+    meshes: dict[Span, ir.Mesh | ir.VisualFile] = field(
+        default_factory=dict[Span, ir.Mesh | ir.VisualFile]
+    )
     opened: dict[Span, int] = field(default_factory=dict[Span, int])
     chain: list[_Open] = field(default_factory=list[_Open])
     depths: dict[str, int] = field(default_factory=dict[str, int])
@@ -133,9 +135,12 @@ class _Traversal:
 
     def _meshes(self, statements: Iterable[object], base: int) -> None:
         for emission in statements:
-            for argument in emission.arguments if isinstance(emission, s.Emission) else ():
+            if not isinstance(emission, s.Emission):
+                continue
+            read = read_visual if emission.kind.text == "visual" else read_mesh
+            for argument in emission.arguments:
                 if isinstance(argument.value, s.Text):
-                    found = read_mesh(argument.value.ident, base, self.files)
+                    found = read(argument.value.ident, base, self.files)
                     if found is not None:
                         self.meshes[argument.value.ident.span] = found
 
@@ -153,17 +158,20 @@ def include_all(files: FileSet, real: str) -> Inclusion:
 #
 # A map_server map is a YAML file that names an image, its resolution in metres per pixel and the
 # pose of its lower left pixel (https://wiki.ros.org/map_server, section 4).  Polygons come as
-# GeoJSON (RFC 7946).  What the files mean geometrically is not decided here.
+# GeoJSON (RFC 7946), bodies as meshes.  What the files mean geometrically is not decided here.
 
 
-Kind: TypeAlias = Literal["map_server", "geojson"]
+Kind: TypeAlias = Literal["map_server", "geojson", "mesh"]
 
 _KINDS: dict[str, Kind] = {
     ".yaml": "map_server",
     ".yml": "map_server",
     ".geojson": "geojson",
     ".json": "geojson",
+    **dict[str, Kind].fromkeys(SUFFIXES, "mesh"),
 }
+_CONVERTED = (".dae", ".scene", ".sdf", ".world")
+"""Scenes that `srgc import scene` reads, and the language does not."""
 _GEOJSON_TYPES = (
     "FeatureCollection",
     "Feature",
@@ -195,10 +203,10 @@ def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
         return None
     kind = kind_of(place.path)
     if kind is None:
-        message = "this is no file of obstacles, by the end of its name"
-        hint = "known: map_server maps (`.yaml`, `.yml`) and GeoJSON (`.geojson`, `.json`)"
-        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        _report_kind(path, place.path, files.sink)
         return None
+    if kind == "mesh":
+        return _scene(path, place, files)
     number = files.text(place, path, tuple(_KINDS))
     if number is None or number in files.unsound:
         return None
@@ -214,6 +222,42 @@ def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
         return None
     at = written.span
     return ir.ObstacleMap(name, source.path, kind, source.text, path.span, image, number, at)
+
+
+def _report_kind(written: Ident, path: str, sink: Sink) -> None:
+    """Report a file of which the end of the name does not say that it can be read."""
+    if path.lower().endswith(_CONVERTED):
+        message = "the language reads meshes as STL and OBJ, and no such file"
+        hint = f"`srgc import scene {visible(written.text)}` writes obstacles that it reads"
+    else:
+        message = "this is no file of obstacles, by the end of its name"
+        hint = (
+            "known: map_server maps (`.yaml`, `.yml`), GeoJSON (`.geojson`, `.json`) "
+            "and meshes (`.stl`, `.obj`)"
+        )
+    sink.error(Code.UNREADABLE_REFERENCE, message, written.span, hint)
+
+
+# --- Meshes ------------------------------------------------------------------------------------
+
+
+def _scene(path: Ident, place: Place, files: FileSet) -> ir.ObstacleMap | None:
+    """The mesh at a path; None if it is none, which is reported."""
+    from grammar_lang.files.scenes import scene_of
+
+    data = files.binary(place, path, SUFFIXES)
+    if data is None:
+        return None
+    try:
+        scene = scene_of(place.path, data)
+    except MeshError as error:
+        message, hint = f"this is no mesh: {error}", "export it again as STL or OBJ, faces alone"
+        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        return None
+    name = map_name(path.text)
+    return ir.ObstacleMap(
+        name, place.path, "mesh", "", path.span, image_span=path.span, scene=scene
+    )
 
 
 # --- GeoJSON -----------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 import struct
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -18,10 +19,12 @@ from grammar_lang.files.file_tree import FileSet
 from grammar_lang.syntax import Ident
 
 SUFFIXES = (".stl", ".obj")
+VISUALS = (*SUFFIXES, ".dae", ".glb")
 MOST = 500_000
 """Vertices, counting one of each triangle of an STL file thrice."""
 LARGEST = 1e12
 """Coordinates are smaller, in the unit of the mesh."""
+_LONGEST = 64
 _HEADER, _TRIANGLE = 84, 50
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,2})?")
 
@@ -40,7 +43,7 @@ def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
     place = files.place(path, base)
     if place is None:
         return None
-    if not place.path.lower().endswith(SUFFIXES):
+    if not is_mesh(place.path):
         message = "this is no mesh, by the end of its name"
         hint = "known: STL (`.stl`) and OBJ (`.obj`)"
         files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
@@ -49,7 +52,7 @@ def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
     if data is None:
         return None
     try:
-        vertices = _obj(data) if place.path.lower().endswith(".obj") else _stl(data)
+        vertices = _lines(data, "v", "f") if is_obj(place.path) else _stl(data)
     except MeshError as error:
         message, hint = f"this is no mesh: {error}", "export it again as STL or OBJ"
         files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
@@ -57,57 +60,115 @@ def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
     return ir.Mesh(place.path, hashlib.sha256(data).hexdigest(), vertices)
 
 
+def read_visual(path: Ident, base: int, files: FileSet) -> ir.VisualFile | None:
+    """The file of a visual at a path that stands in the file number ``base``; not looked into.
+
+    What is wrong with the path is reported; None then.
+    """
+    place = files.place(path, base)
+    if place is None:
+        return None
+    if not place.path.lower().endswith(VISUALS):
+        message = "this is no visual, by the end of its name"
+        hint = f"known: {', '.join(f'`{each}`' for each in VISUALS)}"
+        files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
+        return None
+    data = files.binary(place, path, VISUALS)
+    if data is None:
+        return None
+    return ir.VisualFile(place.path, hashlib.sha256(data).hexdigest(), data)
+
+
+def is_mesh(path: str) -> bool:
+    """Whether a file is a mesh that can be read, by the end of its name."""
+    return path.lower().endswith(SUFFIXES)
+
+
+def is_obj(path: str) -> bool:
+    """Whether a mesh is OBJ, by the end of its name."""
+    return path.lower().endswith(".obj")
+
+
 def _stl(data: bytes) -> Vertices:
-    """Binary where the size fits the number of triangles that is said, whatever it begins with."""
-    if len(data) >= _HEADER:
-        (count,) = struct.unpack_from("<I", data, 80)
-        if len(data) == _HEADER + _TRIANGLE * count:
-            return _binary(data, count)
-    return _lines(data, "vertex", "facet")
+    binary = binary_triangles(data)
+    if binary is None:
+        return _lines(data, "vertex", "facet")
+    found = dict.fromkeys(corner for triangle in binary for corner in triangle)
+    return _distinct([tuple(map(Fraction, corner)) for corner in found])
 
 
-def _binary(data: bytes, count: int) -> Vertices:
+def binary_triangles(data: bytes) -> Iterator[tuple[tuple[float, ...], ...]] | None:
+    """The corners of each triangle of an STL file that is binary; None where it is text.
+
+    It is binary where the size fits the number of triangles that is said, whatever it begins with.
+
+    Raises:
+        MeshError: there are too many; or, while they are read, a corner is not finite.
+    """
+    if len(data) < _HEADER:
+        return None
+    (count,) = struct.unpack_from("<I", data, 80)
+    if len(data) != _HEADER + _TRIANGLE * count:
+        return None
     if 3 * count > MOST:
         raise MeshError(f"it has {count:,} triangles, and may have {MOST // 3:,}")
-    found = dict[tuple[float, float, float], None]()
+    return _unpacked(data, count)
+
+
+def _unpacked(data: bytes, count: int) -> Iterator[tuple[tuple[float, ...], ...]]:
     for number in range(count):
         values = struct.unpack_from("<9f", data, _HEADER + _TRIANGLE * number + 12)
         if not all(abs(value) < LARGEST for value in values):
             raise MeshError(
                 f"triangle {number + 1} has a corner that is not finite, or too far off"
             )
-        for first in (0, 3, 6):
-            found[values[first], values[first + 1], values[first + 2]] = None
-    return _distinct([tuple(map(Fraction, corner)) for corner in found])
+        yield values[:3], values[3:6], values[6:]
 
 
-def _obj(data: bytes) -> Vertices:
-    return _lines(data, "v", "f")
+def text_lines(data: bytes) -> Iterator[tuple[int, list[str]]]:
+    """The numbers of the lines of a mesh that is text, from 1 on, and their words, if any.
+
+    Raises:
+        MeshError: it is no text.
+    """
+    if b"\0" in data:
+        raise MeshError("it is neither binary of the size that its header says nor text")
+    # Comments may be in any encoding.
+    for number, line in enumerate(data.decode("utf-8-sig", errors="replace").splitlines(), 1):
+        words = line.split()
+        if words:
+            yield number, words
+
+
+def written_corner(number: int, words: Sequence[str]) -> tuple[Fraction, ...]:
+    """The three numbers behind the first word of a line.
+
+    Raises:
+        MeshError: there are no three such numbers.
+    """
+    try:
+        corner = tuple(Fraction(word) for word in words[1:4] if _is_decimal(word))
+    except ValueError:
+        corner = ()
+    if len(corner) != 3:
+        what = words[0].lower()
+        raise MeshError(
+            f"line {number} does not have three numbers of a usual size behind `{what}`"
+        )
+    return corner
 
 
 def _lines(data: bytes, word: str, piece: str) -> Vertices:
     """The three numbers behind a ``word`` that begins a line; there have to be ``piece`` lines."""
-    if b"\0" in data:
-        raise MeshError("it is neither binary of the size that its header says nor text")
-    # Comments may be in any encoding.
-    text = data.decode("utf-8-sig", errors="replace")
     found = dict[tuple[Fraction, ...], None]()
     pieces = corners = 0
-    for number, line in enumerate(text.splitlines(), 1):
-        parts = line.split()
-        pieces += bool(parts) and parts[0].lower() == piece
-        if not parts or parts[0].lower() != word:
+    for number, words in text_lines(data):
+        first = words[0].lower()
+        pieces += first == piece
+        if first != word:
             continue
-        try:
-            corner = tuple(Fraction(part) for part in parts[1:4] if _is_decimal(part))
-        except ValueError:
-            corner = ()
-        if len(corner) != 3:
-            raise MeshError(
-                f"line {number} does not have three numbers of a usual size behind `{word}`"
-            )
         corners += 1
-        found[corner] = None
+        found[written_corner(number, words)] = None
         if len(found) > MOST:
             raise MeshError(f"it has more than {MOST:,} vertices")
     if not pieces:
@@ -119,7 +180,9 @@ def _lines(data: bytes, word: str, piece: str) -> Vertices:
 
 def _is_decimal(part: str) -> bool:
     """Whether a text is a number of a usual size; a fraction of a huge power takes for ever."""
-    return _DECIMAL.fullmatch(part) is not None and abs(float(part)) < LARGEST
+    if len(part) > _LONGEST or _DECIMAL.fullmatch(part) is None:
+        return False
+    return abs(float(part)) < LARGEST
 
 
 def _distinct(vertices: list[tuple[Fraction, ...]]) -> Vertices:

@@ -150,7 +150,7 @@ class _Expansion:
                 case t.Include():
                     yield from self._include(item, source)
                 case _:
-                    for path in _paths(item) if number else ():
+                    for path in named_files(item) if number else ():
                         yield path.span, f'"{_from_top(path.text, source)}"'
 
     def _include(self, item: t.Include, source: Source) -> Iterator[tuple[Span, str]]:
@@ -173,8 +173,8 @@ def _with_comments(span: Span, text: str) -> Span:
     return span if above is None else Span(above.start(), span.end, span.file)
 
 
-def _paths(item: t.Item) -> Iterator[s.Ident]:
-    """The files that an item names."""
+def named_files(item: t.Item) -> Iterator[s.Ident]:
+    """The paths by which an item names maps and meshes."""
     match item:
         case t.Workspace(items=items):
             yield from (each.path for each in items if isinstance(each, t.ObstaclesFrom))
@@ -203,7 +203,8 @@ def names_files(text: str) -> bool:
     """Whether a text names files that are looked for beside it."""
     file = parse(text, Sink())
     return any(
-        (isinstance(item, t.Include) and not item.std) or any(_paths(item)) for item in file.items
+        (isinstance(item, t.Include) and not item.std) or any(named_files(item))
+        for item in file.items
     )
 
 

@@ -13,12 +13,15 @@ from dataclasses import dataclass, field
 from grammar_lang.ir.emissions import (
     Effector,
     Emission,
+    Emitted,
     Mesh,
     PointMass,
     Rod,
     Shape,
     ShapeKind,
     Solid,
+    Visual,
+    VisualFile,
     with_expressions,
 )
 from grammar_lang.ir.expressions import (
@@ -84,6 +87,7 @@ from grammar_lang.ir.family import (
     SymbolKind,
     Torque,
     owners,
+    semantic_block,
 )
 from grammar_lang.ir.formula import (
     Aligned,
@@ -104,6 +108,7 @@ from grammar_lang.ir.formula import (
 )
 from grammar_lang.ir.mission import Mission, Prices
 from grammar_lang.ir.objective import Objective, ObjectiveKind
+from grammar_lang.ir.obstacle_maps import MapImage, ObstacleMap, Scene, SceneObject
 from grammar_lang.ir.task import (
     REST_RATE,
     Avoid,
@@ -115,9 +120,7 @@ from grammar_lang.ir.task import (
     HalfSpace,
     Hull,
     Inequalities,
-    MapImage,
     ModuleMass,
-    ObstacleMap,
     Origin,
     Payload,
     Radii,
@@ -166,6 +169,7 @@ __all__ = [
     "Effort",
     "EffortOf",
     "Emission",
+    "Emitted",
     "EndsWith",
     "Eventually",
     "Expr",
@@ -227,6 +231,8 @@ __all__ = [
     "Rot",
     "Round",
     "Satisfy",
+    "Scene",
+    "SceneObject",
     "SemanticBlock",
     "Shape",
     "ShapeKind",
@@ -244,12 +250,15 @@ __all__ = [
     "Unary",
     "Until",
     "Vector",
+    "Visual",
+    "VisualFile",
     "Window",
     "Workspace",
     "World",
     "factors",
     "leaves",
     "owners",
+    "semantic_block",
     "with_expressions",
     "with_leaves",
 ]

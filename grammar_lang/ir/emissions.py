@@ -78,6 +78,29 @@ class Shape:
     scale: Fraction = Fraction(1)
 
 
+@dataclass(frozen=True, slots=True)
+class VisualFile:
+    """The file at ``path`` with that ``digest``, which is kept as it is."""
+
+    path: str
+    digest: str
+    data: bytes = field(compare=False, repr=False)
+
+
+@node
+class Visual:
+    """A mesh in a frame for pictures and exports alone, its unit of ``scale`` metres.
+
+    It is no emission: it has no mass, does not collide, and no robot is another one by it.
+    """
+
+    frame: Expr
+    file: VisualFile
+    scale: Fraction
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+    mentions: tuple[int, ...] = field(default=(), compare=False, repr=False)
+
+
 @node
 class Effector:
     """An effector at the frame's origin."""
@@ -88,6 +111,8 @@ class Effector:
 
 
 Emission: TypeAlias = Rod | PointMass | Solid | Shape | Effector
+Emitted: TypeAlias = Emission | Visual
+"""What a statement that emits stands for."""
 
 
 def with_expressions(emission: Emission, change: Callable[[Expr], Expr]) -> Emission:

@@ -15,13 +15,14 @@ from typing import TypeAlias
 
 from grammar_lang.ir.emissions import (
     Effector,
-    Emission,
+    Emitted,
     Mesh,
     PointMass,
     Rod,
     Shape,
     ShapeKind,
     Solid,
+    Visual,
 )
 from grammar_lang.ir.expressions import (
     LOCAL,
@@ -71,14 +72,15 @@ def occurrence_names(production: Production) -> tuple[str, ...]:
 
 
 def updates_text(production: Production, block: SemanticBlock) -> tuple[str, ...]:
-    """The statements of a block, rules first, without semicolons."""
+    """The statements of a block, rules first and visuals last, without semicolons."""
     called = occurrence_names(production)
 
     def names(occurrence: int) -> str:
         return called_in(occurrence, called)
 
     rules = (rule_text(rule, names) for rule in block.rules)
-    return (*rules, *(emission_text(emission, names) for emission in block.emissions))
+    emitted = (*block.emissions, *block.visuals)
+    return (*rules, *(emission_text(emission, names) for emission in emitted))
 
 
 def rule_text(rule: AttributeRule, names: Names) -> str:
@@ -100,7 +102,7 @@ def attribute_text(attribute: AttributeOf, names: Names) -> str:
     return f"{names(attribute.occurrence)}.{attribute.name}"
 
 
-def emission_text(emission: Emission, names: Names) -> str:
+def emission_text(emission: Emitted, names: Names) -> str:
     """``rod(frame: N.frame, axis: x, length: L.length, density: 1)``."""
     kind, arguments = _emitted(emission, names)
     return f"{kind}({', '.join(f'{name}: {value}' for name, value in arguments)})"
@@ -149,7 +151,7 @@ def _plain(digits: int, places: int) -> str:
     return f"{text[:-places]}.{text[-places:]}"
 
 
-def _emitted(emission: Emission, names: Names) -> tuple[str, list[tuple[str, str]]]:
+def _emitted(emission: Emitted, names: Names) -> tuple[str, list[tuple[str, str]]]:
     def text(expression: Expr) -> str:
         return expression_text(expression, names)
 
@@ -166,13 +168,19 @@ def _emitted(emission: Emission, names: Names) -> tuple[str, list[tuple[str, str
             tensor = moments if len(inertia) == 1 else f"({moments})"
             return "solid", [frame, ("mass", text(mass)), ("com", text(com)), ("inertia", tensor)]
         case Shape(mesh=Mesh(path=path), scale=scale):
-            number = number_text(scale)
-            unit = f"({number}) m" if "/" in number else f"{number} m"
-            return "hull", [frame, ("file", f'"{path}"'), ("scale", unit)]
+            return "hull", [frame, *_file(path, scale)]
+        case Visual(_, file, scale):
+            return "visual", [frame, *_file(file.path, scale)]
         case Shape(kind, _, axis, sizes):
             return kind, [frame, *_measures(kind, axis, tuple(map(text, sizes)))]
         case Effector():
             return "effector", [frame]
+
+
+def _file(path: str, scale: Fraction) -> list[tuple[str, str]]:
+    number = number_text(scale)
+    unit = f"({number}) m" if "/" in number else f"{number} m"
+    return [("file", f'"{path}"'), ("scale", unit)]
 
 
 def _measures(kind: ShapeKind, axis: Axis | None, sizes: tuple[str, ...]) -> list[tuple[str, str]]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from grammar_lang.ir.emissions import Emission
+from grammar_lang.ir.emissions import Emission, Emitted, Visual
 from grammar_lang.ir.expressions import NOWHERE, AttributeOf, Axis, EffortOf, Expr, leaves
 from grammar_lang.source import Span, node
 
@@ -269,11 +269,28 @@ def owners(production: Production, emission: Emission) -> tuple[int, ...]:
 
 @node
 class SemanticBlock:
-    """The semantic rules of one production."""
+    """The semantic rules of one production.
+
+    ``visuals`` are beside the emissions: only what shows or exports a robot looks at them.
+    """
 
     rules: tuple[AttributeRule, ...]
     emissions: tuple[Emission, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    visuals: tuple[Visual, ...] = ()
+
+
+def semantic_block(
+    rules: Iterable[AttributeRule], emitted: Iterable[Emitted], span: Span
+) -> SemanticBlock:
+    """The block of a production with what it emits, in order."""
+    emissions, visuals = list[Emission](), list[Visual]()
+    for each in emitted:
+        if isinstance(each, Visual):
+            visuals.append(each)
+        else:
+            emissions.append(each)
+    return SemanticBlock(tuple(rules), tuple(emissions), span, tuple(visuals))
 
 
 @dataclass(frozen=True, slots=True)

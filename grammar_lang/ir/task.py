@@ -12,6 +12,7 @@ from grammar_lang.ir.expressions import NOWHERE, Expr
 from grammar_lang.ir.family import DofKind
 from grammar_lang.ir.formula import And, Atom, Eventually, Formula, Pose, Window
 from grammar_lang.ir.objective import Objective
+from grammar_lang.ir.obstacle_maps import ObstacleMap
 from grammar_lang.source import Span, node
 
 
@@ -64,33 +65,6 @@ class Region:
     kind: RegionKind
     shape: RegionShape
     span: Span = field(default=NOWHERE, compare=False, repr=False)
-
-
-@node
-class MapImage:
-    """The image that a map_server YAML names; ``path`` as that of the map."""
-
-    path: str
-    data: bytes = field(repr=False)
-
-
-@node
-class ObstacleMap:
-    """A file of obstacles: a map_server image with its YAML, or polygons as GeoJSON.
-
-    ``name`` stands for all its obstacles together.  ``path`` is relative to the folder of the file
-    on the command line, ``text`` what it holds, ``file`` its number among the sources.  Only a
-    map_server map has an image; ``image_span`` is where its path stands.
-    """
-
-    name: str
-    path: str
-    kind: Literal["map_server", "geojson"]
-    text: str = field(repr=False)
-    span: Span = field(default=NOWHERE, compare=False, repr=False)
-    image: MapImage | None = None
-    file: int = field(default=0, compare=False, repr=False)
-    image_span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @node

@@ -169,7 +169,7 @@ _WORKSPACES: dict[str, Builder] = {
     "bounds": lambda c, span: t.Region("bounds", None, c[0], span),
     "region": lambda c, span: t.Region(c[0], _ident(c[1]), c[2], span),
     "region_kind": lambda c, _: c[0].text,
-    "obstacles_from": lambda c, span: t.ObstaclesFrom(_ident(c[0]), span),
+    "obstacles_from": lambda c, span: t.ObstaclesFrom(_ident(c[0]), _optional(c[1]), c[2], span),
     "box": lambda c, span: t.Box(tuple(c), span),
     "polytope": lambda c, span: t.Polytope(tuple(c[:-1]), _optional(c[-1]), span),
     "inequality": lambda c, span: t.Inequality(c[0], c[1], c[2], span),

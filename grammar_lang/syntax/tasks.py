@@ -100,9 +100,11 @@ class Region:
 
 @node
 class ObstaclesFrom:
-    """``obstacles from "path";``."""
+    """``obstacles from "path" in UNIT at FRAME;``; None where not written."""
 
     path: Ident
+    unit: Ident | None
+    frame: Expr | None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

@@ -12,6 +12,7 @@ from compiler.missions.robot_changes import Built, Changes
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
 from solvers.lemma import Lemma
+from solvers.missions.undecided_robots import Ended, UndecidedRobots
 from solvers.search.path_task import Design
 from solvers.verdict import Verdict
 from solvers.verifier.claims.certificate import SeparationClaim
@@ -81,7 +82,8 @@ class MissionResult:
     ``designs`` are those of the tasks in their order, ``steps`` what is changed before each of
     them, of the first one only where there is a robot already.  ``modules`` is the bound within
     which robots were tried; ``by_default``: nobody asked for it.  ``undecided`` robots are neither
-    found nor refuted.
+    found nor refuted; ``open_robots`` says which, and why.  ``ended`` is what ended the search
+    without an answer, where something did.
     """
 
     mission: ir.Mission
@@ -98,5 +100,7 @@ class MissionResult:
     modules: int | None = None
     by_default: bool = False
     undecided: int = 0
+    open_robots: tuple[UndecidedRobots, ...] = ()
+    ended: Ended | None = None
     counts: dict[str, int] = field(default_factory=dict[str, int])
     unfinished: bool = False

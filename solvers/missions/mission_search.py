@@ -21,6 +21,7 @@ from compiler.words.structures import InfiniteAmbiguityError, structures_of
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord, with_lemmas
 from solvers.lemma import Lemma, VariantLemma
+from solvers.missions.compared_structures import compared_structures
 from solvers.missions.mission_result import (
     Existing,
     MissionResult,
@@ -28,15 +29,20 @@ from solvers.missions.mission_result import (
     TaskEvidence,
 )
 from solvers.missions.one_robot import OneRobotSearch
-from solvers.missions.rebuilt_robots import RebuiltSearch, structures_within
+from solvers.missions.rebuilt_robots import RebuiltSearch
 from solvers.missions.refuted_parts import RefutedParts
 from solvers.missions.task_robots import TaskRobots
+from solvers.missions.undecided_robots import OUT_OF_TIME, grouped
+from solvers.missions.without_robots import (
+    TIME,
+    all_undecided,
+    without_chain,
+    without_one_robot,
+)
 from solvers.run_context import RunContext
 from solvers.search.design_values import design_values
 from solvers.search.least_search import searched_modules
-from solvers.verdict import NotFound
 
-OUT_OF_TIME = "the time limit was reached"
 MOTIONS = ("time", "energy", "effort")
 """Objectives that are about a motion, not about a robot."""
 
@@ -70,7 +76,9 @@ def solve(
             return _one_robot(mission, tasks)
         return _rebuilt(mission, mission.prices, tasks, existing)
     except OutOfTimeError:
-        return MissionResult(mission, "unknown", OUT_OF_TIME, existing=existing, unfinished=True)
+        return MissionResult(
+            mission, "unknown", TIME, existing=existing, ended=OUT_OF_TIME, unfinished=True
+        )
     except InfiniteAmbiguityError as error:
         return MissionResult(mission, "unknown", str(error), existing=existing)
 
@@ -176,48 +184,22 @@ def _one_robot(mission: ir.Mission, tasks: Sequence[TaskRobots]) -> MissionResul
     except OutOfTimeError:
         late, known = True, []
     evidence = tuple(each.evidence for each in known)
+    undecided = grouped((search.words[key], why) for key, why in search.undecided.items())
     if search.found:
         parts = RefutedParts(tasks, shared=True)
         values = _values(search, known, parts)
         return MissionResult(
             mission, "found", None, search.found, (None,) * len(tasks), values=values,
             evidence=evidence, cut=(*cut, *parts.cut.values()), modules=bound,
-            undecided=len(search.undecided), counts=counts, unfinished=late or parts.late,
+            undecided=len(search.undecided), open_robots=undecided, counts=counts,
+            unfinished=late or parts.late,
         )  # fmt: skip
-    verdict, reason = _without_robot(search, tasks, late=late)
+    said = without_one_robot(search, undecided, late=late)
     return MissionResult(
-        mission, verdict, reason, evidence=evidence, cut=cut, modules=bound,
-        undecided=len(search.undecided), counts=counts, unfinished=late,
+        mission, said.verdict, said.reason, evidence=evidence, cut=cut, modules=bound,
+        undecided=len(search.undecided), open_robots=undecided, ended=said.ended, counts=counts,
+        unfinished=late,
     )  # fmt: skip
-
-
-def _without_robot(
-    search: OneRobotSearch, tasks: Sequence[TaskRobots], *, late: bool
-) -> tuple[NotFound, str]:
-    """The verdict without a robot, and why."""
-    tried = len(search.words)
-    if late:
-        return "unknown", OUT_OF_TIME
-    if search.undecided or search.stopped:
-        parts = []
-        if search.undecided:
-            labels, why = next(iter(search.undecided.items()))
-            word = " ".join(search.words[labels])
-            parts.append(
-                f"{len(search.undecided)} of {tried} structures are neither found nor refuted; "
-                f"the first is {word}: {why}"
-            )
-        if search.stopped is not None:
-            parts.append(search.stopped)
-        return "unknown", "; ".join(parts)
-    family, bound = tasks[0].family, search.task.modules
-    if bound is None and not family.language.is_finite():
-        return "unknown", (
-            "every structure that was tried is refuted in a task; say `modules <= n` in the tasks "
-            "to ask about a bound"
-        )
-    within = "of the family" if bound is None else f"of at most {bound} modules"
-    return "impossible", f"no robot {within} does all tasks: each is refuted in one of them"
 
 
 def _values(
@@ -271,11 +253,9 @@ def _rebuilt(
     tasks: Sequence[TaskRobots],
     existing: Existing | None,
 ) -> MissionResult:
-    listed = structures_within(tasks)
-    if isinstance(listed, str):
-        return MissionResult(mission, "unknown", listed, existing=existing)
-    structures, modules, by_default = listed
-    ranked = _ranked(structures, mission, tasks)
+    compared = compared_structures(tasks, prices, existing)
+    by_default = compared.by_default
+    ranked = _ranked(compared.structures, mission, tasks)
     search = RebuiltSearch(tasks, mission, prices, existing, ranked)
     late = False
     robots = sum(map(len, search.layers))
@@ -287,15 +267,16 @@ def _rebuilt(
         known = [_known(each, covered=bool(search.found)) for each in tasks]
     except OutOfTimeError:
         late, known = True, [_Known((), ()) for _ in tasks]
-    undecided = sum(bool(node.undecided) for layer in search.layers for node in layer)
+    undecided = grouped(all_undecided(search))
     parts = RefutedParts(tasks, shared=False)
     cost = search.cost
-    least = _least_cost(search, known, parts)
+    least = None if compared.left_out else _least_cost(search, known, parts)
     common = MissionResult(
         mission, "unknown", None, evidence=tuple(each.evidence for each in known),
-        cut=(*search.cut.values(), *parts.cut.values()), existing=existing, modules=modules,
-        by_default=by_default, undecided=undecided, counts=counts_of(tasks, robots),
-        unfinished=late or parts.late,
+        cut=(*search.cut.values(), *parts.cut.values()), existing=existing,
+        modules=compared.modules, by_default=by_default,
+        undecided=sum(each.robots for each in undecided), open_robots=undecided,
+        counts=counts_of(tasks, robots), unfinished=late or parts.late,
     )  # fmt: skip
     if search.found:
         bound = Fraction(0) if by_default or least is None else min(cost, least)
@@ -307,8 +288,8 @@ def _rebuilt(
             cost=cost,
             least=bound,
         )
-    verdict, reason = _without_chain(search, least, common)
-    return replace(common, verdict=verdict, reason=reason, least=least)
+    said = without_chain(search, least, undecided, compared, late=common.unfinished)
+    return replace(common, verdict=said.verdict, reason=said.reason, least=least, ended=said.ended)
 
 
 def _ranked(
@@ -356,35 +337,3 @@ def _open_layers(
         )
         for layer, (robots, what, own) in enumerate(zip(search.tasks, known, trees, strict=True))
     ]
-
-
-def _are(robots: int) -> str:
-    """So many robots, and the verb."""
-    return "1 robot is" if robots == 1 else f"{robots} robots are"
-
-
-def _without_chain(
-    search: RebuiltSearch, least: Fraction | None, result: MissionResult
-) -> tuple[NotFound, str]:
-    """The verdict without a chain, and why."""
-    most = search.mission.most
-    if result.unfinished:
-        return "unknown", OUT_OF_TIME
-    if least is None or (most is not None and least > most):
-        if result.by_default:
-            return "unknown", (
-                f"every robot of at most {result.modules} modules, the default search bound, is "
-                "refuted; say `modules <= n` in the tasks to ask about a bound"
-            )
-        what = "no robots do the tasks" if most is None else f"no robots do the tasks within {most}"
-        return "impossible", f"{what}: every chain has one that is refuted, or costs more"
-    parts = [search.stopped] if search.stopped else []
-    if result.undecided:
-        node = next(n for layer in search.layers for n in layer if n.undecided)
-        name = search.tasks[node.layer].task.name
-        word = " ".join(node.derivation.word)
-        parts.append(
-            f"{_are(result.undecided)} neither found nor refuted; the first is {word} in "
-            f"`{name}`: {node.undecided}"
-        )
-    return "unknown", "; ".join(parts) or "the robots of no chain agree in their parameters"

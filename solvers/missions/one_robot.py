@@ -30,13 +30,16 @@ from solvers.missions.shared_values import (
     is_within,
     widest_disagreement,
 )
-from solvers.missions.task_robots import Labels, TaskRobots
+from solvers.missions.task_robots import NO_COVERING, Labels, TaskRobots
+from solvers.missions.undecided_robots import Undecided
 from solvers.search.least_search import searched_modules
 from solvers.search.path_task import Design
 from solvers.search.structures_left import StructuresLeft
 
 MOST_LEAVES = 24
 """So many boxes of one structure are asked about."""
+MANY_LEAVES = f"no common parameters were found in {MOST_LEAVES} boxes"
+UNSUITED = "its parameters do not suit all tasks at once"
 
 
 @dataclass(slots=True)
@@ -48,7 +51,7 @@ class OneRobotSearch:
     found: tuple[Design, ...] = ()
     stopped: str | None = None
     cut: dict[Labels, CutRobot] = field(default_factory=dict[Labels, CutRobot])
-    undecided: dict[Labels, str] = field(default_factory=dict[Labels, str])
+    undecided: dict[Labels, Undecided] = field(default_factory=dict[Labels, Undecided])
     """Structures that are neither found nor refuted, and why."""
     words: dict[Labels, tuple[str, ...]] = field(default_factory=dict[Labels, tuple[str, ...]])
     """All structures that were asked about."""
@@ -97,7 +100,7 @@ class OneRobotSearch:
         if len(self.undecided) >= MOTION_SEARCHES:
             self.stopped = (
                 f"the search ended at its limit of {MOTION_SEARCHES} robots that were neither "
-                "found nor refuted: narrow `accept`, or weaken the tasks"
+                "found nor refuted"
             )
         return self.stopped is not None
 
@@ -119,7 +122,8 @@ class OneRobotSearch:
         self.words[derivation.labels] = derivation.word
         for robots in sorted(self.tasks, key=lambda each: -each.success):
             if robots.model(derivation) is None:
-                self.undecided[derivation.labels] = robots.fault(derivation)
+                number = self.tasks.index(robots)
+                self.undecided[derivation.labels] = Undecided(robots.fault(derivation), number)
                 return
             if robots.refutes(derivation):
                 self._learn(robots, derivation)
@@ -135,7 +139,7 @@ class OneRobotSearch:
             return
         if tree.parts is not None:
             self.cut[derivation.labels] = cut
-        if reason and not tree.is_refuted:
+        if reason is not None and not tree.is_refuted:
             self.undecided[derivation.labels] = reason
 
     def _key(self, derivation: Derivation) -> str:
@@ -157,19 +161,20 @@ class OneRobotSearch:
         for each in self.tasks:
             each.lemmas[:] = [known for known in each.lemmas if id(known) in kept]
 
-    def _boxes(self, structure: Structure, cut: CutRobot) -> str:
-        """Ask about the boxes of a structure; why some are left open, empty where none is."""
-        waiting, open_ones, asked = [cut.tree], "", 0
+    def _boxes(self, structure: Structure, cut: CutRobot) -> Undecided | None:
+        """Ask about the boxes of a structure; why some are left open, None where none is."""
+        waiting, asked = [cut.tree], 0
+        open_ones: Undecided | None = None
         known: list[Candidate] = []
         while waiting:
             if asked == MOST_LEAVES:
-                return f"no common parameters were found in {MOST_LEAVES} boxes"
+                return Undecided(MANY_LEAVES, apart=True)
             asked += 1
             box = waiting.pop(0)
             candidates = self._candidates(structure, box, cut, known)
             if candidates is None:
                 continue
-            if isinstance(candidates, str):
+            if isinstance(candidates, Undecided):
                 choices = choices_halved(box.box)
                 if choices is None:
                     open_ones = open_ones or candidates
@@ -181,16 +186,16 @@ class OneRobotSearch:
             result = agreed(candidates, groups, {}, structure.number)
             if result is not None:
                 self.found, self._best = result.designs, structure
-                return ""
+                return None
             parts = _cut(candidates, groups, box, cut)
             if not parts:
-                open_ones = open_ones or "its parameters do not suit all tasks at once"
+                open_ones = open_ones or Undecided(UNSUITED, apart=True)
             waiting += parts
         return open_ones
 
     def _candidates(
         self, structure: Structure, box: BoxTree, cut: CutRobot, known: Sequence[Candidate]
-    ) -> list[Candidate] | str | None:
+    ) -> list[Candidate] | Undecided | None:
         """A motion for each task with parameters in a box; None: it is refuted; else why not.
 
         Those that are ``known`` are not sought again.
@@ -204,7 +209,7 @@ class OneRobotSearch:
         for k in due:
             reason = self._screened(k, structure, box, cut)
             if reason is None or reason:
-                return reason
+                return None if reason is None else Undecided(reason, k)
         for k in due:
             moving = self._moving(k, structure, box, cut)
             if not isinstance(moving, Candidate):
@@ -220,13 +225,13 @@ class OneRobotSearch:
             return screening.inadmissible or ""
         boxes = robots.covering(derivation, box.box)
         if boxes is None:
-            return "what a solver refutes has no covering by boxes"
+            return NO_COVERING
         box.refuted, cut.evidence[id(box)] = True, BoxEvidence(k, boxes)
         return None
 
     def _moving(
         self, k: int, structure: Structure, box: BoxTree, cut: CutRobot
-    ) -> Candidate | str | None:
+    ) -> Candidate | Undecided | None:
         """A motion for a task with parameters in a box; None: it is refuted; else why not."""
         robots, derivation = self.tasks[k], structure.derivation
         sought = robots.motions(derivation, box.box, structure.number)
@@ -235,8 +240,7 @@ class OneRobotSearch:
             return Candidate(robots, derivation, box.box, design)
         late = robots.too_weak(derivation, box.box)
         if late is None:
-            reason = f"{sought.state.reason}{sought.state.obstacle}"
-            return f"no motion was found for `{robots.task.name}`: {reason}"
+            return sought.undecided(k)
         box.refuted, cut.evidence[id(box)] = True, BoxEvidence(k, late)
         if box is cut.tree:
             self._learn(robots, derivation)

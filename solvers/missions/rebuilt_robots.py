@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import islice, pairwise
+from itertools import pairwise
 
 from compiler.missions.chains import ChainCosts, Link, cheapest_chain
 from compiler.missions.open_layers import fixes
@@ -19,9 +19,8 @@ from compiler.missions.parameter_boxes import BoxTree, Cut, choices_halved, whol
 from compiler.missions.parameter_ranges import Ranges
 from compiler.missions.robot_changes import Built, Changes, built, built_of, changes
 from compiler.words.derivation import Derivation
-from compiler.words.structures import structures
 from grammar_lang import ir
-from solvers.conclusion import DEFAULT_MODULES, MOTION_SEARCHES, module_bound
+from solvers.conclusion import MOTION_SEARCHES
 from solvers.missions.mission_result import BoxEvidence, CutRobot, Existing
 from solvers.missions.shared_values import (
     Candidate,
@@ -31,13 +30,13 @@ from solvers.missions.shared_values import (
     is_within,
     widest_disagreement,
 )
-from solvers.missions.task_robots import Labels, TaskRobots
+from solvers.missions.task_robots import NO_COVERING, Labels, TaskRobots
+from solvers.missions.undecided_robots import Undecided
 from solvers.search.path_task import Design
 
-MOST_ROBOTS = 1000
-"""So many structures are compared with each other."""
 MOST_CUTS = 40
 """So many boxes are cut; what then does not agree is left undecided."""
+UNSUITED = "its parameters do not suit the robot that there is"
 
 
 @dataclass(slots=True, eq=False)
@@ -50,7 +49,7 @@ class Node:
     cut: CutRobot
     leaf: BoxTree
     screened: bool = False
-    undecided: str = ""
+    undecided: Undecided | None = None
     design: Design | None = None
     narrow: bool = False
     """Whether its parameters are known closer than their domains."""
@@ -71,6 +70,8 @@ class RebuiltSearch:
     failed: int = 0
     """How many searches of motions had no result."""
     cuts: int = 0
+    wanted: bool = False
+    """Whether more boxes would have been cut than are."""
     cut: dict[tuple[int, Labels], CutRobot] = field(
         default_factory=dict[tuple[int, Labels], CutRobot]
     )
@@ -106,7 +107,7 @@ class RebuiltSearch:
         cut = CutRobot(layer, derivation.word, derivation.labels, leaf)
         node = Node(layer, rank, derivation, cut, leaf, narrow=self.is_narrow(layer))
         if model is None:
-            node.undecided = self.tasks[layer].fault(derivation)
+            node.undecided = Undecided(self.tasks[layer].fault(derivation), layer)
         return node
 
     def is_narrow(self, layer: int) -> bool:
@@ -122,7 +123,7 @@ class RebuiltSearch:
             if self.failed >= MOTION_SEARCHES * len(self.tasks):
                 self.stopped = (
                     f"the search ended at its limit of {self.failed} robots that no motion was "
-                    "found for: narrow `accept`, or weaken the tasks"
+                    "found for"
                 )
                 return
             nodes = self._cheapest()
@@ -200,9 +201,9 @@ class RebuiltSearch:
             if boxes is not None:
                 self._refute(node, BoxEvidence(node.layer, boxes))
             elif not self._choose(node):
-                node.undecided = "what a solver refutes has no covering by boxes"
+                node.undecided = Undecided(NO_COVERING, node.layer)
         elif screening.inadmissible is not None:
-            node.undecided = screening.inadmissible
+            node.undecided = Undecided(screening.inadmissible, node.layer)
 
     def _find(self, node: Node) -> None:
         """Look for a motion of a robot."""
@@ -216,7 +217,7 @@ class RebuiltSearch:
         if late is None:
             if not self._choose(node):
                 self.failed += 1
-                node.undecided = f"{sought.state.reason}{sought.state.obstacle}"
+                node.undecided = sought.undecided(node.layer)
         elif node.leaf is node.cut.tree:
             robots.teaches(node.derivation)
         else:
@@ -258,7 +259,7 @@ class RebuiltSearch:
         for layer, parameter in group:
             node = nodes[layer]
             cut = cut_between(node.leaf.box, parameter, low, high)
-            if cut is None or self.cuts >= MOST_CUTS:
+            if cut is None or not self._may_cut():
                 continue
             self._split(node, cut)
             parted = True
@@ -267,10 +268,15 @@ class RebuiltSearch:
     def _choose(self, node: Node) -> bool:
         """Cut the choices of a robot, of which some may be refuted or do the task; whether so."""
         cut = choices_halved(node.leaf.box)
-        if cut is None or self.cuts >= MOST_CUTS:
+        if cut is None or not self._may_cut():
             return False
         self._split(node, cut)
         return True
+
+    def _may_cut(self) -> bool:
+        """Whether one more box may be cut."""
+        self.wanted |= self.cuts >= MOST_CUTS
+        return self.cuts < MOST_CUTS
 
     def _split(self, node: Node, cut: Cut) -> None:
         """Two nodes in the place of one."""
@@ -291,7 +297,7 @@ class RebuiltSearch:
     def _block(self, nodes: Sequence[Node]) -> None:
         """The robots of a path do not agree, and nothing shows that they cannot."""
         if len(nodes) == 1:
-            nodes[0].undecided = "its parameters do not suit the robot that there is"
+            nodes[0].undecided = Undecided(UNSUITED, 0, apart=True)
         self._blocked += pairwise(nodes)
 
     def _groups(
@@ -374,22 +380,3 @@ class _Joined:
     def groups(self) -> list[Group]:
         """The sets, in the order of their places."""
         return sorted({tuple(sorted(each)) for each in self._of.values()})
-
-
-def structures_within(tasks: Sequence[TaskRobots]) -> tuple[list[Derivation], int, bool] | str:
-    """The structures of the family of some tasks, the bound on modules, whether by default.
-
-    Else, in words, why they cannot be listed.
-    """
-    family = tasks[0].family
-    bounds = [module_bound(family, each.task) for each in tasks]
-    most = max(bounds)
-    unbounded = any(each.task.modules is None for each in tasks)
-    by_default = unbounded and most == DEFAULT_MODULES and not family.language.is_finite()
-    found = list(islice(structures(family.language, most), MOST_ROBOTS + 1))
-    if len(found) > MOST_ROBOTS:
-        return (
-            f"the grammar has more than {MOST_ROBOTS:,} structures of at most {most} modules: say "
-            "`modules <= n` in the tasks, or narrow `accept`"
-        )
-    return found, most, by_default

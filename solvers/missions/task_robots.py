@@ -32,6 +32,7 @@ from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.impossibility.distance_lemmas import distance_lemma
 from solvers.impossibility.variant_lemmas import variant_lemma, weights_lemma
 from solvers.lemma import Lemma
+from solvers.missions.undecided_robots import Undecided
 from solvers.run_context import Journal, Memory, Recorded, RunContext
 from solvers.search.design_values import design_values, limits_of
 from solvers.search.objective_search import ObjectiveSearch
@@ -46,6 +47,8 @@ from solvers.trajectory.path_following import PathProblem
 from solvers.verifier.claims.certificate import SeparationClaim
 
 Labels: TypeAlias = tuple[str, ...]
+NO_COVERING = "what a solver refutes has no covering by boxes"
+"""Why a box of parameters is undecided although a solver refutes it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +97,10 @@ class MotionsSought:
         while self.state.design is None and not self.state.is_over:
             self.state = next(self.states)
         return self.state.design
+
+    def undecided(self, task: int) -> Undecided:
+        """Why there is none, for the task of that number."""
+        return Undecided(f"{self.state.reason}{self.state.obstacle}", task, self.state.cause)
 
     def best(self) -> Design | None:
         """The best design of all attempts, by what the task is to have little of."""

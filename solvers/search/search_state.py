@@ -187,6 +187,15 @@ class StructureState:
         return next(texts, "" if nearest is None else nearest.text)
 
     @property
+    def cause(self) -> Cause | None:
+        """What the obstacle is, as one of few; None where nothing was attempted."""
+        blocked = [a.answer for a in reversed(self.attempts) if isinstance(a.answer, Blocked)]
+        spoken = next((answer.cause for answer in blocked if answer.text), None)
+        if spoken is not None or self.nearest is not None:
+            return spoken or (None if self.nearest is None else self.nearest.cause)
+        return blocked[0].cause if blocked else None
+
+    @property
     def tried(self) -> str:
         """How many paths were tried, and how near they came, in words."""
         count = len(self.attempts)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from grammar_lang.diagnostics.wording import counted
 from srgc.api.displays import conditions_table
 from srgc.render.html_text import block, code, details, head, image, lines, number, table, text
 
@@ -35,8 +36,12 @@ def _facts(design: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for each in design["objectives"]:
         name = each["objective"].removeprefix("sum(").removesuffix(")")
         yield name, f"{each['value']:g} {each['unit']}".rstrip() + f", proved {each['least']:g}"
+    for each in design["differs"]:
+        yield "differs", f"module {each['module']} ({', '.join(each['what'])})"
     if design["undecided"]:
-        yield "undecided", f"{design['undecided']} robots"
+        yield "undecided", counted(design["undecided"], "robot")
+    if design.get("try_first") is not None:
+        yield "try first", design["try_first"]
 
 
 def _step(robot: Mapping[str, Any]) -> str:

@@ -10,10 +10,11 @@ from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 
 Text: TypeAlias = Literal["urdf", "mjcf", "csv", "json", "ros2"]
-Binary: TypeAlias = Literal["npz"]
+Binary: TypeAlias = Literal["npz", "gltf", "mcap"]
 Form: TypeAlias = Literal[
-    "urdf", "mjcf", "csv", "json", "ros2", "npz", "mujoco", "controller", "all"
-]
+    "urdf", "mjcf", "csv", "json", "ros2", "npz", "gltf", "mcap", "mujoco", "controller",
+    "ros2-package", "all",
+]  # fmt: skip
 
 
 @overload
@@ -36,14 +37,16 @@ def export(
 
     Args:
         result: one with the verdict found, or its folder; of a mission every design is written.
-        to: the robot as "urdf" or "mjcf"; its motion as "csv", "json", "ros2" or "npz"; a folder
-            for "mujoco", with a script that replays the motion, or for the "controller" in C and
-            Python; a folder with "all" of them.
+        to: the robot as "urdf" or "mjcf"; its motion as "csv", "json", "ros2" or "npz"; both, with
+            the regions, as a picture, "gltf", or a log, "mcap"; a folder for "mujoco", with a
+            script that replays the motion, for the "controller" in C and Python, or with a
+            "ros2-package"; a folder with "all" files but "gltf", "mcap" and those of the package.
         path: the file or the folder to write; of a mission a folder, which gets one for each task.
         efforts: whether the points of "ros2" have efforts, which older controllers refuse.
 
     Returns:
-        The files that were written; without a path the content, bytes of "npz" and else text.
+        The files that were written; without a path the content, text, or bytes of "npz", "gltf"
+        and "mcap".
 
     Raises:
         SrgcError: there is no robot, it has no such form, or the path cannot be written.

@@ -59,6 +59,24 @@ class MissionExplanation:
         left = self.found.left
         return None if left is None else float(left.cost)
 
+    @property
+    def undecided(self) -> dict[str, list[str]]:
+        """By task the robots that are neither found nor refuted, and why, in words.
+
+        What is about all tasks together stands under their names in one text: ``"Pack, Sort"``.
+        """
+        together = ", ".join(self.found.mission.mission.tasks)
+        return {
+            task or together: [one.says() for one in each]
+            for task, each in self.found.undecided.items()
+        }
+
+    @property
+    def try_first(self) -> str | None:
+        """What may be done about what ended the search; None where nothing did."""
+        first = self.found.mission.design.get("try_first")
+        return None if first is None else str(first)
+
     def __repr__(self) -> str:
         return f"<MissionExplanation: {self.found.mission.mission.name}>"
 
@@ -124,6 +142,14 @@ class MissionResult(FolderResult):
     def least(self) -> float | None:
         """What no robots cost less than; None where there is no ``cost``."""
         return None if self.cost is None else float(self.design["least"])
+
+    @property
+    def differs(self) -> dict[str, tuple[str, ...]]:
+        """Modules of the robot before that the specification builds otherwise, and in what.
+
+        As in ``{"Limb": ("parameter length", "bodies")}``; kept ones are as it says.
+        """
+        return {each["module"]: tuple(each["what"]) for each in self.design["differs"]}
 
     @property
     def steps(self) -> tuple[RobotChange | None, ...]:

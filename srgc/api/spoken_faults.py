@@ -40,7 +40,7 @@ def spoken(function: Callable[P, T]) -> Callable[P, T]:
             refuse_others(parameters, arguments, named)
             return function(*arguments, **named)
         except UsageFault as error:
-            fault: SrgcError = UsageFault(error.in_python())
+            fault: SrgcError = UsageFault(error.in_python(), code=error.code, hint=error.hint)
         except BudgetExceededError as error:
             fault = NoAnswer(str(error))
         except SrgcError as error:

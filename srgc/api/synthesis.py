@@ -8,10 +8,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, overload
 
-from srgc.api.folder_result import TemporaryFolder
 from srgc.api.mission_result import MissionResult, mission_in
 from srgc.api.program import Program
 from srgc.api.result import Result, opened
+from srgc.api.search_arguments import place_of, refuse_numbers
 from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 from srgc.session import chosen, refuse_cycles
@@ -120,14 +120,14 @@ def synthesize(
             "gap": gap,
         }  # fmt: skip
         _refuse_of_tasks(refused)
-        _refuse_numbers(seed, jobs, None, time_limit)
+        refuse_numbers(seed, jobs, time_limit)
         return _mission(
             program, mission, folder, limit, seed=seed, jobs=jobs, solver=solver, search=search,
             smt=smt, lemmas=lemmas, force=force,
         )  # fmt: skip
     chosen_task = chosen(program.ir.tasks, task, "task")
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
-    _refuse_numbers(seed, jobs, cells, time_limit)
+    refuse_numbers(seed, jobs, time_limit, cells=cells)
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
     from srgc.search_options import asked_gap, named_search, named_smt_solvers, named_solver
 
@@ -138,7 +138,7 @@ def synthesize(
             f"`{option}` does not go with `gap`, which keeps the most robust robot alone"
         )
 
-    place, keeper = _place(folder)
+    place, keeper = place_of(folder)
     options = SynthesisOptions(
         place, seed, jobs, limit, force, quiet=True, cells=cells,
         every=every or pareto, front=pareto, solver=named_solver(solver),
@@ -177,30 +177,13 @@ def _mission(
     mission = chosen(program.ir.missions, name, "mission")
     refuse_cycles(program.ir, program.ir.grammars[program.ir.tasks[mission.tasks[0]].grammar])
     named_smt_solvers(smt)
-    place, keeper = _place(folder)
+    place, keeper = place_of(folder)
     options = SynthesisOptions(
         place, seed, jobs, limit, force, quiet=True, solver=named_solver(solver),
         search=named_search(search), lemmas=lemmas, smt=smt,
     )  # fmt: skip
     run_mission(Path(program.name), program.ir, mission, options)
     return mission_in(place, keeper)
-
-
-def _place(folder: str | PathLike[str] | None) -> tuple[Path, TemporaryFolder | None]:
-    """Where the results are written, and what keeps it where that is a temporary folder."""
-    if folder is not None:
-        return Path(folder), None
-    keeper = TemporaryFolder.made()
-    return keeper.path, keeper
-
-
-def _refuse_numbers(seed: int, jobs: int, cells: int | None, time_limit: float | None) -> None:
-    if seed < 0:
-        raise UsageFault("`seed` is not negative")
-    if jobs < 1 or (cells is not None and cells < 1):
-        raise UsageFault("`jobs` and `cells` count from 1")
-    if time_limit is not None and not time_limit > 0:
-        raise UsageFault("`time_limit` is a positive number of seconds")
 
 
 # --- The way of a task through the cells of its workspace -----------------------------------------

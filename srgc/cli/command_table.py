@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from importlib import import_module
+from keyword import iskeyword
 from shutil import get_terminal_size
 from typing import NamedTuple
 
@@ -35,9 +36,9 @@ class Entry(NamedTuple):
 GROUPS = {
     "Design": {
         "new": ("new", "Write a commented spec to start from."),
-        "import": ("importing", "Write a spec from the files of other tools."),
         "check": ("check", "Find the mistakes in a spec."),
         "fmt": ("fmt", "Write a spec in canonical form."),
+        "import": ("importing", "Write a robot, modules or a scene of other tools as a spec."),
         "expand": ("expand", "Print what grammars from ports stand for."),
         "synth": ("synth", "Find a robot and prove it, or prove that there is none."),
         "evolve": ("evolve", "Rebuild the robot of a result for another task."),
@@ -59,6 +60,7 @@ GROUPS = {
         "report": ("report", "Show a result as one page for a browser."),
         "export": ("export", "Write a robot or its motion for other tools."),
         "replay": ("replay", "Play a design in a simulator, against its proof."),
+        "view": ("view", "Show designs as a live page in space."),
     },
     "Editors and shells": {
         "lsp": ("lsp", "Serve an editor: findings, hover, completion."),
@@ -143,8 +145,8 @@ def cli() -> None:
 
 def command_named(name: str) -> click.Command:
     """The command of a name in :data:`TABLE`, which is imported now."""
-    # `import` is a word of Python, so its function is `import_`.
-    command = getattr(import_module(TABLE[name].module), "import_" if name == "import" else name)
+    function = f"{name}_" if iskeyword(name) else name
+    command = getattr(import_module(TABLE[name].module), function)
     if not isinstance(command, click.Command):
         raise TypeError(f"{name} is no command")
     return command

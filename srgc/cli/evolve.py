@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import os
-import re
-from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -19,11 +16,7 @@ from srgc.cli.arguments import (
     PathOf,
     limit_of_time,
 )
-from srgc.faults import UsageFault
 from srgc.time_limit import TimeLimit
-
-if TYPE_CHECKING:
-    from grammar_lang import ir
 
 
 @click.command(
@@ -83,7 +76,6 @@ def evolve(
     are free.  The result has the history of the robot with it, and can evolve again.
     """
     limit = TimeLimit(time_limit)
-    from grammar_lang import ir
     from solvers.execution.one_thread import ONE_THREAD
     from srgc.session import chosen, program_of, refuse_cycles
 
@@ -92,45 +84,18 @@ def evolve(
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.cli.mission import told
-    from srgc.results.evolution import Rebuilding, refuse_inside, step_from
+    from srgc.results.evolution import refuse_inside, step_from
+    from srgc.results.rebuilding import asked_rebuilding
     from srgc.results.synthesis_run import SynthesisOptions
+    from srgc.text_reports.mission_report import difference_text
 
-    prices = ir.Prices(_price("add", add), _price("remove", remove), _price("change", change))
-    most = None if changes is None else _price("changes", changes)
-    freed = tuple(_parameter(program, text) for text in free)
-    if prices.change and not freed:
-        raise UsageFault("--change is the price of what --free lets change: name that by --free")
+    asked = asked_rebuilding(
+        program, add=add, remove=remove, change=change, free=free, changes=changes
+    )
     place = output or Path("out") / chosen_task.name
     refuse_inside(place, folder)
-    step = step_from(folder, program, chosen_task, Rebuilding(prices, freed, most))
-    mission = ir.Mission(chosen_task.name, (chosen_task.name,), prices, frozenset(freed), most)
+    step = step_from(folder, program, chosen_task, asked)
     options = SynthesisOptions(place, seed, jobs or 1, limit, force, as_json or quiet)
-    return told(file, program, mission, options, step, as_json=as_json)
-
-
-def _price(option: str, text: str) -> Fraction:
-    """A number from 0 on.
-
-    Raises:
-        UsageFault: it is none.
-    """
-    known = re.fullmatch(r"[0-9]{1,12}(\.[0-9]{1,12}|/[1-9][0-9]{0,11})?", text)
-    if known is None:
-        raise UsageFault(f"--{option} takes a number from 0 on, as 2, 0.5 or 1/3; `{text}` is none")
-    return Fraction(text)
-
-
-def _parameter(program: ir.Program, text: str) -> tuple[str, str]:
-    """The module and the parameter of ``M.p``.
-
-    Raises:
-        UsageFault: there is none of that name.
-    """
-    module, _, name = text.partition(".")
-    if module not in program.modules:
-        raise UsageFault(f"--free {text}: there is no module `{module}`; write it as L.length")
-    known = [parameter.name for parameter in program.modules[module].parameters]
-    if name not in known:
-        listed = ", ".join(f"`{module}.{each}`" for each in known) or "none"
-        raise UsageFault(f"--free {text}: the parameters of `{module}` are {listed}")
-    return module, name
+    notes = [difference_text(each, str(folder), str(file)) for each in step.differs]
+    mission = asked.mission(chosen_task)
+    return told(file, program, mission, options, step, as_json=as_json, notes=notes)

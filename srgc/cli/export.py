@@ -10,9 +10,9 @@ import click
 from srgc.cli.arguments import FOLDER, DocumentedCommand, PathOf
 from srgc.faults import UNKNOWN, UsageFault
 
-FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz")
-FOLDERS = ("mujoco", "controller", "all")
-BINARY = ("npz",)
+FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz", "gltf", "mcap")
+FOLDERS = ("mujoco", "controller", "ros2-package", "all")
+BINARY = ("npz", "gltf", "mcap")
 
 
 @click.command(
@@ -20,6 +20,8 @@ BINARY = ("npz",)
     examples=[
         "srgc export out/demo --to urdf -o arm.urdf",
         "srgc export out/demo --to ros2 -o arm.yaml",
+        "srgc export out/demo --to ros2-package -o arm_robot",
+        "srgc export out/demo --to gltf -o arm.glb",
         "srgc export out/demo --to mujoco -o arm_mujoco",
         "srgc export out/demo --to controller -o arm_controller",
         "srgc export out/demo --to all -o arm_files",
@@ -34,15 +36,18 @@ BINARY = ("npz",)
     "form",
     required=True,
     type=click.Choice([*FORMS, *FOLDERS]),
+    metavar="FORM",
     help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
-    "(JointTrajectory as YAML), npz (NumPy). Folders: mujoco (robot, torques and a script that "
-    "replays them), controller (C, Python, npz), all.",
+    "(JointTrajectory as YAML), npz (NumPy). Both, with regions: gltf (3-D picture that moves), "
+    "mcap (log for Foxglove). Folders: mujoco (robot, torques and a script that replays them), "
+    "controller (C, Python, npz), ros2-package (URDF, launch file, MoveIt), all (all files but "
+    "those of gltf, mcap and ros2-package).",
 )
 @click.option(
     "-o",
     "output",
     type=PathOf(path_type=Path, allow_dash=True),
-    help="Write here, not to stdout (`-`). A folder for mujoco, controller and all.",
+    help="Write here, not to stdout (`-`). For mujoco, controller, ros2-package and all a folder.",
 )
 @click.option(
     "--no-effort", is_flag=True, help="ros2: without efforts, which older controllers refuse."

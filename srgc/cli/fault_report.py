@@ -58,7 +58,8 @@ def _report(error: BaseException) -> tuple[int, Callable[[], None]]:
     """The status of an exception, and what says what happened."""
     match error:
         case UsageFault():
-            return USAGE, _message(f"error: {error}")
+            code = "" if error.code is None else f"[{error.code.value}]"
+            return USAGE, _message(f"error{code}: {error}")
         case SolversDisagree():
             return INTERNAL, _message(f"error: {error}")
         case SpecErrors(checked=checked):

@@ -1,101 +1,147 @@
-"""The command ``import``."""
+"""The command ``import``: robots, module sets, tasks and scenes of other tools."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from srgc.cli.arguments import FILE, OUTPUT, DocumentedCommand
+from srgc.cli.arguments import DocumentedCommand, PathOf
 from srgc.faults import UsageFault
 
-PACKAGES = click.option(
-    "--package",
-    "packages",
-    multiple=True,
-    metavar="NAME=DIR",
-    help="Where the files of `package://NAME` and `model://NAME` are; may be given several times.",
-)
+if TYPE_CHECKING:
+    from srgc.imports.written_import import Imported
+
+KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
+    "urdf": (
+        "srgc.imports.urdf.urdf_import:urdf_import",
+        frozenset(
+            {"name", "exact", "module", "ports", "effectors", "fixed", "packages", "density"}
+            | {"arguments", "pieces", "detail"}
+        ),
+    ),
+    "timor": (
+        "srgc.imports.timor.timor_import:timor_import",
+        frozenset({"name", "exact", "any_end", "pieces", "detail"}),
+    ),
+    "cobra": (
+        "srgc.imports.cobra.cobra_import:cobra_import",
+        frozenset({"modules", "name", "exact", "base", "any_order", "cost", "pieces", "detail"}),
+    ),
+}
+"""By kind where the function is that imports it, and the options that it takes."""
 
 
-@click.group(name="import")
-def import_() -> None:
-    """Write specs from the files of other tools."""
-
-
-def package_folders(given: tuple[str, ...]) -> dict[str, Path]:
-    """The folders of packages from ``NAME=DIR``.
-
-    Raises:
-        UsageFault: one is not of this form, or is no folder.
-    """
-    found = dict[str, Path]()
-    for each in given:
-        name, equals, folder = each.partition("=")
-        if not equals or not name or not folder:
-            raise UsageFault(f"--package {each}: write NAME=DIR")
-        if not Path(folder).is_dir():
-            raise UsageFault(f"--package {each}: {folder} is not a folder")
-        found[name] = Path(folder)
-    return found
-
-
-@import_.command(
+@click.command(
+    "import",
     cls=DocumentedCommand,
     examples=[
-        "srgc import scene specs/scenes/bench.scene",
-        "srgc import scene specs/scenes/bracket.obj --unit mm --name Cell -o out/cell.srg",
+        "srgc import urdf robots/scara.urdf -o out/scara.srg",
+        "srgc import timor specs/imports/scara_modules -o out/kit.srg",
+        "srgc import cobra specs/imports/sort_parts.json --modules specs/imports/scara_modules -o -",
     ],
     reads_spec=False,
-    read_on="docs/how-to/scenes.md",
+    read_on="docs/how-to/import.md",
 )
-@FILE
-@OUTPUT
+@click.argument("kind", type=click.Choice([*KINDS]))
+@click.argument("file", type=PathOf(path_type=Path))
 @click.option(
-    "--unit",
-    type=click.Choice(["mm", "cm", "m", "in"]),
-    help="The unit of an STL or OBJ file (metres otherwise), or instead of that of a DAE file.",
+    "-o",
+    "output",
+    type=PathOf(path_type=Path, allow_dash=True),
+    help="Write here; `-` is stdout, without meshes.  Default: NAME.srg.",
 )
-@click.option("--at", metavar="PLACE", help="Where its origin is, such as `(0.5, 0, 0) m`.")
+@click.option("--name", help="What names begin with; default: that of the robot or file.")
+@click.option("--exact", is_flag=True, help="Keep angles as they are, whatever noise they have.")
+@click.option("--module", is_flag=True, help="urdf: the file is one module with ports.")
 @click.option(
-    "--pieces",
-    type=click.IntRange(1),
-    help="Convex pieces of each mesh, at most; the volume added is then what it is.",
+    "--port",
+    "ports",
+    multiple=True,
+    metavar="LINK=TYPE",
+    help="urdf --module: a link that is a port, its type and, if any, `male` or `female`.",
 )
+@click.option("--effector", "effectors", multiple=True, metavar="LINK", help="urdf: an effector.")
+@click.option(
+    "--fix", "fixed", multiple=True, metavar="JOINT[=VALUE]", help="urdf: a joint that is held."
+)
+@click.option(
+    "--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package:// leads."
+)
+@click.option(
+    "--density",
+    type=float,
+    metavar="KG_PER_M3",
+    help="urdf: gives links without inertial that of their shapes.",
+)
+@click.option(
+    "--arg", "arguments", multiple=True, metavar="NAME:=VALUE", help="An argument of a xacro file."
+)
+@click.option("--pieces", type=click.IntRange(1), help="At most so many convex pieces of a mesh.")
 @click.option(
     "--detail",
-    type=click.FloatRange(0, min_open=True),
-    default=0.1,
-    show_default=True,
-    help="The volume that pieces may add to a mesh, as a share of its own.",
+    type=click.FloatRange(0, 1, min_open=True),
+    help="What convex pieces may add to the volume of a mesh, as a share; default 0.1.",
 )
-@click.option("--name", help="The name of the workspace, not that of the scene.")
-@PACKAGES
-def scene(
+@click.option("--any-end", is_flag=True, help="timor: modules may stand on any of their ends.")
+@click.option(
+    "--modules",
+    type=PathOf(path_type=Path),
+    metavar="SET",
+    help="cobra: a module set of Timor, or a spec with a grammar from ports.",
+)
+@click.option("--base", metavar="MODULE", help="cobra: which module of the set is the base.")
+@click.option("--any-order", is_flag=True, help="cobra: leave the order of goals open.")
+@click.option("--cost", metavar="COSTS", help="cobra: what to minimize, as in `mass,cyc`.")
+@click.option("--force", is_flag=True, help="Replace files that are there.")
+def import_(
+    kind: str,
     file: Path,
     output: Path | None,
-    unit: str | None,
-    at: str | None,
-    pieces: int | None,
-    detail: float,
-    name: str | None,
-    packages: tuple[str, ...],
+    force: bool,  # noqa: FBT001
+    **options: Any,
 ) -> int:
-    """Write a workspace from a scene: STL, OBJ, DAE, MoveIt .scene, SDF .sdf and .world.
+    """Write what another tool describes as a spec: a robot, modules, a task or a scene.
 
-    Meshes become convex pieces that hold every triangle, which is checked exactly.  What cannot be
-    carried over is listed.
+    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module.  What cannot be
+    carried over is listed, and stands as a comment at the top of what is written.  No file is read
+    outside the folder of FILE but below those that --package names.
     """
-    from srgc.imports.scenes.scene_file import read_scene
-    from srgc.imports.scenes.scene_text import Wanted, scene_text
-    from srgc.paths import write_output
+    place, known = KINDS[kind]
+    given = {name: value for name, value in options.items() if value not in (None, (), False)}
+    _refuse(kind, given, known)
+    imported = _function(place)(file, **{name: options[name] for name in known})
+    for remark in imported.remarks:
+        click.echo(f"note: {remark}", err=True)
+    if output == Path("-"):
+        click.echo(imported.text.encode(), nl=False)
+        return 0
+    from srgc.imports.written_import import write_import
 
-    read = read_scene(file, unit=unit, at=at, packages=package_folders(packages))
-    made = scene_text(read, file.name, Wanted(detail, pieces, name))
-    for note in made.notes:
-        click.echo(f"note: {note}", err=True)
-    if output is None or output == Path("-"):
-        click.echo(made.text, nl=False)
-    else:
-        write_output(output, made.text)
+    path = output or Path(f"{imported.name}.srg")
+    for written in write_import(imported, path, force=force):
+        click.echo(f"{written}")
     return 0
+
+
+def _refuse(kind: str, given: Mapping[str, object], known: frozenset[str]) -> None:
+    """Refuse options that say nothing about what is imported."""
+    spelt = {
+        parameter.name: parameter.opts[-1]
+        for parameter in import_.params
+        if isinstance(parameter, click.Option)
+    }
+    for name in given:
+        if name not in known:
+            raise UsageFault(f"{spelt[name]} does not go with `srgc import {kind}`")
+
+
+def _function(place: str) -> Callable[..., Imported]:
+    """The function at a place ``module:name``, which is imported now."""
+    from importlib import import_module
+
+    module, _, name = place.partition(":")
+    found: Callable[..., Imported] = getattr(import_module(module), name)
+    return found

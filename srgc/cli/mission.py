@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,8 +64,9 @@ def told(
     step: Step | None = None,
     *,
     as_json: bool,
+    notes: Sequence[str] = (),
 ) -> int:
-    """Search for the robots of a mission, write them and print what was found."""
+    """Search for the robots of a mission, write them and print what was found, and ``notes``."""
     from srgc.results.mission_run import run_mission
     from srgc.text_reports.mission_report import mission_text
 
@@ -73,5 +74,5 @@ def told(
     if as_json:
         click.echo((options.output / "design.json").read_text(encoding="utf-8"), nl=False)
     else:
-        click.echo(mission_text(result, str(options.output), program))
+        click.echo(mission_text(result, str(options.output), program, notes))
     return VERDICT_STATUS[result.verdict]

@@ -20,6 +20,7 @@ from solvers.verifier.refutations.structure_evidence import FalseClaim
 from solvers.verifier.report import Refused
 from srgc.faults import UsageFault
 from srgc.results.mission_folder import MissionFolder, TaskRefutations, mission_folder
+from srgc.results.undecided_robots import StatedUndecided, undecided_by_task
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +77,11 @@ class MissionReasons:
     mission: MissionFolder
     tasks: tuple[TaskReasons, ...]
     left: LeftRobots | None
+
+    @property
+    def undecided(self) -> dict[str | None, list[StatedUndecided]]:
+        """By task the robots that are neither found nor refuted; under None: in all together."""
+        return undecided_by_task(self.mission.undecided)
 
 
 def mission_reasons(folder: Path, watch: Watch = UNWATCHED) -> MissionReasons:

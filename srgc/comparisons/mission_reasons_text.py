@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
@@ -15,11 +16,23 @@ from srgc.results.stated_objectives import short
 
 MOST_SAID = 6
 """So many things that were shown are printed of a task, and all of them as JSON."""
+MOST_NAMED = 3
+"""So many robots are named for one reason."""
+ENDED = {
+    "time": "the time limit ended the search",
+    "motions": "the search ended at its limit of robots without a motion",
+    "structures": "there are too many structures to compare them",
+    "cuts": "the search ended at its limit of boxes of parameters",
+    "parameters": "the robots that were found do not agree in their parameters",
+    "modules": "no bound on modules is asked for",
+}
+"""What ended a search, in words."""
 
 
 def mission_reasons_text(found: MissionReasons) -> str:
     """The explanation for people; ends with a line break."""
     blocks = [_head(found), *(_task(found, each) for each in found.tasks)]
+    blocks += _undecided(found)
     blocks += filter(None, [_ending(found)])
     return "\n\n".join(blocks) + "\n"
 
@@ -94,12 +107,8 @@ def _without(found: MissionReasons, each: TaskReasons) -> Iterator[str]:
 def _ending(found: MissionReasons) -> str:
     """What is left, and what may be done."""
     mission = found.mission
-    undecided = mission.design["undecided"]
     if mission.verdict == "unknown":
-        open_ = (
-            f"{counted(undecided, 'robot')} undecided" if undecided else "the search ended early"
-        )
-        return f"{open_}: a longer --time-limit may decide"
+        return "\n".join(_open_end(found))
     if found.left is None:
         return ""
     cost = exact_text(found.left.cost)
@@ -109,6 +118,35 @@ def _ending(found: MissionReasons) -> str:
     allowed = "" if most is None else f", and at most {exact_text(most)} is allowed"
     rows = _chain(found, found.left)
     return "\n".join([f"the cheapest robots that are left would cost {cost}{allowed}", *rows])
+
+
+def _open_end(found: MissionReasons) -> Iterator[str]:
+    """How much is left open, what ended the search, and what may be done about that."""
+    design = found.mission.design
+    undecided, ended, first = design["undecided"], design.get("ended_by"), design.get("try_first")
+    said = [f"{counted(undecided, 'robot')} undecided"] if undecided else []
+    if ended is not None:
+        said.append(ENDED.get(ended, "the search ended early"))
+    yield "; ".join(said) or "the search ended early"
+    if first is not None:
+        yield f"try first: {first}"
+
+
+def _undecided(found: MissionReasons) -> Iterator[str]:
+    """The robots that are neither found nor refuted, task by task, with why."""
+    for task, each in found.undecided.items():
+        lines = [f"undecided {_in(task)}:"]
+        for one in each[:MOST_SAID]:
+            lines.append(f"  {one.says(MOST_NAMED)}")
+            if one.try_first is not None:
+                lines.append(f"    try first: {one.try_first}")
+        if len(each) > MOST_SAID:
+            lines.append(f"  and {len(each) - MOST_SAID} more reasons")
+        yield "\n".join(lines)
+
+
+def _in(task: str | None) -> str:
+    return "in all tasks together" if task is None else f"in {task}"
 
 
 def _chain(found: MissionReasons, left: LeftRobots) -> Iterator[str]:
@@ -130,6 +168,12 @@ def mission_reasons_json(found: MissionReasons) -> str:
         "least": None if mission.least is None else float(mission.least),
         "most": None if mission.mission.most is None else float(mission.mission.most),
         "undecided": mission.design["undecided"],
+        "ended_by": mission.design.get("ended_by"),
+        "try_first": mission.design.get("try_first"),
+        "open": [
+            asdict(each) | {"words": [list(word) for word in each.words]}
+            for each in mission.undecided
+        ],
         "tasks": [_entry(found, each) for each in found.tasks],
         "left": _left_entry(found, found.left),
     }

@@ -31,7 +31,13 @@ from srgc.exports.motion_formats import (
     trajectory_json,
     trajectory_table,
 )
+from srgc.exports.ros.ros_package import ros_package
+from srgc.exports.scenes.design_scene import design_scene
+from srgc.exports.scenes.gltf import gltf_bytes
+from srgc.exports.scenes.mcap_log import mcap_log
 from srgc.exports.urdf import urdf_text
+from srgc.exports.visual_meshes import UNSAID as NO_VISUALS
+from srgc.exports.visual_meshes import mujoco_reads, unread_by_mujoco, visual_files, visual_names
 from srgc.faults import NoAnswer, UsageFault
 from srgc.results.folder_writer import folder_output
 from srgc.results.found_design import FoundDesign, found_design
@@ -51,15 +57,20 @@ FILE_NAMES = {
     "ros2": "trajectory.yaml",
     "npz": "trajectory.npz",
 }
+SCENES = {"gltf": "robot.glb", "mcap": "run.mcap"}
+"""Of a robot in motion among regions; no part of ``all``."""
+FREQUENCY = 30
+"""Instants per second at which it is there, at least."""
 JOINTS = f"robot{SUFFIX}"
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
-FORMS = (*ROBOTS, *MOTIONS)
-FOLDERS = ("mujoco", "controller", "all")
-BINARY = ("npz",)
+FORMS = (*ROBOTS, *MOTIONS, *SCENES)
+FOLDERS = ("mujoco", "controller", "ros2-package", "all")
+BINARY = ("npz", *SCENES)
 REPLAYED = (FILE_NAMES["mjcf"], FILE_NAMES["csv"], TORQUES, GAINS, SCRIPT)
 FOLDER_FILES = {
     "mujoco": REPLAYED,
     "controller": CONTROLLER_FILES,
+    "ros2-package": (),
     "all": tuple(dict.fromkeys((*FILE_NAMES.values(), JOINTS, *CONTROLLER_FILES, *REPLAYED))),
 }
 
@@ -85,6 +96,8 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
     """
     if form in ROBOTS:
         return _robot_text(design, ROBOTS[form]).encode()
+    if form in SCENES:
+        return _scene_file(design, form)[0]
     motion = exported_motion(design)
     if form == "ros2":
         return joint_trajectory(motion, efforts=efforts).encode()
@@ -94,7 +107,7 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
 def export_folder(folder: Path, form: str) -> ExportFolder:
     """The design of a result folder as one of the ``FOLDERS``.
 
-    That is what MuJoCo replays, its controller, or everything.
+    That is what MuJoCo replays, its controller, a package of ROS 2, or everything.
 
     Raises:
         UsageFault: ``mujoco``: the robot cannot be replayed there; ``controller``: it has no
@@ -103,19 +116,23 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     """
     design = found_design(folder)
     if form == "mujoco":
-        return ExportFolder(_replayed(design, exported_motion(design)), ())
+        files = _replayed(design, exported_motion(design))
+        return ExportFolder(files, _left_out_of(design, "mjcf"))
     if form == "controller":
         return ExportFolder(*controller_files(folder, design))
+    if form == "ros2-package":
+        return ExportFolder(_package(design), remarks(design))
     motion = exported_motion(design)
     found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
     notes = list(remarks(design))
-    for name in ROBOTS:
+    for name, files_of in (("urdf", _urdf_files), ("mjcf", _mjcf_files)):
         try:
-            found[FILE_NAMES[name]] = _robot_text(design, ROBOTS[name]).encode()
+            beside = files_of(design, Path(FILE_NAMES[name]).stem)
         except UsageFault as fault:
             notes.append(f"no {FILE_NAMES[name]}: {fault}")
-    if FILE_NAMES["urdf"] in found:
-        found |= _urdf_files(design, Path(FILE_NAMES["urdf"]).stem)
+            continue
+        found |= beside
+        notes += _left_out_of(design, name)
     try:
         found |= _replayed(design, motion)
     except UsageFault as fault:
@@ -129,6 +146,27 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     return ExportFolder(found, tuple(notes))
 
 
+def _scene_file(design: FoundDesign, form: str) -> tuple[bytes, tuple[str, ...]]:
+    """One of the ``SCENES``, and what it does not hold.
+
+    Raises:
+        UsageFault: the robot is no tree of rigid links, or a library is missing.
+    """
+    scene = design_scene(design, FREQUENCY)
+    if form == "gltf":
+        return gltf_bytes(scene), ()
+    log = mcap_log(scene, exported_motion(design))
+    return log.content, log.notes
+
+
+def _package(design: FoundDesign) -> dict[str, bytes]:
+    motion = exported_motion(design)
+    try:
+        return ros_package(exported_robot(design), motion)
+    except ValueError as error:
+        raise UsageFault(f"the robot cannot be exported: {error}") from None
+
+
 def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
     """The MJCF of a robot that moves as planned if the torques of the plan are held.
 
@@ -137,22 +175,29 @@ def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
     Raises:
         UsageFault: the format cannot hold the robot or its dynamics.
     """
-    others = left_out(design)
-    if others is not None:
-        raise UsageFault(f"MJCF does not hold {others}, so held torques do not move it as planned")
+    _refuse_own(design)
     return _robot_text(design, mjcf_text, factors)
 
 
+def _refuse_own(design: FoundDesign) -> None:
+    others = left_out(design)
+    if others is not None:
+        raise UsageFault(f"MJCF does not hold {others}, so held torques do not move it as planned")
+
+
 def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
-    robot, *loaded = (
-        mujoco_text(design, body_factors(design, loads)).encode() for loads in load_states(design)
+    _refuse_own(design)
+    stem = Path(FILE_NAMES["mjcf"]).stem
+    first, *others = (
+        _mjcf_files(design, stem, body_factors(design, loads)) for loads in load_states(design)
     )
+    loaded = (files[FILE_NAMES["mjcf"]] for files in others)
     found = {f"robot_loaded_{number}.xml": text for number, text in enumerate(loaded, 1)}
     gains = gain_table(motion)
     if gains is not None:
         found[GAINS] = gains.encode()
     return found | {
-        FILE_NAMES["mjcf"]: robot,
+        **first,
         FILE_NAMES["csv"]: trajectory_table(motion).encode(),
         TORQUES: torque_table(motion).encode(),
         SCRIPT: files("srgc.exports").joinpath("stand_alone_replay.py").read_bytes(),
@@ -203,23 +248,38 @@ def written_export(
     """
     if form in FOLDERS:
         return _written_folder(folder, form, output)
+    if form in SCENES:
+        return _written_scene(folder, form, output)
     if output is None:
         design = found_design(folder)
         content = export_bytes(design, form, efforts=efforts)
-        unsaid = _left_to_files(design) if form == "urdf" else ()
+        unsaid = _left_to_files(design, form) if form in ROBOTS else ()
         return WrittenExport((), content, (*remarks(design), *unsaid))
     first = folder_output(folder, output)
     design = found_design(folder)
-    if form != "urdf":
+    if form not in ROBOTS:
         first.write(export_bytes(design, form, efforts=efforts))
         return WrittenExport((output,), None, remarks(design))
-    robot, *beside = _urdf_files(design, output.stem).items()
+    files_of = _urdf_files if form == "urdf" else _mjcf_files
+    robot, *beside = files_of(design, output.stem).items()
     paths = [output.parent / name for name, _ in beside]
     others = [folder_output(folder, path) for path in paths]
     for file, (_, content) in zip((first, *others), (robot, *beside), strict=True):
         file.write(content)
-    notes = (*remarks(design), *_earlier(output.parent, output.stem, {*paths}))
+    earlier = _earlier(output.parent, output.stem, {*paths}) if form == "urdf" else ()
+    notes = (*remarks(design), *_left_out_of(design, form), *earlier)
     return WrittenExport((output, *paths), None, notes)
+
+
+def _written_scene(folder: Path, form: str, output: Path | None) -> WrittenExport:
+    target = None if output is None else folder_output(folder, output)
+    design = found_design(folder)
+    content, unsaid = _scene_file(design, form)
+    notes = (*remarks(design), *unsaid)
+    if target is None or output is None:
+        return WrittenExport((), content, notes)
+    target.write(content)
+    return WrittenExport((output,), None, notes)
 
 
 def _urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
@@ -229,33 +289,74 @@ def _urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
         UsageFault: the robot cannot be exported.
     """
     hulls: dict[tuple[float, ...], bytes] = {}
+    seen: dict[str, bytes] = {}
 
     def text(robot: ExportedRobot) -> str:
         hulls.update(hull_files(robot))
-        return urdf_text(robot, dict(zip(hulls, _hull_names(stem), strict=False)))
+        names = visual_names(robot.visuals, stem)
+        seen.update(visual_files(robot.visuals, names))
+        return urdf_text(robot, dict(zip(hulls, _hull_names(stem), strict=False)), names)
 
     found = {f"{stem}.urdf": _robot_text(design, text).encode()}
     if joints := _robot_text(design, joints_json):
         found[f"{stem}{SUFFIX}"] = joints.encode()
-    return found | dict(zip(_hull_names(stem), hulls.values(), strict=False))
+    return found | dict(zip(_hull_names(stem), hulls.values(), strict=False)) | seen
+
+
+def _mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) -> dict[str, bytes]:
+    """An MJCF, the first, and the visuals that it names, by names that begin with ``stem``.
+
+    Masses and moments of inertia of each body are times its factor, default 1.
+
+    Raises:
+        UsageFault: the robot cannot be exported.
+    """
+    seen: dict[str, bytes] = {}
+
+    def text(robot: ExportedRobot) -> str:
+        names = visual_names(robot.visuals, stem)
+        read = [visual for visual in robot.visuals if mujoco_reads(visual.file)]
+        seen.update(visual_files(read, names))
+        return mjcf_text(robot, names)
+
+    return {f"{stem}.xml": _robot_text(design, text, factors).encode()} | seen
+
+
+def _left_out_of(design: FoundDesign, form: str) -> tuple[str, ...]:
+    """What of its visuals the export of a robot, written with files beside it, does not show."""
+    if form != "mjcf":
+        return ()
+    return tuple(unread_by_mujoco(exported_robot(design).visuals))
 
 
 def _hull_names(stem: str) -> Iterator[str]:
     return (f"{stem}.hull_{number}.stl" for number in count(1))
 
 
-def _left_to_files(design: FoundDesign) -> tuple[str, ...]:
-    """What a URDF without files beside it does not say of a robot."""
+def _left_to_files(design: FoundDesign, form: str) -> tuple[str, ...]:
+    """What a URDF or an MJCF without files beside it does not say of a robot."""
     robot = exported_robot(design)
+    seen = (NO_VISUALS,) if robot.visuals else ()
+    if form != "urdf":
+        return seen
     joints = (UNSAID,) if joints_json(robot) else ()
-    return (*joints, NO_MESHES) if hull_files(robot) else joints
+    return (*joints, NO_MESHES, *seen) if hull_files(robot) else (*joints, *seen)
 
 
 def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str]:
     """Notes on what stands beside a URDF and belongs to another one."""
-    hulls = sorted(folder.glob(f"{glob.escape(stem)}.hull_*.stl"))
-    for path in (folder / f"{stem}{SUFFIX}", *hulls):
+    meshes = [path for kind in ("hull_*.stl", "visual_*.*")
+              for path in sorted(folder.glob(f"{glob.escape(stem)}.{kind}"))]  # fmt: skip
+    for path in (folder / f"{stem}{SUFFIX}", *meshes):
         if path not in written and path.exists():
+            yield _of_an_earlier_export(path)
+
+
+def _strays(package: Path, written: Collection[Path]) -> Iterator[str]:
+    """Notes on robots and meshes in a package that are none of this one's."""
+    kinds = ("urdf/*.urdf", "urdf/*.urdf.xacro", "config/*.srdf", "meshes/*.stl")
+    for path in (path for kind in kinds for path in sorted(package.glob(kind))):
+        if path not in written:
             yield _of_an_earlier_export(path)
 
 
@@ -270,10 +371,11 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
     made = export_folder(folder, form)
     files |= {name: folder_output(folder, output / name) for name in made.files.keys() - files}
     if any(files[name].name is None for name in made.files):
-        try:
-            output.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UsageFault(f"{output}: {error.strerror}") from None
+        for place in dict.fromkeys((output / name).parent for name in made.files):
+            try:
+                place.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise UsageFault(f"{place}: {error.strerror}") from None
     for name, content in made.files.items():
         files[name].write(content)
     # Gains or single precision of another design, say, would be taken for this one's.
@@ -281,5 +383,6 @@ def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExpo
     left = [name for name in other if (output / name).exists()]
     paths = {output / name for name in (*made.files, *other)}
     hulls = _earlier(output, Path(FILE_NAMES["urdf"]).stem, paths) if form == "all" else ()
-    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left), *hulls)
+    strays = _strays(output, paths) if form == "ros2-package" else ()
+    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left), *hulls, *strays)
     return WrittenExport(tuple(output / name for name in sorted(made.files)), None, notes)

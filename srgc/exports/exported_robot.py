@@ -16,6 +16,7 @@ from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import exact
 from srgc.exports.joint_drives import JointDrive, joint_drives, viscous_friction
+from srgc.exports.visual_meshes import VisualMesh, visual_meshes
 from srgc.results.found_design import FoundDesign
 from srgc.version import VERSION
 
@@ -203,6 +204,7 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
         task.step,
         tuple(float(value) for value in coordinates),
         (*origin(design), *plane, *remarks(design)),
+        visual_meshes(design, tree),
     )
 
 
@@ -279,6 +281,7 @@ class ExportedRobot:
     ``efforts`` are the bounds of the motors by degree of freedom (N m, N), None without one, and
     ``drives`` what else drives them; ``gravity`` is in m/s^2, ``step`` that of the task in
     seconds; ``start`` holds coordinates and rates, or nothing; ``remarks`` are lines for a reader.
+    A link with ``visuals`` is seen as these alone.
     """
 
     name: str
@@ -290,6 +293,7 @@ class ExportedRobot:
     step: Fraction
     start: tuple[float, ...]
     remarks: tuple[str, ...]
+    visuals: tuple[VisualMesh, ...] = ()
 
     def motors(self) -> Iterator[Motor]:
         """The motors in the order of the degrees of freedom."""

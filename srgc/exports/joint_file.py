@@ -32,14 +32,14 @@ def joints_json(robot: ExportedRobot) -> str:
         return ""
     about = [plain_line(remark) for remark in robot.remarks]
     parts = [f' "format": {_text(FORMAT)}', f' "about": {_text(about)}']
-    for key, entries in (("joint_limits", _limits), ("drives", _drive)):
+    for key, entries in (("joint_limits", moveit_limits), ("drives", _drive)):
         rows = [f"  {_text(motor.name)}: {_row(dict(entries(motor)))}" for motor in robot.motors()]
         parts.append(f' "{key}": {{\n' + ",\n".join(rows) + "\n }")
     return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
-def _limits(motor: Motor) -> Iterator[tuple[str, float]]:
-    """What MoveIt would otherwise take from the URDF, where each joint has some velocity."""
+def moveit_limits(motor: Motor) -> Iterator[tuple[str, float]]:
+    """Rates and accelerations in MoveIt's words, which else takes some velocity from the URDF."""
     rate, most = motor.joint.rate, motor.drive.acceleration
     yield "has_velocity_limits", rate is not None
     if rate is not None:

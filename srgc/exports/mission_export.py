@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from srgc.exports.design_export import FILE_NAMES, FOLDERS, WrittenExport, written_export
+from srgc.exports.design_export import (
+    FILE_NAMES,
+    FOLDERS,
+    SCENES,
+    WrittenExport,
+    written_export,
+)
 from srgc.faults import UsageFault
 from srgc.results.folder_writer import folder_output
 from srgc.results.mission_folder import mission_folder
+from srgc.results.no_robot import no_robot
 
 
 def written_mission_export(
@@ -27,7 +34,7 @@ def written_mission_export(
     """
     mission = mission_folder(folder)
     if not mission.robots:
-        raise UsageFault(f"{folder} has no robots: its verdict is {mission.verdict}")
+        raise no_robot(folder, mission.verdict)
     if output is None:
         raise UsageFault("a mission has a design for each task: name a folder for them with -o")
     folder_output(folder, output)
@@ -39,7 +46,7 @@ def written_mission_export(
             place.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UsageFault(f"{place}: {error.strerror}") from None
-        target = place if form in FOLDERS else place / FILE_NAMES[form]
+        target = place if form in FOLDERS else place / {**FILE_NAMES, **SCENES}[form]
         own = written_export(mission.of_task(task), form, target, efforts=efforts)
         written += own.files
         notes |= dict.fromkeys(f"{task}: {note}" for note in own.notes)

@@ -6,6 +6,7 @@ joints to one body instead, which is exact.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
@@ -16,6 +17,7 @@ from compiler.rigid_links.link_shape import Geometry
 from compiler.rigid_links.mass_moments import inertial
 from compiler.rigid_links.rigid_tree import PRECISION, LinkJoint
 from srgc.exports.exported_robot import ExportedRobot
+from srgc.exports.visual_meshes import VisualMesh, mujoco_reads
 from srgc.exports.xml_lines import Value, XmlLines
 
 LEAST = Fraction(1, 10**12)
@@ -31,6 +33,7 @@ So friction changes its sign with the rate, two steps early at most; else it is 
 """
 HARD = (0.9999, 0.9999)
 """As hard as MuJoCo takes dry friction, from the first creep on: what sticks does not move."""
+_SEEN: Mapping[str, Value] = {"group": "2", "contype": "0", "conaffinity": "0"}
 JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
 
 
@@ -47,19 +50,25 @@ def substeps(step: Fraction) -> int:
     return max(1, ceil(step / LONGEST_STEP))
 
 
-def mjcf_text(robot: ExportedRobot) -> str:
-    """The robot as MJCF.
+def mjcf_text(robot: ExportedRobot, visuals: Mapping[str, str] | None = None) -> str:
+    """The robot as MJCF; ``visuals`` are the files of visuals, by their digests, beside it.
+
+    Other visuals are left out, and those that MuJoCo does not read.
 
     Raises:
         ValueError: a link has an inertia that no body has, or MuJoCo would not load the robot.
     """
     with working_precision(PRECISION):
-        return _Writer(robot).document()
+        return _Writer(robot, visuals or {}).document()
 
 
 class _Writer:
-    def __init__(self, robot: ExportedRobot) -> None:
+    def __init__(self, robot: ExportedRobot, visuals: Mapping[str, str]) -> None:
         self.robot = robot
+        self.visuals = [v for v in robot.visuals
+                        if v.file.digest in visuals and mujoco_reads(v.file)]  # fmt: skip
+        self.files = visuals
+        self.seen: dict[tuple[str, Fraction], str] = {}
         self.xml = XmlLines()
         self.children = robot.tree.children()
         self.tools = robot.tree.tools()
@@ -90,17 +99,29 @@ class _Writer:
         return xml.document()
 
     def meshes(self) -> None:
-        """The hulls that links collide as, by their corners."""
+        """The hulls that links collide as, by their corners, and the files of visuals."""
         links = self.robot.tree.links
         found = [g.size for link in links for g in (*link.looks, *link.collisions)
                  if g.kind == "hull"]  # fmt: skip
-        if not found:
+        if not found and not self.visuals:
             return
         self.xml.open("asset")
+        for visual in self.visuals:
+            self.visual_asset(visual)
         for number, corners in enumerate(dict.fromkeys(found), 1):
             self.hulls[corners] = f"hull_{number}"
             self.xml.element("mesh", name=self.hulls[corners], vertex=corners)
         self.xml.close()
+
+    def visual_asset(self, visual: VisualMesh) -> None:
+        key = visual.file.digest, visual.scale
+        if key in self.seen:
+            return
+        name = self.seen[key] = f"visual_{len(self.seen) + 1}"
+        scale = (float(visual.scale),) * 3
+        # As a shell it may be flat, or open.
+        file = self.files[visual.file.digest]
+        self.xml.element("mesh", name=name, file=file, scale=scale, inertia="shell")
 
     def bodies(self) -> None:
         """All bodies, depth first; None on the stack closes one."""
@@ -125,6 +146,7 @@ class _Writer:
         """Whether a link is no body of its own."""
         link = self.robot.tree.links[number]
         bare = number > 0 and link.moments.massless and not link.looks and not link.collisions
+        bare = bare and all(visual.link != number for visual in self.visuals)
         return bare and len(self.children[number]) == 1 and not self.tools[number]
 
     def body(self, number: int, joints: tuple[LinkJoint, ...]) -> None:
@@ -142,8 +164,12 @@ class _Writer:
             self.inertial(number)
         for item in placed:
             self.joint(item)
-        for look in link.looks:
-            self.geom(look, group="2", contype="0", conaffinity="0")
+        seen = [visual for visual in self.visuals if visual.link == number]
+        for visual in seen:
+            what: dict[str, Value] = {"mesh": self.seen[visual.file.digest, visual.scale]}
+            self.placed_geom({"type": "mesh", **what}, visual.pose, _SEEN)
+        for look in () if seen else link.looks:
+            self.geom(look, **_SEEN)
         for geometry in link.collisions:
             self.geom(geometry, group="3")
         for tool in self.tools[number]:
@@ -194,13 +220,11 @@ class _Writer:
         what: dict[str, Value] = {"type": geometry.kind, "size": size}
         if geometry.kind == "hull":
             what = {"type": "mesh", "mesh": self.hulls[size]}
-        self.xml.element(
-            "geom",
-            **what,
-            pos=doubles(geometry.pose.origin),
-            quat=geometry.pose.quaternion(),
-            **more,
-        )
+        self.placed_geom(what, geometry.pose, more)
+
+    def placed_geom(self, what: Mapping[str, Value], pose: Pose, more: Mapping[str, Value]) -> None:
+        place: dict[str, Value] = {"pos": doubles(pose.origin), "quat": pose.quaternion()}
+        self.xml.element("geom", **what, **place, **more)
 
     def exclusions(self) -> None:
         """Pairs of bodies that the task lets touch; MuJoCo itself lets a body and its parent."""

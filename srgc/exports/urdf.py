@@ -15,6 +15,7 @@ from compiler.rigid_links.link_shape import Geometry
 from compiler.rigid_links.mass_moments import MassMoments, inertial, legal, token
 from compiler.rigid_links.rigid_tree import PRECISION, axis_of
 from srgc.exports.exported_robot import ExportedRobot, Motor
+from srgc.exports.visual_meshes import VisualMesh
 from srgc.exports.xml_lines import XmlLines
 
 LEAST = Fraction(1, 10**9)
@@ -23,22 +24,33 @@ UNLIMITED = 1e9
 """URDF demands numbers where a robot has no limit (SI)."""
 
 
-def urdf_text(robot: ExportedRobot, meshes: Mapping[tuple[float, ...], str] | None = None) -> str:
+def urdf_text(
+    robot: ExportedRobot,
+    meshes: Mapping[tuple[float, ...], str] | None = None,
+    visuals: Mapping[str, str] | None = None,
+) -> str:
     """The robot as URDF; ``meshes`` are the files of hulls, by their corners, beside it.
 
-    In place of another hull it has a box about it.
+    In place of another hull it has a box about it.  ``visuals`` are the files of visuals, by their
+    digests; others are left out.
 
     Raises:
         ValueError: a link has an inertia that no body has.
     """
     with working_precision(PRECISION):
-        return _Writer(robot, {} if meshes is None else meshes).document()
+        return _Writer(robot, meshes or {}, visuals or {}).document()
 
 
 class _Writer:
-    def __init__(self, robot: ExportedRobot, meshes: Mapping[tuple[float, ...], str]) -> None:
+    def __init__(
+        self,
+        robot: ExportedRobot,
+        meshes: Mapping[tuple[float, ...], str],
+        visuals: Mapping[str, str],
+    ) -> None:
         self.robot = robot
         self.meshes = meshes
+        self.visuals = visuals
         self.xml = XmlLines()
         self.tools = robot.tree.tools()
 
@@ -62,8 +74,12 @@ class _Writer:
         link = self.robot.tree.links[number]
         self.xml.open("link", name=self.robot.names.links[number])
         self.inertial(self.remaining(number))
-        for look in link.looks:
-            self.geometry("visual", look)
+        seen = [v for v in self.robot.visuals if v.link == number and v.file.digest in self.visuals]
+        for visual in seen:
+            self.visual(visual)
+        for look in () if seen else link.looks:
+            for part in _parts(look):
+                self.geometry("visual", part)
         for geometry in link.collisions:
             for part in _parts(geometry):
                 self.geometry("collision", part)
@@ -116,6 +132,15 @@ class _Writer:
                 self.xml.element("box", size=geometry.size)
             case "hull":
                 self.xml.element("mesh", filename=mesh or "")
+        self.xml.close()
+        self.xml.close()
+
+    def visual(self, visual: VisualMesh) -> None:
+        self.xml.open("visual")
+        self.origin(visual.pose)
+        self.xml.open("geometry")
+        scale = (float(visual.scale),) * 3
+        self.xml.element("mesh", filename=self.visuals[visual.file.digest], scale=scale)
         self.xml.close()
         self.xml.close()
 

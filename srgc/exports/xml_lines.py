@@ -44,9 +44,9 @@ class XmlLines:
         """An element without content."""
         self._indented(f"<{tag}{_attributes(attributes)}/>")
 
-    def text(self, tag: str, content: str) -> None:
+    def text(self, tag: str, content: str, **attributes: Value) -> None:
         """An element that holds text."""
-        self._indented(f"<{tag}>{escape(content)}</{tag}>")
+        self._indented(f"<{tag}{_attributes(attributes)}>{escape(content)}</{tag}>")
 
     def open(self, tag: str, **attributes: Value) -> None:
         """The start of an element."""

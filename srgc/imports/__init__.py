@@ -1,1 +1,1 @@
-"""What other tools write, as specifications: robots, meshes and scenes."""
+"""Robots, module sets, tasks and scenes of other tools, written as `.srg` text."""

@@ -25,6 +25,7 @@ _BODIES = {
     "cylinder": "A cylinder from the origin of a frame along an axis; it collides.",
     "hull": "The convex hull of a mesh in a frame; it collides and has no mass.",
     "box": "A box about the origin of a frame, along its axes; it collides.",
+    "visual": "A mesh in a frame for exports alone; it has no mass and does not collide.",
     "rot": "`rot(axis, angle)`: turned about an axis of the local frame.",
     "move": "`move(axis, d)` or `move((x, y, z))`: moved in the local frame.",
 }
@@ -90,7 +91,9 @@ _WORKSPACE = {
     "region": "`region NAME SHAPE;`: a closed convex set with a name.",
     "obstacle": "`obstacle NAME SHAPE;`: a region that a task is expected to `avoid`.",
     "target": "`target NAME SHAPE;`: a region that a task is expected to reach.",
-    "obstacles": '`obstacles from "FILE";`: a map_server map or GeoJSON.',
+    "obstacles": '`obstacles from "FILE";`: a map_server map, GeoJSON, or a mesh (STL, OBJ).',
+    "in": '`obstacles from "scene.stl" in mm`: the unit of a mesh.',
+    "at": '`obstacles from "scene.stl" at FRAME`: where the axes of a mesh are in the workspace.',
     "box": "`box [lo, hi] x [lo, hi] unit`: a product of intervals.",
     "polytope": "`polytope { inequalities } unit`: a bounded intersection of half-spaces.",
     "hull": "`hull (..), (..) unit`: the convex hull of points.",

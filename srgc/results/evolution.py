@@ -2,42 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 
-from compiler.expressions.exact_numbers import exact_text
+from compiler.missions.module_differences import module_differences
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import FoundClaim
-from solvers.verifier.claims.mission_claim import MISSION, ExistingClaim, PosedClaim
+from solvers.verifier.claims.mission_claim import MISSION, ExistingClaim
 from solvers.verifier.missions.robot_before import parameter_names
-from srgc.faults import UsageFault
+from srgc.faults import Argument, UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import OWN_FILES, OWN_FOLDERS, refuse_links
 from srgc.results.found_design import found_design
 from srgc.results.mission_run import Step
+from srgc.results.no_robot import no_robot
+from srgc.results.rebuilding import Rebuilding
 from srgc.results.result_folder import json_object
 
 HISTORY = "history"
 _LEFT_OUT = ("journal.jsonl", "log.json", "report.html", "landscape.csv")
-
-
-@dataclass(frozen=True, slots=True)
-class Rebuilding:
-    """What changes cost, which parameters of kept modules may change, and what all may cost."""
-
-    prices: ir.Prices
-    free: Sequence[tuple[str, str]]
-    most: Fraction | None
-
-    @property
-    def posed(self) -> PosedClaim:
-        """The same as a claim states it."""
-        prices = self.prices
-        add, remove, change = map(exact_text, (prices.add, prices.remove, prices.change))
-        most = None if self.most is None else exact_text(self.most)
-        return PosedClaim(add, remove, change, tuple(sorted(self.free)), most)
 
 
 def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebuilding) -> Step:
@@ -67,7 +49,13 @@ def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebu
     history = _files(folder, number)
     for before in earlier:
         history |= _files(folder / HISTORY / str(before), before)
-    return Step(rebuilding.posed, existing, history, number)
+    differs = module_differences(
+        [symbol for symbol in found.claim.word if symbol in found.program.modules],
+        frozenset(found.derivation.labels),
+        (found.program, found.program.grammars[found.task.grammar]),
+        (program, program.grammars[task.grammar]),
+    )
+    return Step(rebuilding.posed, existing, history, number, differs)
 
 
 def refuse_inside(output: Path, folder: Path) -> None:
@@ -80,7 +68,8 @@ def refuse_inside(output: Path, folder: Path) -> None:
     if new == old or old in new.parents or new in old.parents:
         raise UsageFault(
             f"{output} and {folder}, which has the robot that there is, are one folder or one in "
-            "the other: an interrupted run would lose that robot; name another place with -o"
+            "the other: an interrupted run would lose that robot; name another place",
+            Argument(" with -o", " as `output`"),
         )
 
 
@@ -92,13 +81,13 @@ def _last_robot(folder: Path) -> str:
     if not (folder / MISSION).is_file():
         content = json_object(folder / "design.json", needed=False)
         if "mission" in content:
-            raise UsageFault(f"{folder} has no robots: its verdict is {content.get('verdict')}")
+            raise no_robot(folder, content.get("verdict"))
         return ""
     content = json_object(folder / "design.json")
+    if content.get("verdict") != "found":
+        raise no_robot(folder, content.get("verdict"))
     robots = content.get("robots")
-    if content.get("verdict") != "found" or not isinstance(robots, list) or not robots:
-        raise UsageFault(f"{folder} has no robots: its verdict is {content.get('verdict')}")
-    last = robots[-1]
+    last = robots[-1] if isinstance(robots, list) and robots else None
     name = last.get("task") if isinstance(last, dict) else None
     if not isinstance(name, str) or not (folder / "tasks" / name).is_dir():
         raise UsageFault(f"{folder / 'design.json'} does not say where the last robot is")

@@ -44,6 +44,7 @@ from srgc.faults import NoAnswer, UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
 from srgc.results.mission_refusal import refuse_mission
+from srgc.results.no_robot import no_robot
 from srgc.results.result_folder import json_object
 from srgc.version import VERSION
 
@@ -161,10 +162,13 @@ def _found_claim(folder: Path) -> FoundClaim:
     refuse_mission(folder)
     path = folder / "certificate.json"
     if not path.exists():
+        verdict = json_object(folder / "design.json", needed=False).get("verdict")
+        if verdict in ("impossible", "unknown"):
+            raise no_robot(folder, verdict)
         raise UsageFault(f"{folder} has no certificate: no robot was found")
     claim = from_text(bounded_text(path))
     if not isinstance(claim, FoundClaim):
-        raise UsageFault(f"{folder}: the verdict is impossible, so there is no robot")
+        raise no_robot(folder, "impossible")
     return claim
 
 

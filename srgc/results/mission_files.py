@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
 from compiler.expressions.exact_numbers import exact_text
+from compiler.missions.module_differences import ModuleDifference
 from compiler.missions.parameter_boxes import BoxTree
 from compiler.missions.robot_changes import Changes
 from grammar_lang import ir
@@ -27,6 +29,7 @@ from solvers.verifier.claims.mission_claim import (
 )
 from srgc.results.evidence_claims import Evidence
 from srgc.results.result_folder import Identity
+from srgc.results.undecided_robots import undecided_entry
 
 
 def proofs_of(task: str) -> str:
@@ -133,8 +136,13 @@ def mission_design_text(
     spec: str,
     existing: ExistingClaim | None,
     before: int,
+    differs: Sequence[ModuleDifference],
 ) -> str:
-    """``design.json`` of a mission; ``before`` is how many results are in its history."""
+    """``design.json`` of a mission.
+
+    ``before`` is how many results are in its history, ``differs`` are the modules of the robot
+    that there is which the spec builds otherwise.
+    """
     content: dict[str, Any] = {
         "verdict": result.verdict,
         "reason": result.reason,
@@ -154,6 +162,7 @@ def mission_design_text(
             for each in result.values
         ],
         "existing": None if existing is None else asdict(existing),
+        "differs": [{"module": each.module, "what": list(each.what)} for each in differs],
         "robots": [
             _robot(name, design, step)
             for name, design, step in zip(
@@ -161,6 +170,9 @@ def mission_design_text(
             )
         ],
         "undecided": result.undecided,
+        "open": [undecided_entry(result, each) for each in result.open_robots],
+        "ended_by": None if result.ended is None else result.ended.by,
+        "try_first": None if result.ended is None else result.ended.try_first,
         "refuted": [_refuted(result, number) for number in range(len(result.evidence))],
         "modules": result.modules,
         "history": before,

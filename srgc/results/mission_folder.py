@@ -27,6 +27,7 @@ from srgc.results.folder_writer import refuse_links
 from srgc.results.found_design import FoundDesign, found_design
 from srgc.results.mission_files import change_entry
 from srgc.results.result_folder import json_object
+from srgc.results.undecided_robots import StatedUndecided, stated_undecided
 from srgc.version import VERSION
 
 Word = tuple[str, ...]
@@ -76,6 +77,7 @@ class MissionFolder:
         before: the robot that there is before the first task, if any.
         steps: what is changed before each task; of the first one only where there is a robot.
         refuted: what is refuted in each task.
+        undecided: the robots that are neither found nor refuted, by why.
     """
 
     folder: Path
@@ -87,6 +89,7 @@ class MissionFolder:
     before: RobotBefore | None
     steps: tuple[Changes | None, ...]
     refuted: tuple[TaskRefutations, ...]
+    undecided: tuple[StatedUndecided, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -129,7 +132,7 @@ def mission_folder(folder: Path) -> MissionFolder:
     path = folder / "design.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no design.json: it holds no finished results")
-    design = json_object(path)
+    design = {"differs": []} | json_object(path)  # earlier results do not have it
     try:
         return _read(folder, design)
     except OSError as error:
@@ -164,9 +167,10 @@ def _read(folder: Path, design: Mapping[str, Any]) -> MissionFolder:
         _check_same_spec(folder, claim, mission, robots)
     steps = _steps(mission, robots, before, program)
     refuted = tuple(map(_refuted, design["refuted"]))
+    undecided = stated_undecided(design, mission.tasks)
     found = MissionFolder(
-        folder, design, claim, program, mission, robots, before, steps, refuted
-    )  # fmt: skip
+        folder, design, claim, program, mission, robots, before, steps, refuted, undecided
+    )
     _check_robots(found)
     return found
 
@@ -187,6 +191,9 @@ def _check_texts(design: Mapping[str, Any]) -> None:
             raise TypeError(amounts)
         if not isinstance(each["objective"], str) or not isinstance(each["unit"], str):
             raise TypeError(each)
+    for each in design["differs"]:
+        for said in (each["module"], *each["what"]):
+            _text(said)
 
 
 def _check_alike(folder: Path, design: Mapping[str, Any], claim: MissionClaim | None) -> None:

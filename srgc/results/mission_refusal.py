@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.files.file_tree import visible
 from solvers.verifier.claims.mission_claim import MISSION
 from srgc.faults import UsageFault
@@ -37,8 +38,9 @@ def refuse_mission(folder: Path) -> None:
     names = sorted(path.name for path in tasks.iterdir()) if tasks.is_dir() else []
     if not names:
         raise UsageFault(
-            f"{folder} holds the results of a mission for which there are no robots; "
-            "`srgc why` and `srgc report` take it"
+            f"{folder} holds the results of a mission for which there are no robots",
+            code=Code.NO_ROBOT,
+            hint="`srgc why` and `srgc report` take it",
         )
     shown = [visible(str(tasks / name)) for name in names[:MOST_NAMED]]
     if len(names) > MOST_NAMED:

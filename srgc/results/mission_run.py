@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+from compiler.missions.module_differences import ModuleDifference
 from compiler.missions.parameter_ranges import Ranges, single
 from compiler.missions.robot_changes import built
 from compiler.tasks.obstacle_pieces import expanded
@@ -48,13 +49,15 @@ from srgc.version import VERSION
 class Step:
     """One step from a robot that there is: the robot, the claim, and the results that led to it.
 
-    ``history`` has the files of every result before, by the names that they get.
+    ``history`` has the files of every result before, by the names that they get; ``differs`` are
+    the modules of the robot that the spec of the task builds otherwise.
     """
 
     posed: PosedClaim
     existing: ExistingClaim
     history: Mapping[str, bytes]
     before: int
+    differs: tuple[ModuleDifference, ...] = ()
 
     @property
     def digest(self) -> str:
@@ -185,8 +188,9 @@ def _write(
     claim = claim_text(result, identity, spec, posed, stated)
     if claim is not None:
         writer.write(MISSION, claim)
-    before = 0 if step is None else step.before
-    writer.write("design.json", mission_design_text(result, identity, spec, stated, before))
+    before, differs = (0, ()) if step is None else (step.before, step.differs)
+    said = mission_design_text(result, identity, spec, stated, before, differs)
+    writer.write("design.json", said)
     return drawn
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from compiler.expressions.exact_numbers import exact_text
+from compiler.missions.module_differences import ModuleDifference
 from compiler.missions.robot_changes import Changes
 from compiler.objectives.objective_text import amount_text, value_text
 from grammar_lang import ir
@@ -18,21 +19,34 @@ from solvers.verifier.missions.mission_check import MissionReport
 from srgc.text_reports.verification_report import verification_json, verification_text
 
 
-def mission_text(result: MissionResult, folder: str, program: ir.Program) -> str:
+def mission_text(
+    result: MissionResult, folder: str, program: ir.Program, notes: Sequence[str] = ()
+) -> str:
     """What a search came to, and where it is.
 
     Args:
         result: the result.
         folder: its folder.
         program: what it is about.
+        notes: more to be said, a line each.
     """
-    return "\n".join([*_lines(result, program), f"written to {folder}"])
+    return "\n".join([*_lines(result, program), *notes, f"written to {folder}"])
+
+
+def difference_text(difference: ModuleDifference, folder: str, spec: str) -> str:
+    """That a module of the robot of a folder is built otherwise in a spec, in one line."""
+    return visible(
+        f"note: module {difference.module} differs from that of {folder} "
+        f"({', '.join(difference.what)}): it is now as {spec} says"
+    )
 
 
 def _lines(result: MissionResult, program: ir.Program) -> Iterator[str]:
     name = result.mission.name
     if result.verdict != "found":
         yield f"mission {name}: {result.verdict}: {result.reason}"
+        if result.ended is not None:
+            yield f"  try first: {result.ended.try_first}"
         return
     one = result.mission.prices is None
     yield f"mission {name}: found, {_claim(result)}"

@@ -16,7 +16,11 @@ from compiler.workspaces.geojson import geojson_pieces
 from compiler.workspaces.grey_image import GreyImage, grey_image
 from compiler.workspaces.map_header import PIXEL_LIMIT, MapFault, map_header
 from compiler.workspaces.map_server import map_server_pieces
+from compiler.workspaces.mesh_scene import scene_pieces
+from grammar_lang.files.meshes import MeshError
+from grammar_lang.files.scenes import scene_of
 from grammar_lang.ir import MapImage
+from tests.oracles.mesh_files import binary_stl, text_stl, tube
 from tests.oracles.png_files import png_of, sound_chunks, spoilt, spoilt_png
 from tests.oracles.survival import time_bound
 
@@ -60,6 +64,35 @@ PGM_PARTS = (
     b"P2", b"P5", b"0", b"-1", b"+1", b"9" * 5000, b"0" * 5000 + b"2", b"999999999", b"65536",
     b"1e9", b"0x2", b"#", b"\n", b"#" * 5000, b" " * 5000, b"\0", b"\xff", b"\r", b"\x0b",
 )  # fmt: skip
+
+
+OBJ = b"""\
+o a
+v 0 0 0
+v 2 0 0
+v 0 2 0
+v 0 0 2
+f 1 2 3
+f -4/1 2//2 -1
+f 1 3 4
+f 2 3 4
+o b
+v 5.5 0 1e0
+v 6 0 0
+v 6 1 0
+v 5 1 \\
+0
+f 5 6 7 8 # end
+"""
+MESHES = (
+    ("a.obj", OBJ),
+    ("a.stl", binary_stl(tube(4))),
+    ("a.stl", text_stl(tube(3))),
+)
+OBJ_PARTS = _listed(
+    "v vn vt f o g l p s usemtl curv \\ # / // - 0 -1 1 9 1e999 1e-999 1e11 nan inf 1/0 0x1 1_0 . "
+    "\u0661 v_0 'v 1 2 3' f_1_2_3"
+)
 
 
 def cut_and_pasted(chance: random.Random, text: str, parts: tuple[str, ...]) -> str:
@@ -106,12 +139,28 @@ def geojson_survives(chance: random.Random) -> None:
         assert all(abs(x) <= 10**MAX_DIGITS for corner in piece for x in corner)
 
 
+def mesh_survives(chance: random.Random) -> None:
+    name, data = chance.choice(MESHES)
+    if name == "a.obj":
+        data = cut_and_pasted(chance, data.decode(), OBJ_PARTS).encode("utf-8", "replace")
+    else:
+        data = spoilt(chance, data)
+    try:
+        scene = scene_of(name, data)
+    except MeshError as error:
+        raise MapFault(str(error), "as the language says it") from error
+    for piece in scene_pieces(scene).polytopes:
+        assert piece.is_bounded
+        assert piece.has_interior
+
+
 STAGES: tuple[Callable[[random.Random], None], ...] = (
     png_survives,
     png_survives,
     pgm_survives,
     yaml_survives,
     geojson_survives,
+    mesh_survives,
 )
 
 

@@ -334,6 +334,15 @@ def test_tasks_that_say_which_robot_there_is() -> None:
     assert marked(clauses) == [("error SRG0734", message, "Again")]
 
 
+def test_what_is_done_about_a_robot_before_a_task_of_one_robot() -> None:
+    """What the hint says is done, and then nothing is wrong; with half of it, something is."""
+    first = "remove `from` from the task, or write `reconfigure;` instead of `one robot;`"
+    assert hints("tasks Again, Morning; one robot;") == [first]
+    assert marked("tasks Again, Morning; reconfigure;") == []
+    assert hints("tasks Morning, Again; one robot;") == [f"{first} and name this task first"]
+    assert marked("tasks Morning, Again; reconfigure;") != []
+
+
 def test_what_the_first_task_fixes_is_not_free() -> None:
     clauses = "tasks Again, Morning; reconfigure; free L.length, L.width;"
     message = "`L.length` is free, and task `Again` fixes it"

@@ -19,6 +19,8 @@ QUIET = (
     "--window-size=1100,900",
 )  # fmt: skip
 """The browser itself stays silent, too."""
+SPACE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""WebGL without a graphics card."""
 
 
 def first_of(names: tuple[str, ...]) -> str | None:
@@ -26,7 +28,7 @@ def first_of(names: tuple[str, ...]) -> str | None:
     return next((path for name in names if (path := shutil.which(name)) is not None), None)
 
 
-def start(profile: Path) -> Any:
+def start(profile: Path, *more: str) -> Any:
     """A driver of an installed browser; where there is none, a skip or a failure.
 
     ``SRGC_BROWSER=required`` makes it a failure.
@@ -42,7 +44,7 @@ def start(profile: Path) -> Any:
 
     options = webdriver.ChromeOptions()
     options.binary_location = browser
-    for argument in (*QUIET, f"--user-data-dir={profile}"):
+    for argument in (*QUIET, *more, f"--user-data-dir={profile}"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     return webdriver.Chrome(options=options, service=Service(driver))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from compiler.robots.normal_form import family_of
@@ -12,15 +12,25 @@ from grammar_lang.load import load
 from tests.oracles import result_files
 
 
-def claim_found(folder: Path, text: str, word: str | Sequence[str], values: list[str]) -> Path:
+def claim_found(
+    folder: Path,
+    text: str,
+    word: str | Sequence[str],
+    values: list[str],
+    files: Mapping[str, bytes] | None = None,
+) -> Path:
     """A folder that claims the first derivation of a word with these parameters, at rest at zero.
 
-    The spec has one task.  A word whose symbols have blanks in them is a sequence.
+    The spec has one task.  A word whose symbols have blanks in them is a sequence.  ``files`` are
+    those that the spec reads, by their names beside it.
     """
     symbols = tuple(word.split()) if isinstance(word, str) else tuple(word)
     path = folder / "spec" / "robot.srg"
     path.parent.mkdir(parents=True)
     path.write_text(text, encoding="utf-8")
+    for name, data in (files or {}).items():
+        (path.parent / name).parent.mkdir(parents=True, exist_ok=True)
+        (path.parent / name).write_bytes(data)
     program = load(path).program
     assert program is not None
     (task,) = program.tasks.values()
@@ -33,7 +43,7 @@ def claim_found(folder: Path, text: str, word: str | Sequence[str], values: list
         "kind": "found",
         "task": task.name,
         "spec": path.name,
-        "spec_sha256": result_files.spec_digest({path.name: path.read_bytes()}),
+        "spec_sha256": result_files.spec_digest({path.name: path.read_bytes(), **(files or {})}),
         "word": list(symbols),
         "derivation": list(derivation.labels),
         "parameters": [

@@ -33,7 +33,7 @@ WORDS = _listed(
     "accel drive gear rotor viscous coulomb payload carry minimize then sum held aligned oriented "
     "to within except by hull ball capsule cylinder sphere radius axis length size file scale mass "
     "com inertia let frame port male female with ports std in from "
-    "at most time "
+    "at most time visual "
     "0 1 2 -1 1e300 1e-300 0.1 1000000 99999999999999999999 1/0 2^200 ; { } ( ) [ ] , : = -> <= >= "
     "< > == | * + ? ^ . / - % 'a' \"b.srg\" /* */ //"
 )
@@ -55,7 +55,7 @@ ALIKE = (
     {"start", "measure"},
     {"effort", "mass", "modules", "time"},
     {"rot", "move", "rod", "point", "solid", "effector", "sin", "sqrt"},
-    {"sphere", "capsule", "cylinder", "box", "hull"},
+    {"sphere", "capsule", "cylinder", "box", "hull", "visual"},
     {"ball", "capsule", "cylinder", "box", "polytope", "hull"},
     {"gear", "rotor", "viscous", "coulomb"},
     {"frame", "port", "const"},

@@ -47,12 +47,16 @@ def alter(folder: Path, change: Callable[[dict[str, Any]], None], *, sign: bool)
 
 def alter_spec(folder: Path, old: str, new: str, *, sign: bool) -> None:
     """Replace text of the folder's own copy of the spec."""
-    (path,) = (folder / "spec").iterdir()
+    copies = folder / "spec"
+    path = copies / str(read(folder)["spec"])
     text = path.read_text(encoding="utf-8")
     assert text.count(old) == 1
     path.write_text(text.replace(old, new), encoding="utf-8")
     if sign:
-        value = spec_digest({path.name: path.read_bytes()})
+        files = (each for each in copies.rglob("*") if each.is_file())
+        value = spec_digest(
+            {each.relative_to(copies).as_posix(): each.read_bytes() for each in files}
+        )
         alter(folder, lambda c: c.update(spec_sha256=value), sign=True)
 
 

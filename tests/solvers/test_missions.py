@@ -7,9 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from grammar_lang import ir
 from grammar_lang.load import load_text
+from solvers.missions import compared_structures, one_robot, rebuilt_robots, without_robots
 from solvers.missions.mission_result import MissionResult
 from solvers.missions.mission_search import solve
+from solvers.missions.task_robots import TaskRobots
 from solvers.run_context import RunContext
 
 ARMS = """\
@@ -64,10 +67,10 @@ def arms(
     )  # fmt: skip
 
 
-def solved(text: str) -> MissionResult:
+def solved(text: str, context: RunContext | None = None) -> MissionResult:
     program = load_text(text, "arms.srg", Path()).program
     assert program is not None
-    return solve(program, program.missions["M"], RunContext())
+    return solve(program, program.missions["M"], context or RunContext())
 
 
 def test_a_fixed_length_is_not_taken_for_another_one() -> None:
@@ -104,3 +107,99 @@ def test_no_common_choice(clauses: str) -> None:
     """Arms of 0.4 and 0.95 m, of which none has both lengths, by choices of two parameters."""
     text = arms(clauses, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}", modules=5)
     assert solved(text).verdict == "impossible"
+
+
+# --- what ended the search ------------------------------------------------------------------------
+
+REBUILT = "reconfigure; changes <= 0; minimize changes;"
+
+
+def test_the_limit_of_cuts_says_which_parameter_to_narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same arms, of which no choices agree: with one cut that is not shown."""
+    monkeypatch.setattr(rebuilt_robots, "MOST_CUTS", 1)
+    monkeypatch.setattr(without_robots, "MOST_CUTS", 1)
+    result = solved(arms(REBUILT, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}"))
+    assert (result.verdict, result.ended and result.ended.by) == ("unknown", "cuts")
+    assert result.ended is not None
+    assert result.ended.try_first in {
+        f"a narrower range of `{name}`" for name in ("K.length", "L.length")
+    }
+    assert "limit of 1 boxes" in (result.reason or "")
+
+
+@pytest.mark.parametrize("clauses", ["one robot;", REBUILT])
+def test_a_time_limit_is_said_where_time_ended_it(clauses: str) -> None:
+    text = arms(clauses, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}")
+    result = solved(text, RunContext(out_of_time=lambda: True))
+    assert (result.verdict, result.ended and result.ended.by) == ("unknown", "time")
+    assert result.ended is not None
+    assert "--time-limit" in result.ended.try_first
+
+
+@pytest.mark.parametrize("clauses", ["one robot;", REBUILT])
+def test_the_limit_of_robots_without_a_motion(
+    clauses: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(one_robot, "MOTION_SEARCHES", 0)
+    monkeypatch.setattr(rebuilt_robots, "MOTION_SEARCHES", 0)
+    result = solved(arms(clauses, "1.0", "1.5", lengths="{0.4, 0.6}", others="{0.6, 0.9}"))
+    assert result.ended is not None
+    assert (result.verdict, result.ended.by) == ("unknown", "motions")
+    assert "`accept`" in result.ended.try_first
+    assert "time" not in result.ended.try_first
+
+
+FIXED = {"lengths": "0.4", "others": "0.6", "modules": 12}
+"""Arms of links of 0.4 and 0.6 m: of n links 2^n, up to 8 links 510 and up to 9 links 1,022."""
+
+
+def fixed(text: str) -> str:
+    """With lengths that are no parameters."""
+    for length in ("0.4", "0.6"):
+        text = text.replace(f"param length in {length} m", f"const length = {length} m")
+    return text
+
+
+def test_among_the_first_of_too_many_structures_robots_are_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """L K is 1 m long, and with one L more 1.4 m; that nothing costs less is not proved."""
+    monkeypatch.setattr(compared_structures, "MOST_ROBOTS", 12)
+    text = fixed(arms("reconfigure; minimize changes;", "1.0", "1.4", **FIXED))
+    result = solved(text)
+    assert (result.verdict, result.cost, result.least) == ("found", 1, 0)
+    assert result.ended is None
+
+
+def test_without_any_of_too_many_structures_it_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first 6 arms have at most two links, of 1.2 m in all."""
+    monkeypatch.setattr(compared_structures, "MOST_ROBOTS", 6)
+    result = solved(fixed(arms("reconfigure; minimize changes;", "1.0", "2.0", **FIXED)))
+    assert result.ended is not None
+    assert (result.verdict, result.least, result.ended.by) == ("unknown", None, "structures")
+    assert result.ended.try_first.startswith("`modules <= 5` in all tasks, which leaves 6,")
+    assert "of more than 6 structures of at most 12 modules 6 were compared" in str(result.reason)
+
+
+def test_modules_that_leave_few_enough_structures() -> None:
+    text = fixed(arms("reconfigure; minimize changes;", "1.0", "1.4", **FIXED))
+    program = load_text(text, "arms.srg", Path()).program
+    assert program is not None
+    tasks = [TaskRobots(program, task, RunContext()) for task in program.tasks.values()]
+    compared = compared_structures.compared_structures(tasks, ir.Prices(), None)
+    assert compared.left_out is not None
+    assert (len(compared.structures), compared.modules) == (1000, 12)
+    first = compared.left_out.ended.try_first
+    assert first.startswith("`modules <= 11` in all tasks, which leaves 510,")
+
+
+def test_of_too_many_structures_those_near_the_robot_there_is_are_compared(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """K K K is 1.8 m long, and one K exchanged for L leaves 1.6 m; the first 12 arms end before."""
+    monkeypatch.setattr(compared_structures, "MOST_ROBOTS", 12)
+    word = "Base eps J eps K eps K eps K eps Hand"
+    text = arms("reconfigure; minimize changes;", "1.8", "1.6", origin=f"from {word};", **FIXED)
+    result = solved(fixed(text))
+    assert (result.verdict, result.cost, result.least) == ("found", 2, 0)
+    assert result.designs[0].derivation.word == tuple(word.split())

@@ -328,7 +328,12 @@ def test_a_dash_is_standard_output(
 
 def test_another_verdict(srgc: Export, made: Result) -> None:
     folder = made("beyond_reach") / "out"
-    refused(srgc("export", folder, "--to", "urdf"), "the verdict is impossible")
+    ran = srgc("export", folder, "--to", "urdf")
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == (
+        f"error[SRG0735]: {folder} has no robot: its verdict is impossible\n"
+        f"  hint: `srgc why {folder}` says why\n"
+    )
 
 
 def test_an_altered_certificate(srgc: Export, crane: Path) -> None:

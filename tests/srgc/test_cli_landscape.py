@@ -207,7 +207,10 @@ def test_folders_without_a_design(
 ) -> None:
     refused(srgc("landscape", tmp_path / "none"), "is not a folder")
     refused(srgc("landscape", tmp_path), "has no certificate")
-    refused(srgc("landscape", result("beyond_reach")), "the verdict is impossible")
+    ran = srgc("landscape", result("beyond_reach"))
+    assert (ran.status, ran.out) == (2, "")
+    assert "error[SRG0735]: " in ran.err
+    assert "its verdict is impossible\n  hint: " in ran.err
     refused(srgc("landscape", result("slider")), "no parameter that may vary")
 
 

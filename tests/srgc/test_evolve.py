@@ -93,6 +93,45 @@ def test_another_module_of_the_name_is_refused(packed: Path, srgc: Run, tmp_path
     assert not (tmp_path / "next").exists()
 
 
+def test_modules_that_are_built_otherwise_are_told(packed: Path, srgc: Run, tmp_path: Path) -> None:
+    text = LIMBS.replace("density: 1 kg/m", "density: 2 kg/m").replace("1.5] m", "1.4] m")
+    ran = evolved(srgc, packed, tmp_path, text)
+    assert ran.status == 0
+    assert (
+        f"note: module Limb differs from that of {packed / 'out'} (parameter length, bodies): it "
+        f"is now as {tmp_path / 'next.srg'} says\nwritten to "
+    ) in ran.out
+    assert ran.out.count("note: ") == 1
+    differs = [{"module": "Limb", "what": ["parameter length", "bodies"]}]
+    assert read(tmp_path / "next", "design.json")["differs"] == differs
+    assert srgc("verify", tmp_path / "next").status == 0
+
+
+def test_comments_are_no_difference(packed: Path, srgc: Run, tmp_path: Path) -> None:
+    text = LIMBS.replace("module Limb {", "/* the same */ module Limb\n{").replace("1 kg", "1000 g")
+    ran = evolved(srgc, packed, tmp_path, text)
+    assert ran.status == 0
+    assert "note: " not in ran.out
+    assert read(tmp_path / "next", "design.json")["differs"] == []
+
+
+@pytest.mark.parametrize("mission", [{}, {"mission": "Day"}])
+def test_a_result_without_a_robot_has_a_code(
+    mission: dict[str, str], srgc: Run, tmp_path: Path
+) -> None:
+    folder, spec = tmp_path / "none", tmp_path / "next.srg"
+    folder.mkdir()
+    (folder / "design.json").write_text(json.dumps({"verdict": "unknown"} | mission), "utf-8")
+    spec.write_text(LIMBS, encoding="utf-8")
+    ran = srgc("evolve", folder, spec, "-o", tmp_path / "next")
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == (
+        f"error[SRG0735]: {folder} has no robot: its verdict is unknown\n"
+        f"  hint: `srgc why {folder}` says why\n"
+    )
+    assert not (tmp_path / "next").exists()
+
+
 @pytest.mark.parametrize("place", ["out", "out/inside", "."])
 def test_a_step_is_not_written_over_its_robot(place: str, packed: Path, srgc: Run) -> None:
     before = sorted(packed.rglob("*"))
@@ -163,3 +202,13 @@ def test_the_history_is_needed(step: Path, srgc: Run, tmp_path: Path) -> None:
     shutil.copytree(step, folder)
     shutil.rmtree(folder / "history" / "1")
     assert srgc("verify", folder).status in (1, 4)
+
+
+def test_results_that_say_nothing_of_differences_are_read(
+    step: Path, srgc: Run, tmp_path: Path
+) -> None:
+    """Those that were written before they did."""
+    folder = altered(step, tmp_path, "design.json", lambda content: content.pop("differs"))
+    ran = srgc("why", folder, "-q")
+    assert ran.status == 0
+    assert ran.out.startswith("mission Pack: found")

@@ -26,7 +26,10 @@ MADE = {
     "srgc synth specs/planar_arm.srg -o out/demo --quiet",
 }
 """Examples that were run for other tests, with their result in out/demo."""
-SERVES = {"srgc lsp", "srgc lsp --stdio"}
+SERVES = {
+    "srgc lsp", "srgc lsp --stdio", "srgc view out/demo",
+    "srgc view out/demo --port 8090 --no-browser --no-tube",
+}  # fmt: skip
 
 
 def help_of(name, width=80):

@@ -90,6 +90,7 @@ semantics Tree {
   root { T.at = world; this.length = L.length; }
   branch { left.at = this.at * rot(-z, 30 deg); right.at = this.at * move((1, 2, 3) m); }
   task { effector(frame: this.at); point(frame: this.at, mass: 0.2 kg);
+    visual(frame: this.at, file: "visual.dae", scale: 1 mm); visual.visual = let.visual;
     effector.effector = sin(pi/2) + pi.pi; }
   let { let let = let.let * rot(z, 3 deg); let.in = let; let f = (1 + 2) m; Elbow.in = f * world; }
 }
@@ -101,6 +102,8 @@ workspace Hall {
   region radius ball (1, 1) m radius 2 * 5 cm; target ball capsule (1, 1), (2, 1) m radius 1 cm;
   region capsule cylinder (1, 1), (2, 1) m radius 1 cm;
   obstacles from "map.yaml";
+  obstacles from "at.stl" in mm at world * move((1, 0, 0) m) * rot(-z, 2 * 15 deg);
+  obstacles from "in.obj" at move(x, 1 m); obstacles from 'a.obj' in cm;
 }
 task Turn {
   robot robot; workspace workspace;

@@ -102,7 +102,7 @@ def test_export_in_python_does_the_same(made: Made, tmp_path: Path) -> None:
     [
         ("retune", (), "name a folder for them with -o"),
         ("retune", ("-o", "tasks"), "is one of the results"),
-        ("nobody", ("-o", "x"), "has no robots: its verdict is impossible"),
+        ("nobody", ("-o", "x"), "has no robot: its verdict is impossible"),
     ],
 )
 def test_export_refuses(
@@ -129,6 +129,7 @@ def test_why_says_what_each_task_refutes_and_what_is_left(made: Made, srgc: Run)
         "  Long   B JO L EN",
         "  Short  B JO L EN",
     ]
+    assert opened(made, "bound").why().cheapest_left == 2
 
 
 def test_why_of_one_robot_says_which_tasks_are_needed(made: Made, srgc: Run) -> None:
@@ -162,11 +163,23 @@ def test_why_of_an_unknown_mission(result: Made, srgc: Run) -> None:
     folder = result("mission_nobody")
     (folder / "mission.json").unlink()
     design = result_files.read(folder, "design.json")
-    design |= {"verdict": "unknown", "reason": "the time limit was reached", "undecided": 1}
+    design |= {"verdict": "unknown", "reason": "the time limit was reached", "undecided": 14}
+    words = [["B", *["L"] * n, "E"] for n in range(12)]
+    told = {"reason": "too wide", "try_first": None, "words": words}
+    design["open"] = [
+        {"task": "Lost", "robots": 13, **told},
+        {"task": None, "robots": 1, **told, "words": words[:1]},
+    ]
+    design |= {"ended_by": "time", "try_first": "a longer `--time-limit`"}
     result_files.write(folder, design, "design.json")
     said = srgc("why", folder, "-q").out
     assert said.startswith("mission Nobody: unknown (the time limit was reached)\n")
-    assert said.endswith("1 robot undecided: a longer --time-limit may decide\n")
+    *_, lost, together, end = said.rstrip().split("\n\n")
+    assert lost == "undecided in Lost:\n  13 robots, as B E, B L E, B L L E: too wide"
+    assert together == "undecided in all tasks together:\n  1 robot, B E: too wide"
+    assert end == (
+        "14 robots undecided; the time limit ended the search\ntry first: a longer `--time-limit`"
+    )
 
 
 def test_why_checks_the_evidence(result: Made, srgc: Run) -> None:
@@ -259,7 +272,6 @@ def test_reports_and_explanations(made: Made) -> None:
     assert "task Lost" in why._repr_html_()
     with pytest.raises(public.SrgcError, match=r"`open_result\(…\)\.why\(\)` explains it"):
         public.why(found)
-    assert opened(made, "bound").why().cheapest_left == 2
 
 
 def test_a_mission_is_synthesised_saved_and_pickled(made: Made, tmp_path: Path) -> None:

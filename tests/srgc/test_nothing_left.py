@@ -26,6 +26,7 @@ RUNS = [
     "report out --quiet",
     "report none -o written/none.html --quiet",
     "compare out none",
+    "evolve out far.srg -o next --quiet",
     "landscape out --points 2 --jobs 2 --quiet",
     "why none --no-runs --quiet",
     "words turner.srg --limit 3",
@@ -39,6 +40,8 @@ RUNS = [
     "explain SRG0408",
     "completion bash",
     *(f"export out --to {form} -o written/arm.{form}" for form in ("urdf", "mjcf", "ros2", "npz")),
+    *(f"export out --to {form} -o written/arm.{form}" for form in ("gltf", "mcap")),
+    "export out --to ros2-package -o written/package",
     "export out --to controller -o written/controller",
     "export out --to all -o written/all",
     "replay out --in python",
@@ -57,6 +60,7 @@ result = srgc.synthesize(srgc.load("turner.srg"))
 assert result.verify().valid
 print(result, result._repr_html_()[:9], result.report(verify=False)._repr_html_()[:9])
 result.robot._repr_html_()
+assert srgc.evolve(result, srgc.load("far.srg")).verdict == "impossible"
 """
 
 
@@ -101,10 +105,10 @@ def test_after_every_command(place):
     ran(place, [sys.executable, "-c", SCRIPT], "\n".join(RUNS))
     assert left(place) == []
     written = {path.name for path in (place / "work").iterdir()}
-    assert written == {"turner.srg", "far.srg", "written", "out", "none", "alone"}
+    assert written == {"turner.srg", "far.srg", "written", "out", "none", "alone", "next"}
     named = {line.rpartition("written/")[2].split()[0] for line in RUNS if "written/" in line}
     assert {path.name for path in (place / "work" / "written").iterdir()} == named
-    for folder in ("out", "none", "alone"):
+    for folder in ("out", "none", "alone", "next"):
         kept = {path.name for path in (place / "work" / folder).iterdir()}
         assert not {name for name in kept if name.startswith(".") or name == "journal.jsonl"}
 

@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 
 import srgc
+from grammar_lang.diagnostics.diagnostic import Code
 from srgc.api.export import Binary, Form, Text
 from srgc.exports import design_export
 from srgc.faults import WITH_O, UsageFault, argument
@@ -83,7 +84,7 @@ def test_every_name_has_one_home_and_is_known_to_type_checkers():
     }
     assert static == srgc._HOMES
     assert sorted(static) == srgc.__all__ == dir(srgc)
-    assert len(static) <= 12
+    assert len(static) <= 13
     for name, home in static.items():
         thing = getattr(srgc, name)
         assert getattr(import_module(home), name) is thing
@@ -244,6 +245,14 @@ def test_options_are_called_as_arguments_are():
     fault = UsageFault("a -- b, `x--y` {}; choose another place", WITH_O)
     assert fault.in_python() == "a -- b, `x--y` {}; choose another place"
     assert str(pickle.loads(pickle.dumps(fault))) == f"{fault.in_python()} with -o"
+    assert fault.code is None
+
+
+def test_a_fault_keeps_its_code_and_its_hint():
+    fault = UsageFault("a", argument("b"), code=Code.NO_ROBOT, hint="c")
+    assert (str(fault), fault.in_python()) == ("a--b\n  hint: c", "a`b`")
+    again = pickle.loads(pickle.dumps(fault))
+    assert (str(again), again.code) == (str(fault), Code.NO_ROBOT)
 
 
 # --- robots -------------------------------------------------------------------------------------
@@ -431,8 +440,13 @@ def test_an_impossible_result(made):
     assert found.suggestions == []
     assert "\nspec.srg:" in str(found) or "\nbeyond_reach.srg:" in str(found)
     for asked in ("robot", "trajectory"):
-        with pytest.raises(srgc.SrgcError):
+        with pytest.raises(srgc.SrgcError) as caught:
             getattr(result, asked)
+        assert caught.value.code.value == "SRG0735"
+        assert str(caught.value) == (
+            f"{result.folder} has no robot: its verdict is impossible\n"
+            f"  hint: `srgc why {result.folder}` says why"
+        )
     with pytest.raises(srgc.SrgcError):
         result.landscape()
 

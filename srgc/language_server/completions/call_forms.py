@@ -73,6 +73,14 @@ EMISSIONS: dict[str, Form] = {
         ),
         "the convex hull of a mesh that collides, without mass",
     ),
+    "visual": Form(
+        (
+            ("frame", "the frame of the mesh"),
+            ("file", "the path of a mesh in quotes: STL, OBJ, COLLADA or glTF (.glb)"),
+            ("scale", "the unit of the mesh, such as 1 mm"),
+        ),
+        "a mesh that exports show; it has no mass and does not collide",
+    ),
 }
 FUNCTIONS: dict[str, Form] = {
     "rot": Form(

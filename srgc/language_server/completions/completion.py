@@ -10,6 +10,7 @@ from types import MappingProxyType
 from lsprotocol import types as lsp
 
 from grammar_lang.files.file_tree import LIBRARY
+from grammar_lang.files.meshes import SUFFIXES, VISUALS
 from grammar_lang.source import Span
 from grammar_lang.units import UNIT_NAMES
 from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
@@ -23,8 +24,9 @@ _COMPOUND = ("N*m", "kg/m", "m/s", "m/s^2", "rad/s", "deg/s", "kg*m^2", "N*m*s/r
 _SUFFIXES = {
     "include": (".srg",),
     "std": (".srg",),
-    "from": (".yaml", ".yml", ".geojson", ".json"),
+    "from": (".yaml", ".yml", ".geojson", ".json", ".stl", ".obj"),
 }
+_OF_EMISSIONS = {"hull": SUFFIXES, "visual": VISUALS}
 _MOST_PATHS = 200
 
 
@@ -70,6 +72,9 @@ def _paths(cursor: Cursor, folder: Path | None) -> Iterator[Offer]:
     """Files that a string may name."""
     said = cursor.statement[-1:]
     suffixes = _SUFFIXES.get(said[0]) if said else None
+    if cursor.statement[-2:] == ("file", ":"):
+        call = open_call(cursor.statement)
+        suffixes = None if call is None else _OF_EMISSIONS.get(call.name)
     if said == ("std",):
         folder = Path(LIBRARY)
     if folder is None or suffixes is None:
@@ -188,6 +193,7 @@ EMISSION_SNIPPETS = MappingProxyType(
         ),
         "box": "box(frame: ${1:this.frame}, size: ${2:(10, 8, 6) cm});",
         "hull": 'hull(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
+        "visual": 'visual(frame: ${1:this.frame}, file: "${2:part.stl}", scale: ${3:1 mm});',
     }
 )
 

@@ -81,6 +81,9 @@ class NamesDue:
                 return list(self._grammar())
             case "semantics":
                 return list(self._semantics())
+            case "workspace":
+                placed = self._said[:1] == ("obstacles",) and self._value
+                return list(self._functions(("rot", "move"))) if placed else []
             case "task":
                 return list(self._task())
             case "mission":

@@ -105,6 +105,7 @@ class AddedPhysics:
     effectors: tuple[str, ...]
     shapes: tuple[str, ...]
     torques: tuple[str, ...]
+    visuals: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,6 +238,7 @@ def added_physics(program: ir.Program, grammar: ir.Grammar, label: str) -> Added
         tuple(f"`{reader.text(effector.frame)}`" for effector in effectors),
         tuple(f"`{emission_text(shape, names)}`" for shape in shapes),
         tuple(reader.torques()),
+        tuple(f"`{emission_text(visual, names)}`" for visual in block.visuals),
     )
 
 
@@ -260,6 +262,8 @@ def physics_text(added: AddedPhysics, dimension: int | None) -> str:
         parts.append(f"**Effector** at {', '.join(added.effectors)}")
     if added.shapes:
         parts.append(f"**Collides as**\n\n{_listed(added.shapes)}")
+    if added.visuals:
+        parts.append(f"**Is seen as**\n\n{_listed(added.visuals)}")
     if not added.bodies:
         parts.append("It adds no mass: nothing to the kinetic energy.")
     return "\n\n".join(parts)

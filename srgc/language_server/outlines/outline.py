@@ -12,6 +12,7 @@ from lsprotocol import types as lsp
 
 from grammar_lang import syntax as s
 from grammar_lang.files.file_tree import LIBRARY
+from grammar_lang.formatting.expansion import named_files
 from grammar_lang.names.declarations import Kind
 from grammar_lang.source import Span, written
 from grammar_lang.syntax import Ident
@@ -201,7 +202,7 @@ def _braces(lines: LineMap, start: int, end: int) -> lsp.FoldingRange | None:
     return lsp.FoldingRange(first, last) if last > first else None
 
 
-# --- Links from the paths of includes and maps to the files ---------------------------------------
+# --- Links from the paths of includes, maps and meshes to the files -------------------------------
 
 
 def include_links(analysis: Analysis, number: int, uri_of: UriOf) -> list[lsp.DocumentLink]:
@@ -213,8 +214,8 @@ def include_links(analysis: Analysis, number: int, uri_of: UriOf) -> list[lsp.Do
         if isinstance(item, t.Include):
             paths.append(item.path)
             library |= {item.path} if item.std else set()
-        elif isinstance(item, t.Workspace):
-            paths += [part.path for part in item.items if isinstance(part, t.ObstaclesFrom)]
+        else:
+            paths += named_files(item)
     if base is None:
         return []
     links: list[lsp.DocumentLink] = []

@@ -1,4 +1,4 @@
-"""The different robots of a mission in their order, and what became of each of their modules."""
+"""The robots of a mission in their order, and what became of each of their modules."""
 
 from __future__ import annotations
 
@@ -62,6 +62,11 @@ def line_of_robots(mission: MissionFolder) -> tuple[StandingRobot, ...]:
         earlier = found[-1].word if found else ()
         found.append(_standing(names[number], robot, step, earlier))
     return tuple(_with_fates(found, modules))
+
+
+def different_robots(mission: MissionFolder) -> int:
+    """How many robots do the tasks; one that comes back after another is the same robot."""
+    return len({(robot.claim.word, robot.claim.parameters) for robot in mission.robots})
 
 
 def _is_same(one: FoundDesign, other: FoundDesign) -> bool:

@@ -49,7 +49,7 @@ class MissionEvidence:
     Attributes:
         mission: what the folder holds.
         tasks: the evidence on each design, in the order of the tasks; none without robots.
-        line: the different robots in their order, the one before the first task included.
+        line: the robots in their order, equal ones in a row once, with the one before.
         report: what the verifier says of the folder now; None where it was not asked.
         coverings: those that refute robots in each task, by its name.
         earlier: the robots of the history, the oldest first.

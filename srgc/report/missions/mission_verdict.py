@@ -10,6 +10,7 @@ from compiler.objectives.objective_text import gap_text, objective_text
 from grammar_lang import ir
 from solvers.verifier.report import Outcome, Report
 from srgc.render.html_text import many, text
+from srgc.report.missions.line_of_robots import different_robots
 from srgc.report.missions.mission_evidence import MissionEvidence
 from srgc.report.verdict import MODEL, judged_words
 from srgc.results.mission_folder import FROM
@@ -220,7 +221,7 @@ def _figures(evidence: MissionEvidence) -> Iterator[tuple[str, str]]:
     mission = evidence.mission
     yield "tasks", str(len(mission.mission.tasks))
     if mission.robots:
-        yield "different robots", str(sum(1 for robot in evidence.line if robot.tasks))
+        yield "different robots", str(different_robots(mission))
     if mission.cost is not None:
         yield "cost of all changes", exact_text(mission.cost)
         least = mission.least or Fraction(0)

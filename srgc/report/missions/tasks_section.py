@@ -10,9 +10,12 @@ from srgc.report.evidence import Evidence
 from srgc.report.missions.mission_evidence import MissionEvidence
 from srgc.report.verdict import least_clearance
 from srgc.results.mission_folder import TaskRefutations
+from srgc.results.undecided_robots import StatedUndecided, undecided_by_task
 from srgc.text_reports.synthesis_report import robustness_text, used_inputs
 
 MOST_REASONS = 12
+MOST_NAMED = 3
+"""So many robots are named that are undecided for one reason."""
 
 
 def tasks_section(evidence: MissionEvidence) -> str:
@@ -76,14 +79,17 @@ def refuted_section(evidence: MissionEvidence) -> str:
         title = "What is known"
     if not any(map(_is_something, refuted)):
         said = _nothing(evidence)
-        return "" if not said else f'<section id="refuted"><h2>{title}</h2><p>{said}</p></section>'
+        if not said:
+            return ""
+        return f'<section id="refuted"><h2>{title}</h2><p>{said}</p>{_open(evidence)}</section>'
     rows = "".join(_row(evidence, each) for each in refuted)
     reasons = "".join(_reasons(each) for each in refuted)
     return (
         f'<section id="refuted"><h2>{title}</h2><p>{_said(evidence)}</p>'
         '<div class="scroll"><table><thead><tr><th>task</th><th class="figure">structures</th>'
         '<th class="figure">lemmas</th><th class="figure">boxes of parameters</th>'
-        f"<th>coverings</th></tr></thead><tbody>{rows}</tbody></table></div>{reasons}{_ask(evidence)}"
+        f"<th>coverings</th></tr></thead><tbody>{rows}</tbody></table></div>{reasons}{_open(evidence)}"
+        f"{_ask(evidence)}"
         "</section>"
     )
 
@@ -94,7 +100,7 @@ def _is_something(each: TaskRefutations) -> bool:
 
 def _nothing(evidence: MissionEvidence) -> str:
     if evidence.mission.verdict == "unknown":
-        return "No robot was refuted before the search ended; more time may help."
+        return "No robot was refuted before the search ended."
     if evidence.mission.verdict == "impossible":
         return "There is no robot of the family within the bounds of the tasks."
     return ""
@@ -145,6 +151,31 @@ def _reasons(each: TaskRefutations) -> str:
     rest = f"<li>and {many(more, 'more reason')}, in <code>design.json</code></li>"
     shown = "".join(items[:MOST_REASONS]) + (rest if more > 0 else "")
     return f"<h3>{text(each.task)}</h3><ul>{shown}</ul>"
+
+
+def _open(evidence: MissionEvidence) -> str:
+    """The robots that are neither found nor refuted, by task, and what ended the search."""
+    mission, parts = evidence.mission, list[str]()
+    for task, each in undecided_by_task(mission.undecided).items():
+        where = "all tasks together" if task is None else task
+        items = "".join(f"<li>{_undecided(one)}</li>" for one in each[:MOST_REASONS])
+        more = len(each) - MOST_REASONS
+        if more > 0:
+            items += f"<li>and {many(more, 'more reason')}, in <code>design.json</code></li>"
+        parts.append(f"<h3>Undecided in {text(where)}</h3><ul>{items}</ul>")
+    first = mission.design.get("try_first")
+    if first is not None:
+        parts.append(f"<p>Try first: {_plain(first)}.</p>")
+    return "".join(parts)
+
+
+def _undecided(one: StatedUndecided) -> str:
+    said = _plain(one.says(MOST_NAMED))
+    return said if one.try_first is None else f"{said}. Try first: {_plain(one.try_first)}"
+
+
+def _plain(said: str) -> str:
+    return text(said.replace("`", ""))
 
 
 def _ask(evidence: MissionEvidence) -> str:

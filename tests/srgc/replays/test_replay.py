@@ -289,7 +289,12 @@ def test_usage(srgc: Command, arm: Path, tmp_path: Path) -> None:
 
 def test_another_verdict(srgc: Command, made: Result) -> None:
     folder = made("beyond_reach") / "out"
-    refused(srgc("replay", folder, "--in", "python"), "the verdict is impossible")
+    ran = srgc("replay", folder, "--in", "python")
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == (
+        f"error[SRG0735]: {folder} has no robot: its verdict is impossible\n"
+        f"  hint: `srgc why {folder}` says why\n"
+    )
 
 
 def test_an_altered_or_false_certificate(srgc: Command, arm: Path) -> None:

@@ -87,6 +87,17 @@ def test_a_changed_parameter_is_marked(mission_pages: Pages) -> None:
     assert "Δ L 4.length; 4 modules kept: cost 0.5" in page.section("robots")
 
 
+@pytest.mark.parametrize("name", ["grow", "retune", "both"])
+def test_a_robot_that_comes_back_is_no_other_one(mission_pages: Pages, name: str) -> None:
+    folder, page = mission_pages(name)
+    robots = {
+        (*each["word"], *((p["symbol"], p["name"], p["value"]) for p in each["parameters"]))
+        for each in design_of(folder)["robots"]
+    }
+    assert {"grow": 2, "retune": 2, "both": 1}[name] == len(robots)
+    assert f"different robots{len(robots)}" in page.section("verdict")
+
+
 def test_one_robot_is_drawn_once(mission_pages: Pages) -> None:
     _, page = mission_pages("both")
     assert len([e for e in page.all("svg") if e.attributes["class"] == "modules"]) == 1
@@ -169,6 +180,10 @@ def test_unknown_says_so_by_task(result: Callable[[str], Path]) -> None:
     design = design_of(folder)
     design |= {"verdict": "unknown", "reason": HOSTILE, "undecided": 2}
     design["refuted"][1]["reasons"] = [{"reason": HOSTILE, "robots": 1, "word": ["B"]}]
+    design |= {"ended_by": HOSTILE, "try_first": HOSTILE}
+    design["open"] = [
+        {"task": None, "reason": HOSTILE, "try_first": HOSTILE, "robots": 2, "words": [[HOSTILE]]}
+    ]
     result_files.write(folder, design, "design.json")
     page = page_of(folder)
     assert page.faults == []

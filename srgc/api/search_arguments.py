@@ -1,0 +1,33 @@
+"""Arguments that all functions with a search have: where results go, and numbers."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+from srgc.api.folder_result import TemporaryFolder
+from srgc.faults import UsageFault
+
+
+def place_of(folder: str | PathLike[str] | None) -> tuple[Path, TemporaryFolder | None]:
+    """Where results are written, and what keeps it where that is a temporary folder."""
+    if folder is not None:
+        return Path(folder), None
+    keeper = TemporaryFolder.made()
+    return keeper.path, keeper
+
+
+def refuse_numbers(
+    seed: int, jobs: int, time_limit: float | None, *, cells: int | None = None
+) -> None:
+    """Refuse numbers that make no sense.
+
+    Raises:
+        UsageFault: one is too small.
+    """
+    if seed < 0:
+        raise UsageFault("`seed` is not negative")
+    if jobs < 1 or (cells is not None and cells < 1):
+        raise UsageFault("`jobs` and `cells` count from 1")
+    if time_limit is not None and not time_limit > 0:
+        raise UsageFault("`time_limit` is a positive number of seconds")

@@ -1,0 +1,147 @@
+"""A design as a scene: the shapes of its links, their motion, and the regions about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.rigid_links.link_shape import Geometry
+from compiler.rigid_links.rigid_tree import FLAT
+from compiler.tasks.obstacle_pieces import expanded
+from compiler.workspaces.map_header import MapFault
+from srgc.exports.exported_robot import ExportedRobot, exported_robot
+from srgc.exports.scenes.fine_instants import FineInstants, fine_instants
+from srgc.exports.scenes.link_motion import LinkMotion, Poses, link_motion, plain_pose
+from srgc.exports.scenes.triangles import Triangles, hull_triangles, shape_triangles
+from srgc.faults import UsageFault
+from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
+from srgc.results.found_design import FoundDesign
+
+Colour: TypeAlias = tuple[int, int, int]
+LINKS: tuple[Colour, ...] = ((70, 110, 170), (150, 170, 195))
+"""Of links in turn."""
+REGIONS: dict[str, Colour] = {
+    "region": (70, 130, 180), "obstacle": (190, 70, 60), "target": (60, 150, 80),
+}  # fmt: skip
+SEEN_THROUGH = 0.35
+"""Opacity of regions."""
+FEW = 24
+"""Instants at which it is asked how far shapes reach."""
+BENEATH = float(FLAT)
+"""Regions of the plane lie so far (m) beneath the robot, and are as thick."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinkShape:
+    """A shape that is fixed in the link with this number, and its pose there."""
+
+    link: int
+    shape: Geometry
+    pose: Poses
+
+    @property
+    def surface(self) -> Triangles:
+        """The shape in the frame of its link."""
+        found = shape_triangles(self.shape)
+        return Triangles(self.pose.points(found.corners), found.faces)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneRegion:
+    """A region, obstacle or target with a surface in the world; edges are pairs of corners."""
+
+    kind: str
+    name: str
+    surface: Triangles
+    corners: Array
+    edges: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DesignScene:
+    """A robot in motion among the regions of its task, in space.
+
+    ``robot`` has the names of links, joints and effectors, as URDF has them; ``bounds`` (2, 3)
+    are the corners of a box about the regions and the motion.
+    """
+
+    design: FoundDesign
+    robot: ExportedRobot
+    shapes: tuple[LinkShape, ...]
+    regions: tuple[SceneRegion, ...]
+    instants: FineInstants
+    motion: LinkMotion
+
+    @property
+    def times(self) -> tuple[Fraction, ...]:
+        """The instants, in seconds."""
+        return self.instants.times
+
+    @property
+    def bounds(self) -> Array:
+        """Low and high corners (2, 3) of all regions but the bounds, and of the motion.
+
+        Shapes count at few instants, frames at all.
+        """
+        links = self.motion.links
+        points = [links.origins, self.motion.effectors.origins]
+        points += [region.corners for region in self.regions]
+        few = np.unique(np.linspace(0, len(self.times) - 1, FEW).astype(int))
+        for each in self.shapes:
+            placed = Poses(links.turns[few, each.link], links.origins[few, each.link])
+            points.append(placed.points(each.surface.corners))
+        every = np.concatenate([each.reshape(-1, 3) for each in points])
+        return np.stack([every.min(axis=0), every.max(axis=0)])
+
+
+def design_scene(design: FoundDesign, frequency: int) -> DesignScene:
+    """The scene of a design, with so many instants per second at least.
+
+    Raises:
+        UsageFault: its robot is no tree of rigid links, or numbers are too large.
+    """
+    try:
+        robot = exported_robot(design)
+        shapes = tuple(
+            LinkShape(number, shape, plain_pose(shape.pose))
+            for number, link in enumerate(robot.tree.links)
+            for shape in link.looks
+        )
+    except ValueError as error:
+        raise UsageFault(f"the robot cannot be shown as rigid links: {error}") from None
+    instants = fine_instants(design, frequency)
+    motion = link_motion(robot.tree, instants.q)
+    return DesignScene(design, robot, shapes, scene_regions(design), instants, motion)
+
+
+def scene_regions(design: FoundDesign) -> tuple[SceneRegion, ...]:
+    """The regions of the task of a design, obstacles of maps as boxes; bounds are left out.
+
+    Raises:
+        UsageFault: a map cannot be read.
+    """
+    try:
+        program, task = expanded(design.program, design.task)
+    except (MapFault, ValueError) as error:
+        raise UsageFault(str(error)) from None
+    shapes = workspace_shapes(program.workspaces[task.workspace], ())
+    return tuple(_region(shape) for shape in shapes if shape.kind != "bounds")
+
+
+def _region(shape: WorkspaceShape) -> SceneRegion:
+    corners, edges = shape.corners, list(shape.edges)
+    if corners.shape[1] == 2:
+        corners, edges = _thick(corners, edges)
+    return SceneRegion(shape.kind, shape.name, hull_triangles(corners), corners, tuple(edges))
+
+
+def _thick(corners: Array, edges: list[tuple[int, int]]) -> tuple[Array, list[tuple[int, int]]]:
+    """A region of the plane as a flat prism beneath it."""
+    count = len(corners)
+    layers = [np.column_stack([corners, np.full(count, z)]) for z in (-2 * BENEATH, -BENEATH)]
+    upper = [(a + count, b + count) for a, b in edges]
+    return np.concatenate(layers), [*edges, *upper, *((i, i + count) for i in range(count))]

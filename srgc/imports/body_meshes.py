@@ -1,0 +1,121 @@
+"""Meshes of bodies: convex pieces to collide as, and the files as they are for pictures."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from grammar_lang.files.file_tree import visible
+from srgc.imports.module_set import Placement, Shape
+from srgc.imports.names import Names
+from srgc.imports.solid_moments import Moments
+from srgc.imports.source_files import SourceFiles
+from srgc.version import VERSION
+
+if TYPE_CHECKING:
+    from srgc.imports.meshes.decomposition import Pieces
+    from srgc.imports.meshes.mesh import Floats, Ints
+
+VISUALS = (".stl", ".obj", ".dae", ".glb")
+
+
+@dataclass(slots=True)
+class BodyMeshes:
+    """Reads the meshes that a description of bodies names.
+
+    ``folder`` is where they are written, relative to the spec.  ``written`` holds their bytes by
+    path.  ``pieces`` and ``detail`` bound how many convex pieces there are and what they add.
+    """
+
+    files: SourceFiles
+    folder: str
+    remarks: list[str]
+    pieces: int | None = None
+    detail: float | None = None
+    written: dict[str, bytes] = field(default_factory=dict)
+    names: Names = field(default_factory=Names)
+    _cut: dict[tuple[str, tuple[float, float, float]], list[str]] = field(default_factory=dict)
+    _looks: dict[str, str] = field(default_factory=dict)
+
+    def hulls(
+        self, owner: str, file: str, scale: Sequence[float], place: Placement
+    ) -> Iterator[Shape]:
+        """The convex pieces of a mesh whose lengths are scaled along its axes."""
+        key = (file, (scale[0], scale[1], scale[2]))
+        if key not in self._cut:
+            self._cut[key] = self._written_pieces(owner, file, scale)
+        for name in self._cut[key]:
+            yield Shape("hull", place, (1.0,), name)
+
+    def _written_pieces(self, owner: str, file: str, scale: Sequence[float]) -> list[str]:
+        from srgc.imports.meshes.decomposition import DETAIL, decomposed
+        from srgc.imports.meshes.piece_files import pieces_text
+
+        vertices, triangles = self._mesh(file, scale)
+        detail = DETAIL if self.detail is None else self.detail
+        cut = decomposed(vertices, triangles, detail=detail, pieces=self.pieces)
+        stem = self.names.name(posixpath.splitext(posixpath.basename(file))[0])
+        count = len(cut.pieces)
+        names = [stem] if count == 1 else [f"{stem}_{number + 1}" for number in range(count)]
+        origin = f"of {visible(file)}, imported by srgc {VERSION}"
+        for name, piece in zip(names, cut.pieces, strict=True):
+            text = pieces_text([piece], [name], [origin])
+            self.written[f"{self.folder}/{name}.obj"] = text.encode()
+        self.remarks.append(_told(owner, file, cut))
+        return [f"{self.folder}/{name}.obj" for name in names]
+
+    def _mesh(self, file: str, scale: Sequence[float]) -> tuple[Floats, Ints]:
+        """Corners in metres and triangles; a mirrored mesh has its triangles turned."""
+        import numpy as np
+
+        from srgc.imports.meshes.mesh_file import read_mesh
+
+        mesh = read_mesh(self.files.path_of(file))
+        triangles = mesh.triangles
+        if np.prod(scale) < 0:
+            triangles = triangles[:, ::-1]
+        return mesh.vertices * np.asarray(scale, dtype=float), triangles
+
+    def moments(self, file: str, scale: Sequence[float]) -> Moments | None:
+        """The moments of a closed mesh for a density of 1 kg/m^3, None of an open one."""
+        import numpy as np
+        import trimesh
+
+        vertices, triangles = self._mesh(file, scale)
+        mesh = trimesh.Trimesh(vertices, triangles)
+        if not mesh.is_volume:
+            return None
+        found = mesh.mass_properties
+        return Moments(
+            float(found["mass"]), np.array(found["center_mass"]), np.array(found["inertia"])
+        )
+
+    def visual(
+        self, owner: str, file: str, scale: Sequence[float], place: Placement
+    ) -> Iterator[Shape]:
+        """A mesh for pictures, whose file is copied."""
+        if not file.lower().endswith(VISUALS):
+            self.remarks.append(f"{owner}: pictures of `{visible(file)}` are left out")
+            return
+        if len(set(scale)) != 1 or scale[0] <= 0:
+            self.remarks.append(
+                f"{owner}: the picture `{visible(file)}` is scaled differently along its axes, "
+                "and left out"
+            )
+            return
+        if file not in self._looks:
+            stem, suffix = posixpath.splitext(posixpath.basename(file))
+            name = f"{self.folder}/{self.names.name(stem)}{suffix.lower()}"
+            self.written[name] = self.files.bytes_of(file)
+            self._looks[file] = name
+        yield Shape("visual", place, (scale[0],), self._looks[file])
+
+
+def _told(owner: str, file: str, cut: Pieces) -> str:
+    """What convex pieces make of a mesh."""
+    count = "1 convex piece" if len(cut.pieces) == 1 else f"{len(cut.pieces)} convex pieces"
+    notes = "".join(f"; {note}" for note in cut.notes)
+    share = 100 * cut.measures.added
+    return f"`{visible(file)}` of {owner}: {count}, which add {share:.1f} % to its volume{notes}"

@@ -1,0 +1,103 @@
+"""Obstacles that are meshes: convex pieces in an OBJ file, which the workspace names."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.cobra.task_data import Obstacle
+from srgc.imports.module_set import Move, Turn, steps_of
+from srgc.imports.names import Names
+from srgc.imports.quantities import Quantities
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from srgc.imports.meshes.decomposition import Pieces
+    from srgc.imports.source_files import SourceFiles
+    from srgc.imports.timor.geometry_data import Geometry
+
+FOLDER = "obstacles"
+"""Where the pieces stand beside the spec."""
+
+
+@dataclass(slots=True)
+class MeshObstacles:
+    """Cuts meshes into convex pieces.
+
+    Attributes:
+        files: where meshes may be read.
+        names: of obstacles of the workspace, with which those of files are.
+        pieces: at most so many of a mesh.
+        detail: what they may add to its volume, as a share.
+        written: the files of pieces by their paths.
+    """
+
+    files: SourceFiles
+    names: Names
+    remarks: list[str]
+    write: Quantities
+    pieces: int | None = None
+    detail: float | None = None
+    written: dict[str, bytes] = field(default_factory=dict)
+
+    def statements(self, obstacle: Obstacle) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
+        """For each mesh its name, its ``obstacles from`` and its corners (n, 3) in the world.
+
+        Raises:
+            UsageFault: a mesh cannot be read.
+        """
+        for geometry in obstacle.shapes:
+            if geometry.kind == "mesh":
+                yield self._statement(geometry, obstacle)
+
+    def _statement(
+        self, geometry: Geometry, obstacle: Obstacle
+    ) -> tuple[str, str, NDArray[np.float64]]:
+        stem = posixpath.splitext(posixpath.basename(geometry.file))[0]
+        name = self.names.name(Names().camel(obstacle.name or stem))
+        text, points = self._cut(geometry)
+        path = f"{FOLDER}/{name}.obj"
+        self.written[path] = text.encode()
+        at = [
+            f"move({self.write.vector(step.by)})"
+            if isinstance(step, Move)
+            else f"rot({step.axis}, {self.write.angle(step.angle)})"
+            for step in steps_of(geometry.pose)
+            if (isinstance(step, Move) and any(step.by))
+            or (isinstance(step, Turn) and abs(step.angle) > 1e-12)
+        ]
+        place = f" at {' * '.join(at)}" if at else ""
+        placed = points @ geometry.pose[:3, :3].T + geometry.pose[:3, 3]
+        return name, f'obstacles from "{path}"{place};', placed
+
+    def _cut(self, geometry: Geometry) -> tuple[str, NDArray[np.float64]]:
+        """The OBJ file of the pieces of a mesh in metres, and its corners."""
+        from srgc.imports.meshes.decomposition import DETAIL, decomposed
+        from srgc.imports.meshes.mesh_file import read_mesh
+        from srgc.imports.meshes.piece_files import pieces_text
+
+        place = geometry.place["parameters"]["file"]
+        try:
+            mesh = read_mesh(self.files.path_of(geometry.file), geometry.size[0])
+        except UsageFault as fault:
+            raise place.fault(str(fault).removeprefix(f"{place.file}: ")) from None
+        vertices = mesh.vertices * (np.array(geometry.size) / geometry.size[0])
+        found = decomposed(
+            vertices, mesh.triangles, detail=self.detail or DETAIL, pieces=self.pieces
+        )
+        self.remarks += [f"{geometry.file}: {note}" for note in (*mesh.notes, *found.notes)]
+        self.remarks.append(_added(geometry.file, found))
+        names = [f"piece_{number + 1}" for number in range(len(found.pieces))]
+        return pieces_text(found.pieces, names, [f"convex pieces of {geometry.file}"]), vertices
+
+
+def _added(file: str, found: Pieces) -> str:
+    """What the pieces of a mesh add to it."""
+    count = "1 convex piece" if len(found.pieces) == 1 else f"{len(found.pieces)} convex pieces"
+    return f"{file}: {count} that hold every triangle add {100 * found.measures.added:.1f} % to it"

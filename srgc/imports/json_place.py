@@ -1,0 +1,217 @@
+"""A JSON file of others, read value by value; each fault names the file and where in it it is."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srgc.faults import UsageFault
+from srgc.imports.source_files import SourceFiles
+
+MOST_ENTRIES = 20_000
+"""A list of more is refused: nothing that is imported needs so many."""
+LARGEST = 1e12
+"""No finite number of a file is larger, in SI units."""
+_KINDS = {dict: "an object", list: "a list", str: "a text", bool: "true or false"}
+
+
+class _Repeated(dict[str, Any]):
+    """An object in which a key stands twice."""
+
+    key: str
+
+
+@dataclass(slots=True)
+class Unread:
+    """What of a file was not asked for, as places, in their order."""
+
+    places: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A value of a JSON file, and where it stands: ``modules[3].bodies[0].mass``."""
+
+    file: Path
+    path: str
+    value: Any
+    unread: Unread
+
+    def fault(self, said: str) -> UsageFault:
+        """A fault at this place."""
+        return UsageFault(f"{self.file}: {self.path or 'the file'}: {said}")
+
+    # --- What the value is ------------------------------------------------------------------------
+
+    def text(self) -> str:
+        """A text, or a whole number as one, which IDs may be."""
+        if isinstance(self.value, bool) or not isinstance(self.value, str | int):
+            raise self._wrong("a text")
+        return str(self.value)
+
+    def truth(self) -> bool:
+        """True or false; also as texts, which Timor takes."""
+        if self.value in ("true", "True", "false", "False"):
+            return bool(self.value in ("true", "True"))
+        if not isinstance(self.value, bool):
+            raise self._wrong("true or false")
+        return self.value
+
+    def number(self, *, least: float = -math.inf) -> float:
+        """A finite number, not below ``least``."""
+        found = self.limit()
+        if math.isinf(found):
+            raise self.fault("expected a finite number, found Infinity")
+        if found < least:
+            raise self.fault(f"expected a number of at least {least:g}, found {found:g}")
+        return found
+
+    def limit(self) -> float:
+        """A number that may be infinite."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int | float):
+            raise self._wrong("a number")
+        if self.value != self.value:
+            raise self.fault("expected a number, found NaN")
+        if abs(self.value) <= LARGEST:
+            return float(self.value)
+        if not isinstance(self.value, float) or not math.isinf(self.value):
+            raise self.fault(f"expected a number of at most {LARGEST:g} in size")
+        return self.value
+
+    def numbers(self, count: int, *, least: float = -math.inf) -> tuple[float, ...]:
+        """A list of so many finite numbers."""
+        entries = self.entries()
+        if len(entries) != count:
+            raise self.fault(f"expected {count} numbers, found {len(entries)}")
+        return tuple(entry.number(least=least) for entry in entries)
+
+    def matrix(self, rows: int, columns: int) -> NDArray[np.float64]:
+        """A list of rows of finite numbers."""
+        entries = self.entries()
+        if len(entries) != rows:
+            raise self.fault(f"expected {rows} rows, found {len(entries)}")
+        return np.array([entry.numbers(columns) for entry in entries])
+
+    def pose(self) -> NDArray[np.float64]:
+        """A homogeneous matrix (4, 4) whose rotation is one to 1e-6; it is made one to rounding."""
+        matrix = self.matrix(4, 4)
+        rotation = matrix[:3, :3]
+        if np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-9:
+            raise self.fault("the last row of a pose is [0, 0, 0, 1]")
+        if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-6 or np.linalg.det(rotation) < 0:
+            raise self.fault("its upper left part is no rotation")
+        left, _, right = np.linalg.svd(rotation)
+        if np.abs(left @ right - rotation).max() > 1e-15:
+            matrix[:3, :3] = left @ right
+        return matrix
+
+    # --- What it holds ----------------------------------------------------------------------------
+
+    def entries(self) -> Sequence[Place]:
+        """The entries of a list."""
+        if not isinstance(self.value, list):
+            raise self._wrong("a list")
+        if len(self.value) > MOST_ENTRIES:
+            raise self.fault(f"{len(self.value)} entries; at most {MOST_ENTRIES} are read")
+        return [
+            Place(self.file, f"{self.path}[{number}]", value, self.unread)
+            for number, value in enumerate(self.value)
+        ]
+
+    def one_or_more(self) -> Sequence[Place]:
+        """The entries of a list, or the value itself, which Timor takes for a list of one."""
+        return self.entries() if isinstance(self.value, list) else [self]
+
+    def keys(self, known: Sequence[str]) -> None:
+        """Note which keys of an object are none of those that are read."""
+        for key in self._object():
+            if key not in known:
+                self.unread.places.append(self._of(key))
+
+    def items(self) -> Iterator[tuple[str, Place]]:
+        """The keys and values of an object."""
+        for key, value in self._object().items():
+            yield key, Place(self.file, self._of(key), value, self.unread)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._object() and self.value[key] is not None
+
+    def __getitem__(self, key: str) -> Place:
+        if key not in self._object():
+            raise self.fault(f"`{key}` is missing")
+        return Place(self.file, self._of(key), self.value[key], self.unread)
+
+    def get(self, key: str, default: Any) -> Place:
+        """The value of a key, or of a default where it is missing or null."""
+        value = self.value[key] if key in self else default
+        return Place(self.file, self._of(key), value, self.unread)
+
+    def _object(self) -> dict[str, Any]:
+        if isinstance(self.value, _Repeated):
+            raise self.fault(f"`{self.value.key[:80]}` stands twice")
+        if not isinstance(self.value, dict):
+            raise self._wrong("an object")
+        return self.value
+
+    def _of(self, key: str) -> str:
+        shown = key if key.isidentifier() and len(key) <= 80 else f'["{key[:80]}"]'
+        joint = "." if self.path and not shown.startswith("[") else ""
+        return f"{self.path}{joint}{shown}"
+
+    def _wrong(self, expected: str) -> UsageFault:
+        value = self.value
+        found = _KINDS.get(type(value), "nothing" if value is None else "a number")
+        if isinstance(value, str):
+            found = f"the text {value[:40]!r}"
+        return self.fault(f"expected {expected}, found {found}")
+
+
+def json_file(files: SourceFiles) -> Place:
+    """The value of the JSON file that is imported.
+
+    ``Infinity`` and numbers such as 1e500 are read, for limits; NaN is a number for nobody.
+
+    Raises:
+        UsageFault: it cannot be read, is too large, or is no JSON.
+    """
+    path, content = files.main, files.main_bytes()
+    try:
+        value = json.loads(
+            content.decode("utf-8-sig"), object_pairs_hook=_object, parse_constant=_constant
+        )
+    except UnicodeDecodeError:
+        raise UsageFault(f"{path} is not UTF-8 text") from None
+    except json.JSONDecodeError as error:
+        raise UsageFault(
+            f"{path}: line {error.lineno}, column {error.colno}: no JSON: {error.msg}"
+        ) from None
+    except RecursionError:
+        raise UsageFault(f"{path}: its values are nested too deeply") from None
+    except ValueError as error:  # a whole number of thousands of digits
+        raise UsageFault(f"{path}: {' '.join(str(error).split())[:120]}") from None
+    return Place(path, "", value, Unread())
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) == len(pairs):
+        return found
+    repeated, seen = _Repeated(found), set[str]()
+    for key, _ in pairs:
+        if key in seen:
+            repeated.key = key
+            break
+        seen.add(key)
+    return repeated
+
+
+def _constant(name: str) -> float:
+    """NaN stays one, so that the fault can say where it stands."""
+    return float(name)

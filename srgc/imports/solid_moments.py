@@ -1,0 +1,79 @@
+"""Mass, centre and inertia of bodies of one density, from their shapes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srgc.imports.module_set import Steps, Vector, matrix_of
+
+if TYPE_CHECKING:
+    from yourdfpy.urdf import Geometry
+
+
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """Mass (kg), centre (m), and inertia about the centre (3, 3) in kg m^2; or per density 1."""
+
+    mass: float
+    centre: NDArray[np.float64]
+    inertia: NDArray[np.float64]
+
+    @property
+    def com(self) -> Vector:
+        """The centre."""
+        x, y, z = (float(value) for value in self.centre)
+        return (x, y, z)
+
+    @property
+    def six(self) -> tuple[float, float, float, float, float, float]:
+        """The inertia as (xx, yy, zz, xy, xz, yz)."""
+        a = self.inertia
+        found = (a[0, 0], a[1, 1], a[2, 2], a[0, 1], a[0, 2], a[1, 2])
+        xx, yy, zz, xy, xz, yz = (float(value) for value in found)
+        return (xx, yy, zz, xy, xz, yz)
+
+    def placed(self, steps: Steps) -> Moments:
+        """The same body, seen from where the steps to its frame begin."""
+        matrix = matrix_of(steps)
+        turn = matrix[:3, :3]
+        return Moments(self.mass, matrix[:3, 3] + turn @ self.centre, turn @ self.inertia @ turn.T)
+
+    def times(self, factor: float) -> Moments:
+        """A body of so many times the density."""
+        return Moments(self.mass * factor, self.centre, self.inertia * factor)
+
+    def __add__(self, other: Moments) -> Moments:
+        mass = self.mass + other.mass
+        centre = (self.mass * self.centre + other.mass * other.centre) / mass
+        inertia = np.zeros((3, 3))
+        for part in (self, other):  # Steiner
+            arm = part.centre - centre
+            inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        return Moments(mass, centre, inertia)
+
+
+def moments_of_shape(geometry: Geometry) -> Moments | None:
+    """The moments of a box, sphere or cylinder about its middle, for a density of 1 kg/m^3."""
+    if geometry.box is not None:
+        a, b, c = (float(value) for value in geometry.box.size)
+        three = ((b * b + c * c) / 12, (a * a + c * c) / 12, (a * a + b * b) / 12)
+        return _diagonal(a * b * c, *three)
+    if geometry.sphere is not None:
+        radius = float(geometry.sphere.radius)
+        own = 0.4 * radius**2
+        return _diagonal(4 / 3 * math.pi * radius**3, own, own, own)
+    if geometry.cylinder is not None:
+        radius, length = float(geometry.cylinder.radius), float(geometry.cylinder.length)
+        across = (3 * radius**2 + length**2) / 12
+        return _diagonal(math.pi * radius**2 * length, across, across, radius**2 / 2)
+    return None
+
+
+def _diagonal(mass: float, xx: float, yy: float, zz: float) -> Moments:
+    """A body at the middle of its frame; moments of inertia are per mass."""
+    return Moments(mass, np.zeros(3), mass * np.diag([xx, yy, zz]))

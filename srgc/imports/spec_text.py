@@ -1,0 +1,75 @@
+"""The whole text of an import: what it comes from, modules, grammars; in canonical form."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable
+
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.formatting.formatter import canonical
+from srgc.imports.module_set import ModuleSet
+from srgc.imports.module_text import family_text, module_text
+from srgc.imports.quantities import Quantities
+
+WIDTH = 97
+"""Columns of a comment behind its slashes."""
+
+
+def spec_text(modules: ModuleSet, *, exact: bool = False) -> str:
+    """The text of a set of modules.
+
+    Args:
+        modules: what was read; a remark about rounded angles is added to it.
+        exact: whether angles stay as they are.
+    """
+    blocks = modules_text(modules, exact=exact)
+    head = [*modules.comments]
+    if modules.remarks:
+        head += ["Not carried over, or changed:", *(f"- {line}" for line in modules.remarks)]
+    return canonical_text([comment_lines(head), *blocks])
+
+
+def modules_text(modules: ModuleSet, *, exact: bool = False) -> list[str]:
+    """The blocks of modules and grammars; see :func:`spec_text`."""
+    quantities = Quantities(exact)
+    blocks = [module_text(module, quantities) for module in modules.modules]
+    blocks += [family_text(family) for family in modules.families]
+    if quantities.rounded:
+        many = "1 angle was" if quantities.rounded == 1 else f"{quantities.rounded} angles were"
+        modules.remarks.append(
+            f"{many} rounded to whole multiples of 15 deg, by at most {quantities.most:.1g} rad; "
+            "--exact keeps them"
+        )
+    if quantities.left_out:
+        lengths = "1 length" if quantities.left_out == 1 else f"{quantities.left_out} lengths"
+        modules.remarks.append(f"{lengths} below 1 um taken for 0; --exact keeps them")
+    return blocks
+
+
+def comment_lines(lines: Iterable[str]) -> str:
+    """Lines as a comment; long ones are wrapped."""
+    found = list[str]()
+    for line in lines:
+        indent = "  " if line.startswith("- ") else ""
+        found += textwrap.wrap(
+            _printable(line), WIDTH, subsequent_indent=indent, break_on_hyphens=False
+        ) or [""]
+    return "\n".join(f"// {line}".rstrip() for line in found)
+
+
+def _printable(line: str) -> str:
+    """A line without what would end the comment or upset a terminal."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in line)
+
+
+def canonical_text(blocks: Iterable[str]) -> str:
+    """Blocks of text with empty lines between them, in canonical form.
+
+    Raises:
+        AssertionError: the text has a syntax error, which is a fault of the import.
+    """
+    sink = Sink()
+    text = canonical("\n\n".join(filter(None, blocks)) + "\n", sink)
+    if text is None:
+        raise AssertionError(f"import wrote a text with errors: {sink.sorted()[0].message}")
+    return text

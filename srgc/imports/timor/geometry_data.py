@@ -1,0 +1,91 @@
+"""Geometry as Timor and CoBRA describe it: what a body or an obstacle fills."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srgc.imports.json_place import Place
+
+GeometryKind: TypeAlias = Literal["box", "cylinder", "sphere", "mesh"]
+IDENTITY = np.eye(4).tolist()
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """A shape at a pose.
+
+    ``size`` in m: the edges of a box, (radius, length) of a cylinder, (radius,) of a sphere, the
+    scale along x, y and z of a mesh.  Boxes, cylinders (about z) and spheres are centred.
+    """
+
+    kind: GeometryKind
+    size: tuple[float, ...]
+    pose: NDArray[np.float64]
+    file: str
+    place: Place
+
+
+def read_geometries(place: Place) -> list[Geometry]:
+    """The shapes of a list, or of one shape that stands without a list; ``empty`` is none.
+
+    Raises:
+        UsageFault: one is no geometry of CoBRA's schema.
+    """
+    found = list[Geometry]()
+    for entry in place.one_or_more():
+        kind = entry["type"].text().lower()
+        entry.keys(("type", "parameters", "pose"))
+        if kind == "composed":
+            found += read_geometries(entry["geometries"])
+        elif kind in get_args(GeometryKind):
+            found.append(_read(kind, entry))  # type: ignore[arg-type]
+        elif kind != "empty":
+            raise entry["type"].fault(
+                f"unknown geometry `{kind[:40]}`; known are {', '.join(get_args(GeometryKind))}"
+            )
+    return found
+
+
+def _read(kind: GeometryKind, place: Place) -> Geometry:
+    pose = place.get("pose", IDENTITY).pose()
+    parameters = place["parameters"]
+    file, size = "", tuple[float, ...]()
+    match kind:
+        case "box":
+            parameters.keys(("x", "y", "z"))
+            size = tuple(_length(parameters, (name,)) for name in "xyz")
+        case "cylinder":
+            parameters.keys(("r", "z", "radius", "length"))
+            size = (_length(parameters, ("r", "radius")), _length(parameters, ("z", "length")))
+        case "sphere":
+            parameters.keys(("r",))
+            size = (_length(parameters, ("r",)),)
+        case "mesh":
+            parameters.keys(("file", "scale"))
+            file, size = parameters["file"].text(), _scale(parameters.get("scale", 1.0))
+    return Geometry(kind, size, pose, file, place)
+
+
+def _length(parameters: Place, names: Sequence[str]) -> float:
+    """A length above zero, which one of the names has."""
+    name = next((each for each in names if each in parameters), names[0])
+    value = parameters[name].number()
+    if value <= 0:
+        raise parameters[name].fault(f"expected a length above 0, found {value:g}")
+    return value
+
+
+def _scale(place: Place) -> tuple[float, ...]:
+    """The scale of a mesh along x, y and z, of one number or three."""
+    if isinstance(place.value, list) and len(place.value) == 3:
+        found = place.numbers(3)
+    else:
+        found = (place.one_or_more()[0].number(),) * 3
+    if min(found) <= 0:
+        raise place.fault("expected a scale above 0")
+    return found

@@ -1,0 +1,74 @@
+"""Meshes that a JSON file names: pieces of VRML as they are, others as bodies of URDF have them."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.body_meshes import BodyMeshes
+from srgc.imports.module_set import Placement, Shape, steps_of
+from srgc.imports.timor.geometry_data import Geometry
+from srgc.imports.timor.vrml_file import vrml_pieces
+
+class MeshHulls:
+    """Makes hulls of meshes; ``meshes`` has the files that they name."""
+
+    def __init__(self, meshes: BodyMeshes) -> None:
+        self.meshes = meshes
+        self._pieces = dict[tuple[str, tuple[float, ...]], list[str]]()
+
+    def shapes(self, geometry: Geometry, body: str) -> Iterator[Shape]:
+        """The hulls of a mesh that is fixed to the frame ``body``.
+
+        Raises:
+            UsageFault: the file is not below the folder of the set, or is no mesh that is known.
+        """
+        place = Placement(body, steps_of(geometry.pose))
+        owner = geometry.place.path
+        try:
+            if geometry.file.lower().endswith(".wrl"):
+                yield from self._vrml(geometry, place)
+            else:
+                yield from self.meshes.hulls(owner, geometry.file, geometry.size, place)
+        except UsageFault as fault:
+            raise _at(geometry, fault) from None
+
+    def visuals(self, geometry: Geometry, body: str) -> Iterator[Shape]:
+        """A mesh for pictures alone; nothing for other shapes."""
+        if geometry.kind != "mesh":
+            return
+        place = Placement(body, steps_of(geometry.pose))
+        try:
+            yield from self.meshes.visual(geometry.place.path, geometry.file, geometry.size, place)
+        except UsageFault as fault:
+            raise _at(geometry, fault) from None
+
+    def _vrml(self, geometry: Geometry, place: Placement) -> Iterator[Shape]:
+        """A hull for each shape of a VRML file, which is one point set each."""
+        key = (geometry.file, geometry.size)
+        if key not in self._pieces:
+            stem = self.meshes.names.name(posixpath.basename(geometry.file).split(".")[0])
+            self._pieces[key] = []
+            pieces = vrml_pieces(self.meshes.files.bytes_of(geometry.file))
+            for number, points in enumerate(pieces):
+                end = f"_{number + 1}" if len(pieces) > 1 else ""
+                name = f"{self.meshes.folder}/{stem}{end}.obj"
+                self.meshes.written[name] = _points_file(points * np.array(geometry.size))
+                self._pieces[key].append(name)
+        for name in self._pieces[key]:
+            yield Shape("hull", place, (1.0,), name)
+
+
+def _at(geometry: Geometry, fault: UsageFault) -> UsageFault:
+    """A fault of a mesh, with where its file is named."""
+    place = geometry.place["parameters"]["file"]
+    return place.fault(str(fault).removeprefix(f"{place.file}: "))
+
+
+def _points_file(points: np.ndarray) -> bytes:
+    """An OBJ file of points, whose hull is the piece; three of them make its only triangle."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+    return ("\n".join([*lines, "f 1 2 3"]) + "\n").encode()

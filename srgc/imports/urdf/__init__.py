@@ -1,0 +1,1 @@
+"""Robots and modules in the unified robot description format of ROS."""

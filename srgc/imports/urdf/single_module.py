@@ -1,0 +1,163 @@
+"""A URDF of one module: its links are frames, and links that are named are its ports."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, cast
+
+from grammar_lang.diagnostics.wording import nearest
+from grammar_lang.files.file_tree import visible
+from srgc.faults import UsageFault
+from srgc.imports.module_set import Frame, Module, ModuleSet, Motion, Placement, Port, Role
+from srgc.imports.names import Names
+from srgc.imports.urdf.joint_motion import JointMotion, JointMotions
+from srgc.imports.urdf.link_parts import LinkParts
+from srgc.imports.urdf.rigid_part import MEMBERS, RigidPart
+from srgc.imports.urdf.robot_model import UrdfRobot
+
+FORM = "write NAME=LINK:TYPE, as in in=base_link:Flange:male"
+USUAL = "Flange"
+"""The type of ports where none is said."""
+
+Gender = Literal["male", "female"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """A port as the command line says it."""
+
+    name: str
+    link: str
+    type: str
+    gender: Gender | None
+
+
+@dataclass(slots=True)
+class SingleModule:
+    """Makes one module of a URDF.
+
+    Without ``ports`` the root link is ``in``, and every link that is nothing but a frame at an end
+    is an output; all are of the type :data:`USUAL`.
+    """
+
+    robot: UrdfRobot
+    parts: LinkParts
+    motions: JointMotions
+    name: str
+    remarks: list[str]
+    ports: Sequence[str] = ()
+    names: Names = field(default_factory=lambda: Names(MEMBERS))
+
+    def module_set(self) -> ModuleSet:
+        """The module alone.
+
+        Raises:
+            UsageFault: a port is written otherwise or names no link, or ``in`` is not the root.
+        """
+        said = [_port(text, self.robot) for text in self.ports]
+        self._check_ports(said)
+        part = RigidPart(self.name, None, names=self.names)
+        self._collect(part, {each.link: each.name for each in said if each.name != "in"})
+        said = said or list(self._usual(part))
+        part.named += [
+            Frame(each.name, Placement(part.links[each.link]))
+            for each in said
+            if each.name != "in" and part.links[each.link] != each.name
+        ]
+        part.inline({each.name for each in said})
+        inside = any(each.name == "in" for each in said)
+        outputs = any(each.name != "in" for each in said)
+        role: Role = "joint" if part.dofs else "link" if inside else "base"
+        module = Module(
+            self.name,
+            role if outputs or part.dofs or not inside else "effector",
+            [Port(each.name, each.type, each.gender) for each in said],
+            part.named,
+            part.dofs,
+            part.bodies,
+            part.shapes,
+            effectors=[] if outputs else [Placement(next(reversed(part.links.values())))],
+            comments=[f"Links {', '.join(map(visible, part.links))}."],
+        )
+        return ModuleSet(modules=[module], remarks=self.remarks)
+
+    def _check_ports(self, said: Sequence[_Said]) -> None:
+        for number, each in enumerate(said):
+            if any(each.name == other.name for other in said[:number]):
+                raise UsageFault(f"--port {each.name}: there are two ports of that name")
+            if each.name == "in" and each.link != self.robot.root:
+                raise UsageFault(
+                    f"--port in={each.link}: `in` is where a module stands, and that is its root "
+                    f"link `{self.robot.root}`"
+                )
+
+    def _usual(self, part: RigidPart) -> Iterator[_Said]:
+        """The root, and frames at the ends."""
+        yield _Said("in", self.robot.root, USUAL, None)
+        ends = [
+            link
+            for link in part.links
+            if link != self.robot.root and not self.robot.below[link] and part.is_bare(link)
+        ]
+        for link in ends:
+            frame = part.links[link]
+            name = "out" if len(ends) == 1 else _word(link)
+            self.names.given.add(name)
+            yield _Said(name if frame != name else frame, link, USUAL, None)
+        if not ends:
+            self.remarks.append(
+                "no link is nothing but a frame, which would be an output: --port out=LINK:TYPE"
+            )
+
+    def _collect(self, part: RigidPart, outputs: dict[str, str]) -> None:
+        """All links, from the root on; degrees of freedom have names of their own."""
+        self.names.given |= set(outputs.values())
+        due = [(self.robot.root, "in")]
+        while due:
+            link, frame = due.pop(0)
+            part.take(link, frame, self.parts)
+            for joint in self.robot.below[link]:
+                child = self.robot.joints[joint].child
+                origin = self.robot.steps(self.robot.elements["joint", joint])
+                motion = self._named(self.motions.of(joint), joint)
+                part.dofs += motion.dofs
+                place = Placement(frame, (*origin, *motion.steps))
+                if child in outputs:
+                    part.named.append(Frame(outputs[child], place))
+                    due.append((child, outputs[child]))
+                else:
+                    due.append((child, part.frame(_word(child), place)))
+
+    def _named(self, motion: JointMotion, joint: str) -> JointMotion:
+        """Degrees of freedom called after their joints, where there are several."""
+        moving = sum(each.type not in ("fixed", "floating") for each in self.robot.joints.values())
+        if moving <= 1:
+            return motion
+        short = _word(joint).removesuffix("_joint")
+        names = {
+            dof.name: self.names.name(short if len(motion.dofs) == 1 else f"{short}_{dof.name}")
+            for dof in motion.dofs
+        }
+        steps = tuple(
+            Motion(names[step.dof]) if isinstance(step, Motion) else step for step in motion.steps
+        )
+        return JointMotion(tuple(replace(dof, name=names[dof.name]) for dof in motion.dofs), steps)
+
+
+def _port(text: str, robot: UrdfRobot) -> _Said:
+    """A port ``NAME=LINK:TYPE`` or ``NAME=LINK:TYPE:GENDER``."""
+    known = re.fullmatch(r"([A-Za-z_]\w*)=([^:]+):([A-Za-z_]\w*)(?::(male|female))?", text)
+    if known is None:
+        raise UsageFault(f"--port {text}: {FORM}")
+    name, link, kind, gender = known.groups()
+    if link not in robot.links:
+        near = nearest(link, list(robot.links))
+        hint = "" if near is None else f"; did you mean `{near}`?"
+        raise UsageFault(f"--port {text}: there is no link `{link}`{hint}")
+    return _Said(name, link, kind, cast("Gender | None", gender))
+
+
+def _word(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "_"

@@ -1,0 +1,101 @@
+"""``srgc import urdf``: a robot, or a module with ports, from URDF or xacro."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from srgc.imports.body_meshes import BodyMeshes
+from srgc.imports.module_set import ModuleSet
+from srgc.imports.names import Names
+from srgc.imports.source_files import source_files
+from srgc.imports.spec_text import spec_text
+from srgc.imports.urdf.joint_motion import JointMotions, held_values
+from srgc.imports.urdf.link_parts import LinkParts
+from srgc.imports.urdf.robot_model import UrdfRobot, robot_model
+from srgc.imports.urdf.robot_modules import RobotModules
+from srgc.imports.urdf.xacro_source import expanded_xacro
+from srgc.imports.written_import import Imported
+from srgc.version import VERSION
+
+
+def urdf_import(
+    file: Path,
+    *,
+    name: str | None = None,
+    exact: bool = False,
+    module: bool = False,
+    ports: Sequence[str] = (),
+    effectors: Sequence[str] = (),
+    fixed: Sequence[str] = (),
+    packages: Sequence[str] = (),
+    density: float | None = None,
+    arguments: Sequence[str] = (),
+    pieces: int | None = None,
+    detail: float | None = None,
+) -> Imported:
+    """The spec of a robot, whose one word it is; or of one module.
+
+    Args:
+        file: URDF, or xacro by the end of its name.
+        name: what names begin with; that of the robot if None.
+        exact: keep angles as they are.
+        module: make one module of it, with ports.
+        ports: of a module each ``NAME=LINK:TYPE``, with ``:male`` or ``:female`` behind it.
+        effectors: links; the last frame if empty.
+        fixed: joints that are held, each ``JOINT`` or ``JOINT=VALUE`` (rad, m).
+        packages: where packages are, each ``NAME=DIR``.
+        density: of links without an inertial (kg/m^3).
+        arguments: of a xacro file, each ``NAME:=VALUE``.
+        pieces: at most so many convex pieces of a mesh.
+        detail: what they may add to its volume, as a share.
+
+    Raises:
+        UsageFault: the file cannot be read, or an option does not fit it.
+    """
+    files = source_files(file, packages)
+    is_xacro = file.suffix == ".xacro"
+    data = expanded_xacro(files, arguments) if is_xacro else files.main_bytes()
+    robot = robot_model(data, file)
+    held = held_values(robot, fixed)
+    remarks = list[str]()
+    prefix = Names().camel(name or robot.name)
+    meshes = BodyMeshes(files, f"{prefix.lower()}_meshes", remarks, pieces, detail)
+    parts = LinkParts(robot, meshes, density, remarks)
+    motions = JointMotions(robot, held, remarks)
+    if module:
+        from srgc.imports.urdf.single_module import SingleModule
+
+        made = SingleModule(robot, parts, motions, prefix, remarks, ports).module_set()
+    else:
+        made = RobotModules(robot, parts, motions, prefix, remarks, effectors).module_set()
+    _add_remarks(made, robot, parts, motions)
+    made.comments[:0] = [
+        f"{robot.name}, imported by srgc {VERSION} from {file.name}.",
+        "A module is what moves as one body; its frames are those of the links there.",
+    ]
+    text = spec_text(made, exact=exact)
+    return Imported(prefix.lower(), text, meshes.written, tuple(made.remarks))
+
+
+def _add_remarks(
+    made: ModuleSet, robot: UrdfRobot, parts: LinkParts, motions: JointMotions
+) -> None:
+    """What nothing of the language stands for."""
+    if motions.unlimited:
+        listed = ", ".join(motions.unlimited)
+        made.remarks.append(f"limits of 0 are taken for none: {listed}")
+    shaped = [name for name in parts.massless if robot.links[name].collisions]
+    if shaped:
+        listed = ", ".join(f"`{name}`" for name in shaped)
+        made.remarks.append(
+            f"links with shapes and without an inertial weigh nothing: {listed}; --density gives "
+            "them the mass of their shapes"
+        )
+    soft = [name for name, joint in robot.joints.items() if joint.safety_controller is not None]
+    if soft:
+        made.remarks.append(
+            f"safety controllers of {len(soft)} joints; ranges are those of <limit>"
+        )
+    for tag, count in robot.others.items():
+        made.remarks.append(f"{count} <{tag}>, which says nothing of the body of a robot")

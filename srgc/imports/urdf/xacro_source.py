@@ -1,0 +1,51 @@
+"""Xacro files: expanded by the library of ROS, in a process that reads nothing else."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterable
+
+from srgc.faults import UsageFault
+from srgc.imports.source_files import SourceFiles
+from srgc.imports.urdf.xacro_process import SECONDS
+
+
+def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
+    """The URDF that a xacro file stands for.
+
+    Args:
+        files: the file, and what else may be read.
+        arguments: each ``NAME:=VALUE``, as on the command line of xacro.
+
+    Raises:
+        UsageFault: it cannot be expanded, or not within limits of time and memory.
+    """
+    values = dict[str, str]()
+    for text in arguments:
+        name, separator, value = text.partition(":=")
+        if not separator or not name:
+            raise UsageFault(f"--arg {text}: write NAME:=VALUE")
+        values[name] = value
+    packages = {files.folder.name: files.folder} | dict(files.packages)
+    asked = {
+        "file": os.path.realpath(files.main),
+        "packages": {name: str(place) for name, place in packages.items()},
+        "arguments": values,
+    }
+    command = [sys.executable, "-P", "-m", "srgc.imports.urdf.xacro_process"]
+    environment = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONHASHSEED": "0"}
+    done = subprocess.run(  # noqa: S603 — our own module, with input on stdin alone
+        command,
+        input=json.dumps(asked).encode(),
+        capture_output=True,
+        env=environment,
+        check=False,
+    )
+    if done.returncode == 0:
+        return done.stdout
+    lines = done.stderr.decode(errors="replace").strip().splitlines()
+    said = lines[-1] if lines and done.returncode == 1 else f"it takes more than {SECONDS} s"
+    raise UsageFault(f"{files.main}: xacro cannot expand it: {said}")

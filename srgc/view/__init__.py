@@ -1,0 +1,1 @@
+"""A live page on which designs move in space."""
