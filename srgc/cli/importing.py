@@ -30,6 +30,10 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
         "srgc.imports.cobra.cobra_import:cobra_import",
         frozenset({"modules", "name", "exact", "base", "any_order", "cost", "pieces", "detail"}),
     ),
+    "scene": (
+        "srgc.imports.scenes.scene_import:scene_import",
+        frozenset({"name", "unit", "at", "packages", "pieces", "detail"}),
+    ),
 }
 """By kind where the function is that imports it, and the options that it takes."""
 
@@ -41,6 +45,7 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
         "srgc import urdf robots/scara.urdf -o out/scara.srg",
         "srgc import timor specs/imports/scara_modules -o out/kit.srg",
         "srgc import cobra specs/imports/sort_parts.json --modules specs/imports/scara_modules -o -",
+        "srgc import scene specs/imports/bench.scene -o out/bench.srg",
     ],
     reads_spec=False,
     read_on="docs/how-to/import.md",
@@ -95,6 +100,12 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
 @click.option("--base", metavar="MODULE", help="cobra: which module of the set is the base.")
 @click.option("--any-order", is_flag=True, help="cobra: leave the order of goals open.")
 @click.option("--cost", metavar="COSTS", help="cobra: what to minimize, as in `mass,cyc`.")
+@click.option(
+    "--unit",
+    type=click.Choice(["mm", "cm", "m", "in"]),
+    help="scene: the unit of STL and OBJ (metres otherwise), or instead of that of DAE.",
+)
+@click.option("--at", metavar="PLACE", help="scene: where its origin is, as `(0.5, 0, 0) m`.")
 @click.option("--force", is_flag=True, help="Replace files that are there.")
 def import_(
     kind: str,

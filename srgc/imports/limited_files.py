@@ -1,16 +1,13 @@
-"""Files of others: read up to a size, XML without entities, and no path that leaves a folder."""
+"""Meshes of others: read up to a size, never unpacked, and XML without entities."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 from xml.etree.ElementTree import Element
 
 from srgc.faults import UsageFault
 from srgc.paths import refuse_impossible
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 MOST_BYTES = 200_000_000
 """A file of more is refused before it is read."""
@@ -45,7 +42,7 @@ def limited_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
         raise UsageFault(f"{path}: {error.strerror}") from None
     if len(content) > most:
         raise UsageFault(
-            f"{path} is larger than {most // 1_000_000} MB, the most that is read; simplify it first"
+            f"{path} is larger than {most // 1_000_000} MB, and no more is read; simplify it first"
         )
     if not content.strip(b"\0 \t\r\n"):
         raise UsageFault(f"{path} is empty")
@@ -53,15 +50,6 @@ def limited_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
         if content.startswith(start):
             raise UsageFault(f"{path} is {what}, which is not unpacked here; unpack it first")
     return content
-
-
-def limited_xml(path: Path) -> Xml:
-    """The root of an XML file; entities and document types are refused before they mean anything.
-
-    Raises:
-        UsageFault: as :func:`limited_bytes`, or it is no XML, or declares a document type.
-    """
-    return xml_of(limited_bytes(path, MOST_XML_BYTES), path)
 
 
 def xml_of(content: bytes, path: Path) -> Xml:
@@ -85,52 +73,3 @@ def xml_of(content: bytes, path: Path) -> Xml:
     except RecursionError:
         raise UsageFault(f"{path}: its elements are nested too deeply") from None
     return root
-
-
-class FileTree:
-    """Where the files named by a file may be: below its folder, or below packages that are given."""
-
-    def __init__(self, root: Path, packages: Mapping[str, Path] | None = None) -> None:
-        self.root = root.resolve()
-        self.packages = {name: path.resolve() for name, path in (packages or {}).items()}
-
-    def found(self, reference: str) -> Path:
-        """The file of a path or of a ``package://``, ``model://`` or ``file://`` address.
-
-        Raises:
-            UsageFault: it is nowhere, or it would be outside the folders that may be read.
-        """
-        scheme, colon, rest = reference.partition("://")
-        if not colon:
-            return self._below(self.root, reference, reference)
-        if scheme not in {"package", "model", "file"}:
-            raise UsageFault(f"{reference}: nothing is fetched from a network; name a file")
-        if scheme == "file":
-            return self._below(self.root, rest, reference)
-        name, _, inside = rest.partition("/")
-        if name in self.packages:
-            return self._below(self.packages[name], inside, reference)
-        for folder in (self.root / name, self.root):
-            if (folder / inside).exists() and (folder == self.root / name or self._named(name)):
-                return self._below(folder, inside, reference)
-        raise UsageFault(
-            f"{reference} is not below the folder of the file; `--package {name}=DIR` says where "
-            "it is"
-        )
-
-    def _named(self, name: str) -> bool:
-        """Whether the folder of the file, or one above the file's, is called so."""
-        return self.root.name == name
-
-    def _below(self, folder: Path, inside: str, reference: str) -> Path:
-        if "\0" in inside:
-            raise UsageFault(f"{reference!r}: no path has a NUL character")
-        path = (folder / inside).resolve()
-        if not any(path.is_relative_to(each) for each in (self.root, *self.packages.values())):
-            raise UsageFault(
-                f"{reference} leads out of the folder of the file, where nothing is read; copy it, "
-                "or name its folder with `--package NAME=DIR`"
-            )
-        if not path.is_file():
-            raise UsageFault(f"{reference}: there is no such file")
-        return path

@@ -1,1 +1,1 @@
-"""Meshes: read with care, taken apart into convex pieces, and every triangle checked to be in one."""
+"""Meshes: read with care, cut into convex pieces, and every triangle checked to be in these."""

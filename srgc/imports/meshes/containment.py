@@ -96,7 +96,7 @@ class _Heights:
         self.scale = 10.0**piece.digits
         planes = np.array(piece.planes, dtype=object)
         self.origin = np.array([float(x) for x in piece.corners[0]])
-        # The offset from a corner, in integers: heights near zero are not differences of large ones.
+        # Offsets from a corner, in integers: heights are no differences of large numbers then.
         local = planes[:, 3] - planes[:, :3] @ np.array(piece.corners[0], dtype=object)
         self.normals = planes[:, :3].astype(np.float64)
         self.offsets = local.astype(np.float64)

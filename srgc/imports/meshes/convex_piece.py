@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -69,7 +69,7 @@ class ConvexPiece:
         for plane in self.planes:
             on = [i for i, corner in enumerate(self.corners) if height(plane, corner) == 0]
             ring = _around(plane, on, self.corners)
-            found += [(ring[0], b, c) for b, c in zip(ring[1:], ring[2:], strict=False)]
+            found += [(ring[0], b, c) for b, c in pairwise(ring[1:])]
         return tuple(found)
 
 

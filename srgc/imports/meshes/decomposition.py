@@ -1,8 +1,8 @@
 """A mesh as convex pieces that hold all of it, with the volume that they add.
 
 The part whose hull adds most is split until little is added; then neighbours are joined where that
-adds little.  That is a search in doubles, and nobody has to believe it: the pieces are decimals, and
-whether they hold every triangle is decided exactly; where one is not, a piece grows.
+adds little.  That is a search in doubles, and nobody has to believe it: the pieces are decimals,
+and whether they hold every triangle is decided exactly; where they do not, a piece grows.
 """
 
 from __future__ import annotations

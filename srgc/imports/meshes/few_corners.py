@@ -44,7 +44,7 @@ def hull_corners(points: Floats) -> Floats:
 
 
 def hull_of(points: Floats) -> tuple[Floats, float]:
-    """The corners of the hull of points, in their order, and its volume; all where they are flat."""
+    """The corners of the hull of points, and its volume; all points and 0 where they are flat."""
     from scipy.spatial import ConvexHull, QhullError
 
     if len(points) < 4:
@@ -184,7 +184,7 @@ def _moved(points: Floats, corners: Floats, simplices: Ints, equations: Floats) 
 
 
 def _least_move(normals: Floats, due: Floats, areas: Floats) -> Floats:
-    """The w with ``normals w >= due`` that adds the least volume: at one of the corners of these."""
+    """The w with ``normals w >= due`` that adds the least volume: a corner of that set."""
     triples = np.array(list(combinations(range(len(normals)), 3)))
     systems = normals[triples]
     sound = np.abs(np.linalg.det(systems)) > 1e-6

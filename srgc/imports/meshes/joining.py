@@ -13,7 +13,7 @@ from srgc.imports.meshes.regions import MergedRegion, Region
 NEIGHBOURS = 8
 """A region is joined with one of so many whose middles are nearest."""
 APART = 0.02
-"""Regions that are farther apart than this share of the larger are not joined unless they have to."""
+"""Regions farther apart than this share of the larger are joined only if they are too many."""
 
 
 class Joining:

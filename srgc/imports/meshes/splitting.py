@@ -1,4 +1,4 @@
-"""The parts of a mesh that pieces are made for: split where hulls add much, joined where they add little."""
+"""The parts of a mesh that pieces are made for: split where hulls add much, joined elsewhere."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 LOOK = 1.1
 """What pieces add is measured again when there are so many times as many."""
 ROUGH, JOINED = 0.6, 1.1
-"""The shares of the detail up to which parts are split at first, and up to which they are joined."""
+"""Shares of the detail: parts are split down to the first, and joined up to the second."""
 
 
 def regions_of(
     parts: Anatomy, vertices: Floats, triangles: Ints, budget: float, most: int
 ) -> list[Region]:
+    """Parts of solids and shells whose hulls add about the budget (m^3), and at most so many."""
     solids: list[Region] = [SolidRegion(each) for each in parts.solids]
     solids = _split_up(solids, ROUGH * budget, 2 * most + 8)
     shells: list[Region] = []

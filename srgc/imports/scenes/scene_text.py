@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from itertools import chain, count
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar_lang.diagnostics.diagnostic import Sink
-from grammar_lang.formatting.formatter import canonical
 from grammar_lang.names.declarations import map_name
 from srgc.faults import UsageFault
 from srgc.imports.meshes.convex_piece import decimal_text
 from srgc.imports.meshes.decomposition import DETAIL, Pieces, decomposed
 from srgc.imports.meshes.enclosing import enclosing
+from srgc.imports.meshes.piece_files import pieces_text
+from srgc.imports.names import Names
 from srgc.imports.scenes.scene import (
     BallShape,
     BoxShape,
@@ -25,6 +24,9 @@ from srgc.imports.scenes.scene import (
     Scene,
     SceneObject,
 )
+from srgc.imports.spec_text import canonical_text, comment_lines
+from srgc.imports.written_import import Imported
+from srgc.version import VERSION
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,6 +38,10 @@ UNITS = {"m": 0, "cm": 2, "mm": 3}
 """The units of texts, and the power of ten that a metre is of them."""
 DIGITS, FINER, SMALL = 6, 9, 1e-3
 """Places are rounded to 10^-6 m, and to 10^-9 m where an object is smaller than a millimetre."""
+FOLDER = "obstacles"
+"""Where the pieces of meshes stand beside the spec."""
+FEW = 8
+"""A mesh that is one piece of so many corners is written out."""
 MARGIN = 0.25
 """So much of the size of the scene is free about it."""
 
@@ -49,16 +55,8 @@ class Wanted:
     name: str | None = None
 
 
-@dataclass(slots=True)
-class SceneText:
-    """The text of a workspace, and what is to be said about it, a line each."""
-
-    text: str
-    notes: list[str] = field(default_factory=list)
-
-
-def scene_text(scene: Scene, source: str, wanted: Wanted) -> SceneText:
-    """The workspace of a scene that was read from ``source``.
+def scene_spec(scene: Scene, source: str, wanted: Wanted) -> Imported:
+    """The workspace of a scene that was read from ``source``, with the files of its meshes.
 
     Raises:
         UsageFault: there is nothing in it.
@@ -69,31 +67,20 @@ def scene_text(scene: Scene, source: str, wanted: Wanted) -> SceneText:
     writer = _Writer(wanted)
     for item in scene.objects:
         writer.add(item)
-    text = "\n".join(
-        [*_head(scene, source, writer), *writer.bounds(scene.ground), *writer.lines, "}", ""]
-    )
-    made = canonical(text, Sink())
-    if made is None:
-        raise ArithmeticError("the text of a scene has a syntax error")
-    return SceneText(
-        made, [*writer.notes, *(f"not carried over: {each}" for each in scene.dropped)]
-    )
-
-
-def _head(scene: Scene, source: str, writer: _Writer) -> list[str]:
-    lines = [f"// {_plain(source)}, as srgc import scene has read it."]
+    head = [f"{source}, imported by srgc {VERSION}."]
     if writer.rounded:
-        lines.append("// Places are rounded to 0.001 mm.")
+        head.append("Places are rounded to 0.001 mm.")
     if scene.dropped:
-        lines.append("// Not carried over:")
-        lines += [f"//   {_plain(each)}" for each in scene.dropped]
-    name = map_name(writer.wanted.name or scene.name)
-    return [*lines, f"workspace {name[:1].upper()}{name[1:]} {{", "  space xyz;"]
-
-
-def _plain(text: str) -> str:
-    """A text of others as part of a comment: one line, of what can be printed."""
-    return "".join(each if each.isprintable() else " " for each in text)[:300]
+        head += ["Not carried over:", *(f"- {each}" for each in scene.dropped)]
+    name = Names().camel(wanted.name or scene.name)
+    body = [*writer.bounds(scene.ground), *writer.lines]
+    block = "\n".join([f"workspace {name} {{", "  space xyz;", *body, "}"])
+    return Imported(
+        name=map_name(wanted.name or scene.name),
+        text=canonical_text([comment_lines(head), block]),
+        files=writer.files,
+        remarks=(*writer.notes, *(f"not carried over: {each}" for each in scene.dropped)),
+    )
 
 
 class _Writer:
@@ -103,15 +90,16 @@ class _Writer:
         self.wanted = wanted
         self.lines: list[str] = []
         self.notes: list[str] = []
+        self.files: dict[str, bytes] = {}
         self.rounded = False
-        self.taken = set[str]()
+        self.names = Names()
         self.lower, self.upper = np.full(3, np.inf), np.full(3, -np.inf)
 
     def add(self, item: SceneObject) -> None:
-        """Write an object as one obstacle or several."""
-        name = map_name(item.name.replace(".", "_"))
+        """Write an object as one obstacle."""
+        name = self.names.name(item.name)
         if item.note:
-            self.lines.append(f"  // {_plain(item.name)} is {item.note}.")
+            self.lines.append(f"  {comment_lines([f'{item.name} is {item.note}.'])}")
             self.notes.append(f"{item.name} is {item.note}")
         match item.shape:
             case BoxShape(size=size):
@@ -122,30 +110,38 @@ class _Writer:
                 ends = np.array([[0, 0, -length / 2], [0, 0, length / 2]])
                 self._round(name, kind, item, ends, radius)
             case PointsShape(points=points):
-                self._pieces(name, [enclosing(item.pose.of(points)).piece])
-            case MeshShape(mesh=mesh, source=source):
-                found = decomposed(
-                    item.pose.of(mesh.vertices),
-                    mesh.triangles,
-                    detail=self.wanted.detail,
-                    pieces=self.wanted.pieces,
-                )
-                self._told(item.name, source, found)
-                self._pieces(name, found.pieces)
+                self._piece(name, enclosing(item.pose.of(points)).piece)
+            case MeshShape():
+                self._mesh(name, item, item.shape)
 
-    def _told(self, name: str, source: str, found: Pieces) -> None:
-        """Say what was made of a mesh."""
-        said = f"{described(found)}"
-        self.lines.append(f"  // {_plain(name)} of {_plain(source)}: {said}.")
-        self.lines += [f"  //   {_plain(note)}." for note in found.notes]
-        self.notes.append(f"{name}: {'; '.join([said, *found.notes])}")
+    def _mesh(self, name: str, item: SceneObject, shape: MeshShape) -> None:
+        found = decomposed(
+            item.pose.of(shape.mesh.vertices),
+            shape.mesh.triangles,
+            detail=self.wanted.detail,
+            pieces=self.wanted.pieces,
+        )
+        said = "; ".join([described(found), *found.notes])
+        self.lines.append(f"  {comment_lines([f'{item.name} of {shape.source}: {said}.'])}")
+        self.notes.append(f"{item.name}: {said}")
+        if len(found.pieces) == 1 and len(found.pieces[0].corners) <= FEW:
+            self._piece(name, found.pieces[0])
+            return
+        for piece in found.pieces:
+            points = piece.points()
+            self._reach(points.min(axis=0), points.max(axis=0))
+        numbers = [f"piece_{number + 1}" for number in range(len(found.pieces))]
+        path = f"{FOLDER}/{name}.obj"
+        origin = f"{_line(item.name)} of {_line(shape.source)}, in metres, by srgc {VERSION}"
+        self.files[path] = pieces_text(found.pieces, numbers, [origin]).encode()
+        self.lines.append(f'  obstacles from "{path}";')
 
     def _box(self, name: str, item: SceneObject, size: Sequence[float]) -> None:
         half = np.array(size) / 2
         signs = np.array([[(-1, 1)[i >> axis & 1] for axis in range(3)] for i in range(8)])
         points = item.pose.of(signs * half)
         if not item.pose.along_axes():
-            self._pieces(name, [enclosing(points).piece])
+            self._piece(name, enclosing(points).piece)
             return
         lower, upper = points.min(axis=0), points.max(axis=0)
         self._reach(lower, upper)
@@ -163,28 +159,19 @@ class _Writer:
         size = decimal_text(wide, digits - UNITS[of_radius])
         self._write(name, f"{kind} {shown} {unit} radius {size} {of_radius}")
 
-    def _pieces(self, name: str, pieces: Sequence[ConvexPiece]) -> None:
-        """Convex pieces, each an obstacle; the one place that decides how they are written."""
-        for number, piece in enumerate(pieces, 1):
-            called = name if len(pieces) == 1 else f"{name}_{number}"
-            points = piece.points()
-            self._reach(points.min(axis=0), points.max(axis=0))
-            box = piece.box()
-            if box is not None:
-                self._write(called, "box " + _sides(box, piece.digits))
-                continue
-            unit = _unit(float(np.abs(points).max()))
-            shown = ", ".join(_point(corner, piece.digits, unit) for corner in piece.corners)
-            self._write(called, f"hull {shown} {unit}")
+    def _piece(self, name: str, piece: ConvexPiece) -> None:
+        points = piece.points()
+        self._reach(points.min(axis=0), points.max(axis=0))
+        box = piece.box()
+        if box is not None:
+            self._write(name, "box " + _sides(box, piece.digits))
+            return
+        unit = _unit(float(np.abs(points).max()))
+        shown = ", ".join(_point(corner, piece.digits, unit) for corner in piece.corners)
+        self._write(name, f"hull {shown} {unit}")
 
     def _write(self, name: str, shape: str) -> None:
-        self.lines.append(f"  obstacle {self._unused(name)} {shape};")
-
-    def _unused(self, name: str) -> str:
-        more = (f"{name}_{number}" for number in count(2))
-        found = next(each for each in chain([name], more) if each not in self.taken)
-        self.taken.add(found)
-        return found
+        self.lines.append(f"  obstacle {name} {shape};")
 
     def _grid(self, places: Sequence[Floats], digits: int) -> list[tuple[int, int, int]]:
         """Places in steps of 10^-``digits`` m."""
@@ -215,9 +202,14 @@ class _Writer:
         places = [tuple(round(x * 10**digits) for x in row.tolist()) for row in (low, high)]
         return [
             "  // A box about everything, and some room; adapt it to your cell.",
-            f"  bounds box {_sides(places, digits)};",  # type: ignore[arg-type]
+            f"  bounds box {_sides(places, digits)};",
             "",
         ]
+
+
+def _line(text: str) -> str:
+    """A text of others as a part of a line."""
+    return "".join(each if each.isprintable() else " " for each in text)
 
 
 def described(found: Pieces) -> str:

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from srgc.faults import UsageFault
-from srgc.imports.limited_files import FileTree, Xml
 from srgc.imports.meshes.mesh import Mesh
 from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
 from srgc.imports.scenes.scene import (
@@ -24,15 +23,19 @@ from srgc.imports.scenes.scene import (
     ellipsoid_points,
     positive,
 )
+from srgc.imports.source_files import SourceFiles
+from srgc.imports.xml_source import Element
 
 
 class Geometries:
     """Reads geometries; meshes are below the folder of the file, or in packages that were named."""
 
-    def __init__(self, scene: Scene, tree: FileTree) -> None:
-        self.scene, self.tree, self.folder = scene, tree, tree.root
+    def __init__(self, scene: Scene, files: SourceFiles) -> None:
+        self.scene, self.files, self.folder = scene, files, files.folder
 
-    def of(self, geometry: Xml | None, name: str, pose: Pose) -> Iterator[tuple[Shape, Pose, str]]:
+    def of(
+        self, geometry: Element | None, name: str, pose: Pose
+    ) -> Iterator[tuple[Shape, Pose, str]]:
         """The shapes of a geometry, where they are in it, and what is to be said of them.
 
         Raises:
@@ -56,19 +59,17 @@ class Geometries:
             else:
                 yield found[0], Pose(), found[1]
 
-    def _plane(self, element: Xml, name: str, pose: Pose) -> None:
+    def _plane(self, element: Element, name: str, pose: Pose) -> None:
         normal = pose.turn @ np.array(_numbers(element, "normal", 3, name, "0 0 1"))
         self.scene.plane(name, normal, pose.shift)
 
-    def _mesh(self, element: Xml, name: str) -> Iterator[tuple[Shape, Pose, str]]:
+    def _mesh(self, element: Element, name: str) -> Iterator[tuple[Shape, Pose, str]]:
         uri = (element.findtext("uri") or "").strip()
         scale = np.array(_numbers(element, "scale", 3, name, "1 1 1"))
-        path = self._found(uri)
-        if path is None:
-            self.scene.dropped.append(
-                f"{name}: its mesh {uri or '(without an address)'} is nowhere"
-            )
+        if Path(uri).suffix.lower() not in SUFFIXES:
+            self.scene.dropped.append(f"{name}: its mesh {uri or '(without an address)'}")
             return
+        path = self.files.path_of(uri, self.folder)
         mesh = read_mesh(path)
         part = element.find("submesh")
         if part is not None:
@@ -84,20 +85,8 @@ class Geometries:
         triangles = mesh.triangles[:, ::-1] if np.prod(scale) < 0 else mesh.triangles
         yield MeshShape(Mesh(mesh.vertices * scale, triangles), path.name), Pose(), ""
 
-    def _found(self, uri: str) -> Path | None:
-        """The mesh of an address: beside the file that names it, or below the tree."""
-        for reference in (uri, str(self.folder / uri)):
-            if Path(uri).suffix.lower() not in SUFFIXES:
-                return None
-            try:
-                return self.tree.found(reference)
-            except UsageFault as fault:
-                if "leads out of" in str(fault) or "network" in str(fault):
-                    raise
-        return None
 
-
-def _simple(element: Xml, name: str) -> tuple[Shape, str] | None:
+def _simple(element: Element, name: str) -> tuple[Shape, str] | None:
     if element.tag == "box":
         x, y, z = _sizes(element, "size", 3, name)
         return BoxShape((x, y, z)), ""
@@ -114,7 +103,7 @@ def _simple(element: Xml, name: str) -> tuple[Shape, str] | None:
     return None
 
 
-def _polyline(element: Xml, name: str) -> Shape:
+def _polyline(element: Element, name: str) -> Shape:
     """A polygon that is extruded upwards from its plane."""
     from trimesh.creation import extrude_triangulation
 
@@ -132,13 +121,13 @@ def _polyline(element: Xml, name: str) -> Shape:
     )
 
 
-def _sizes(element: Xml, tag: str, count: int, name: str) -> list[float]:
+def _sizes(element: Element, tag: str, count: int, name: str) -> list[float]:
     found = _numbers(element, tag, count, name)
     positive(found, f"{name}: the {tag} of its {element.tag}")
     return found
 
 
-def _numbers(element: Xml, tag: str, count: int, name: str, default: str = "") -> list[float]:
+def _numbers(element: Element, tag: str, count: int, name: str, default: str = "") -> list[float]:
     text = element.findtext(tag) or default
     return _parsed(text, count, f"{name}: the {tag} of its {element.tag}")
 

@@ -1,7 +1,7 @@
 """Worlds and models of SDF (Gazebo): links, collisions, nested models and includes.
 
-Source: the SDFormat specification 1.11 (sdformat.org/spec).  What collides is carried over; what has
-no bounds or no shape is listed.
+Source: the SDFormat specification 1.11 (sdformat.org/spec).  What collides is carried over; what
+has no bounds or no shape is listed.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from srgc.faults import UsageFault
-from srgc.imports.limited_files import FileTree, Xml, limited_xml
 from srgc.imports.scenes.scene import (
     Pose,
     Scene,
@@ -20,16 +19,14 @@ from srgc.imports.scenes.scene import (
     quaternion_pose,
 )
 from srgc.imports.scenes.sdf_geometry import Geometries
+from srgc.imports.source_files import SourceFiles
+from srgc.imports.xml_source import Element, xml_root
 
-SHAPELESS = frozenset(
-    "light physics gui scene gravity magnetic_field atmosphere spherical_coordinates wind audio "
-    "state population material model_state actor road".split()
-)
-"""Elements of a world that are listed together."""
 PASSED = frozenset(
-    "pose static link model include frame name joint plugin self_collide enable_wind kinematic "
-    "allow_auto_disable uri placement_frame gripper".split()
+    {"pose", "static", "link", "model", "include", "frame", "name", "self_collide", "enable_wind"}
+    | {"kinematic", "allow_auto_disable", "uri", "placement_frame"}
 )
+"""Elements of a model that are carried over, or say nothing about where it is."""
 MOST_INCLUDES, DEEPEST = 1000, 20
 
 
@@ -43,15 +40,15 @@ class _Place:
 
 
 class _Reader:
-    def __init__(self, scene: Scene, tree: FileTree, path: Path) -> None:
-        self.scene, self.tree, self.path = scene, tree, path
-        self.geometries = Geometries(scene, tree)
+    def __init__(self, scene: Scene, files: SourceFiles) -> None:
+        self.scene, self.files, self.path = scene, files, files.main
+        self.geometries = Geometries(scene, files)
         self.includes = 0
 
     def fault(self, said: str) -> UsageFault:
         return UsageFault(f"{self.path}: {said}")
 
-    def world(self, world: Xml) -> None:
+    def world(self, world: Element) -> None:
         place = _Place("", Pose())
         shapeless = dict[str, int]()
         for element in world:
@@ -66,7 +63,7 @@ class _Reader:
             self.scene.dropped.append(f"of the world: {', '.join(shapeless)}")
         self.models(world, place, 0)
 
-    def models(self, parent: Xml, place: _Place, depth: int) -> None:
+    def models(self, parent: Element, place: _Place, depth: int) -> None:
         """The models and includes of a world or model; frames first, since these refer to them."""
         if depth > DEEPEST:
             raise self.fault(f"models are nested more than {DEEPEST} deep")
@@ -77,7 +74,9 @@ class _Reader:
         for include in parent.findall("include"):
             self.include(include, place, depth)
 
-    def model(self, model: Xml, outer: _Place, pose: Pose, depth: int, called: str = "") -> None:
+    def model(
+        self, model: Element, outer: _Place, pose: Pose, depth: int, called: str = ""
+    ) -> None:
         name = called or model.get("name") or "model"
         whole = f"{outer.prefix}{name}"
         place = _Place(f"{whole}_", pose, {"__model__": pose})
@@ -95,7 +94,7 @@ class _Reader:
             self.link(link, place, whole, alone=len(links) == 1)
         self.models(model, place, depth + 1)
 
-    def listed(self, model: Xml, whole: str, depth: int) -> None:
+    def listed(self, model: Element, whole: str, depth: int) -> None:
         """What of a model is not carried over."""
         static = (model.findtext("static") or "false").strip().lower() in {"true", "1"}
         if not static and depth == 0:
@@ -107,7 +106,7 @@ class _Reader:
             elif tag not in PASSED:
                 self.scene.dropped.append(f"{whole}: {tag}")
 
-    def link(self, link: Xml, place: _Place, whole: str, *, alone: bool) -> None:
+    def link(self, link: Element, place: _Place, whole: str, *, alone: bool) -> None:
         base = place.frames[link.get("name", "")]
         called = whole if alone else f"{place.prefix}{link.get('name', 'link')}"
         collisions = link.findall("collision")
@@ -124,17 +123,18 @@ class _Reader:
             for shape, shift, note in self.geometries.of(collision.find("geometry"), name, pose):
                 self.scene.objects.append(SceneObject(name, shape, pose.then(shift), note))
 
-    def include(self, include: Xml, place: _Place, depth: int) -> None:
+    def include(self, include: Element, place: _Place, depth: int) -> None:
         uri = (include.findtext("uri") or "").strip()
         self.includes += 1
         if self.includes > MOST_INCLUDES:
             raise self.fault(f"there are more than {MOST_INCLUDES} includes")
         try:
-            path = self.tree.found(uri if Path(uri).suffix else f"{uri.rstrip('/')}/model.sdf")
+            path = self.files.path_of(uri if Path(uri).suffix else f"{uri.rstrip('/')}/model.sdf")
         except UsageFault as fault:
-            self.scene.dropped.append(f"include {uri or '(without an address)'}: {fault}")
+            said = str(fault).removeprefix(f"{self.path}: ")
+            self.scene.dropped.append(f"include {uri or '(without an address)'}: {said}")
             return
-        model = limited_xml(path).find("model")
+        model = xml_root(self.files.bytes_of(str(path)), path).find("model")
         if model is None:
             self.scene.dropped.append(f"include {uri}: {path.name} has no model")
             return
@@ -146,7 +146,7 @@ class _Reader:
         self.model(model, place, pose, depth + 1, called)
         self.geometries.folder = outer
 
-    def placed(self, element: Xml, place: _Place, attribute: str = "") -> Pose:
+    def placed(self, element: Element, place: _Place, attribute: str = "") -> Pose:
         """The pose in the world of an element of a scope."""
         pose = element.find("pose")
         base = place.pose
@@ -165,7 +165,7 @@ class _Reader:
             base = Pose()
         return base if pose is None else base.then(self.pose(pose, element))
 
-    def pose(self, pose: Xml, element: Xml) -> Pose:
+    def pose(self, pose: Element, element: Element) -> Pose:
         what = f"{self.path}: {_tag(element)} `{element.get('name', '')}`"
         try:
             numbers = [float(word) for word in (pose.text or "").split()]
@@ -183,22 +183,22 @@ class _Reader:
         return angle_pose(numbers[:3], angles, what)
 
 
-def _tag(element: Xml) -> str:
+def _tag(element: Element) -> str:
     return element.tag if isinstance(element.tag, str) else ""
 
 
-def sdf_scene(path: Path, tree: FileTree) -> Scene:
+def sdf_scene(files: SourceFiles) -> Scene:
     """What collides in the first world of a file, or in its models.
 
     Raises:
         UsageFault: it is no SDF file, or a number or a mesh of it cannot be read.
     """
-    root = limited_xml(path)
+    root = xml_root(files.main_bytes(), files.main)
     if root.tag != "sdf":
-        raise UsageFault(f"{path} is no SDF file: its root is `{root.tag}`")
+        raise UsageFault(f"{files.main} is no SDF file: its root is `{root.tag}`")
     worlds = root.findall("world")
-    scene = Scene((worlds[0].get("name") if worlds else None) or path.stem)
-    reader = _Reader(scene, tree, path)
+    scene = Scene((worlds[0].get("name") if worlds else None) or files.main.stem)
+    reader = _Reader(scene, files)
     for other in worlds[1:]:
         scene.dropped.append(f"world {other.get('name', '')}: a file is one scene, of its first")
     if worlds:

@@ -3,27 +3,61 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from srgc.faults import UsageFault
-from srgc.imports.limited_files import FileTree
+from srgc.imports.meshes.decomposition import DETAIL
 from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
+from srgc.imports.scenes.moveit_scene import moveit_scene
 from srgc.imports.scenes.scene import MeshShape, Pose, Scene, SceneObject
+from srgc.imports.scenes.scene_text import Wanted, scene_spec
+from srgc.imports.scenes.sdf_world import sdf_scene
+from srgc.imports.source_files import source_files
+from srgc.imports.written_import import Imported
+from srgc.paths import refuse_impossible
 
 LENGTHS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
-WORLDS = (".sdf", ".world")
+SCENE, WORLDS = ".scene", (".sdf", ".world")
 _PLACE = re.compile(r"\(?([^(),]+),([^(),]+),([^(),]+?)\)?\s*(mm|cm|m)?")
 
 
-def read_scene(
+def scene_import(
     path: Path,
     *,
+    name: str | None = None,
     unit: str | None = None,
     at: str | None = None,
-    packages: Mapping[str, Path] | None = None,
+    packages: Sequence[str] = (),
+    pieces: int | None = None,
+    detail: float | None = None,
+) -> Imported:
+    """A workspace with the obstacles of a scene.
+
+    Args:
+        path: by the end of its name a mesh, a MoveIt scene, or an SDF world; see
+            :func:`read_scene`.
+        name: that of the workspace, instead of that of the scene.
+        unit: see :func:`read_scene`.
+        at: see :func:`read_scene`.
+        packages: each ``NAME=DIR``: where ``package://NAME`` and ``model://NAME`` lead.
+        pieces: at most so many convex pieces of each mesh.
+        detail: what pieces may add to the volume of a mesh, as a share.
+
+    Raises:
+        UsageFault: it is no such file, has nothing that collides, or something of it cannot be
+            read.
+    """
+    refuse_impossible(path)
+    scene = read_scene(path, unit=unit, at=at, packages=packages)
+    wanted = Wanted(DETAIL if detail is None else detail, pieces, name)
+    return scene_spec(scene, path.name, wanted)
+
+
+def read_scene(
+    path: Path, *, unit: str | None = None, at: str | None = None, packages: Sequence[str] = ()
 ) -> Scene:
     """The scene of a mesh, of MoveIt or of SDF.
 
@@ -31,7 +65,7 @@ def read_scene(
         path: by the end of its name STL, OBJ, COLLADA, ``.scene``, ``.sdf`` or ``.world``.
         unit: one of :data:`LENGTHS`: that of an STL or OBJ file, or instead of that of COLLADA.
         at: where the origin of the file is in the world, such as ``(0.5, 0, 0) m``.
-        packages: the folders of packages that ``package://`` and ``model://`` name.
+        packages: each ``NAME=DIR``.
 
     Raises:
         UsageFault: it is no such file, or something of it cannot be read.
@@ -40,12 +74,12 @@ def read_scene(
     place = Pose() if at is None else Pose(shift=np.array(_place(at)))
     if suffix in SUFFIXES:
         scene = _of_mesh(path, None if unit is None else LENGTHS[unit])
-    elif suffix == ".scene" or suffix in WORLDS:
+    elif suffix in (SCENE, *WORLDS):
         if unit is not None:
             raise UsageFault(f"{path} is in metres: --unit goes with STL, OBJ and DAE")
-        scene = _of_world(path, packages or {})
+        scene = moveit_scene(path) if suffix == SCENE else sdf_scene(source_files(path, packages))
     else:
-        known = ", ".join((*SUFFIXES, ".scene", *WORLDS))
+        known = ", ".join((*SUFFIXES, SCENE, *WORLDS))
         raise UsageFault(f"{path} is no scene, by the end of its name; known: {known}")
     scene.objects = [
         SceneObject(each.name, each.shape, place.then(each.pose), each.note)
@@ -54,16 +88,6 @@ def read_scene(
     if scene.ground is not None:
         scene.ground += float(place.shift[2])
     return scene
-
-
-def _of_world(path: Path, packages: Mapping[str, Path]) -> Scene:
-    if path.suffix.lower() == ".scene":
-        from srgc.imports.scenes.moveit_scene import moveit_scene
-
-        return moveit_scene(path)
-    from srgc.imports.scenes.sdf_world import sdf_scene
-
-    return sdf_scene(path, FileTree(path.parent, packages))
 
 
 def _of_mesh(path: Path, unit: float | None) -> Scene:
