@@ -16,6 +16,8 @@ from srgc.imports.meshes.mesh import Floats
 
 FINE = 1000
 """The grid is finer than so many parts of the least width of a piece."""
+SAME = 1e-9
+"""Coordinates that differ by less, as a share of the size, are the same but for rounding."""
 LEAST_DIGITS, MOST_DIGITS = 3, 9
 THINNEST, THINNEST_SHARE = 1e-5, 1e-4
 """A piece is at least so thick, in metres and as a share of its size."""
@@ -49,14 +51,31 @@ def _roundings(corners: Floats, digits: int, step: float) -> Iterator[Floats]:
     """The corners in steps of the grid: the nearest, then farther and farther from their middle."""
     yield np.rint(corners * 10.0**digits)
     middle = corners.mean(axis=0)
+    level = _level(corners, middle)
     for power in range(-1, 40):
-        farther = corners if power < 0 else middle + (1 + step * 2.0**power) * (corners - middle)
+        farther = level if power < 0 else middle + (1 + step * 2.0**power) * (level - middle)
         yield np.array(
             [
                 [_away(x, m, digits) for x, m in zip(row, middle.tolist(), strict=True)]
                 for row in farther.tolist()
             ]
         )
+
+
+def _level(corners: Floats, middle: Floats) -> Floats:
+    """The corners; coordinates that differ by rounding only are the one farthest from the middle.
+
+    So corners of a flat side stay in one plane.
+    """
+    found = corners.copy()
+    near = SAME * float(np.ptp(corners, axis=0).max())
+    for axis in range(3):
+        order = np.argsort(corners[:, axis], kind="stable")
+        breaks = np.flatnonzero(np.diff(corners[order, axis]) > near) + 1
+        for group in np.split(order, breaks):
+            values = corners[group, axis]
+            found[group, axis] = values.max() if values.mean() >= middle[axis] else values.min()
+    return found
 
 
 def _away(value: float, middle: float, digits: int) -> int:

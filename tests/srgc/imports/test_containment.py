@@ -129,8 +129,11 @@ def test_without_pieces_everything_is_left():
 
 def test_a_thin_gap_far_from_the_origin_is_found():
     far = np.array([[1000.0, 0, 0], [1001.0, 0, 0], [1000.5, 0.5, 0]])
+    wide = 10**7
     pieces = [
-        block((999 * 10**9, -(10**9), -(10**9)), (1000500000000, 10**9, 10**9), 9),
-        block((1000500000001, -(10**9), -(10**9)), (1002 * 10**9, 10**9, 10**9), 9),
+        block((9999000000, -wide, -wide), (10005000000, wide, wide), 7),
+        block((10005000001, -wide, -wide), (10020000000, wide, wide), 7),
     ]
     assert [each.triangle for each in uncovered(far, ONE, pieces)] == [0]
+    pieces.append(block((10004999999, -wide, -wide), (10005000002, wide, wide), 7))
+    assert uncovered(far, ONE, pieces) == ()
