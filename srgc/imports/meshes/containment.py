@@ -10,7 +10,7 @@ Nothing here knows how the pieces were found.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
@@ -51,21 +51,29 @@ def uncovered(
     for each in heights:
         near = np.flatnonzero(~single)
         single[near] = each.surely_hold(vertices)[triangles[near]].all(axis=1)
-    boxes = np.array([(each.lower, each.upper) for each in heights]).reshape(-1, 2, 3)
+    across = np.flatnonzero(~single)
+    meetings = _meetings(vertices[triangles[across]], heights)
     missing = list[Uncovered]()
-    for number in np.flatnonzero(~single).tolist():
-        corners = vertices[triangles[number]]
-        lower, upper = corners.min(axis=0), corners.max(axis=0)
-        near = np.flatnonzero(((lower <= boxes[:, 1]) & (upper >= boxes[:, 0])).all(axis=1))
-        crossings = [each for i in near.tolist() if (each := heights[i].crossing(corners))]
+    for number, crossings in zip(across.tolist(), meetings, strict=True):
         if crossings and _surely_covered(crossings):
             continue
-        left = [polygon_of(corners)]
+        left = [polygon_of(vertices[triangles[number]])]
         for crossing in crossings:
             left = _beyond_all(left, crossing.planes, crossing.unit)
         if left:
             missing.append(Uncovered(number, tuple(map(tuple, left))))
     return tuple(missing)
+
+
+def _meetings(sides: Floats, heights: Sequence[_Heights]) -> list[list[_Crossing]]:
+    """For each triangle (n, 3, 3) how it meets the pieces that it may meet, in their order."""
+    found: list[list[_Crossing]] = [[] for _ in range(len(sides))]
+    lower, upper = sides.min(axis=1), sides.max(axis=1)
+    for each in heights:
+        near = np.flatnonzero(((lower <= each.upper) & (upper >= each.lower)).all(axis=1))
+        for number, crossing in each.crossings(near, sides[near]):
+            found[number].append(crossing)
+    return found
 
 
 def surely_inside(points: Floats, piece: ConvexPiece) -> Bools:
@@ -121,19 +129,23 @@ class _Heights:
         held[near] = (found <= -doubt).all(axis=1)
         return held
 
-    def crossing(self, corners: Floats) -> _Crossing | None:
-        """How a triangle (3, 3) meets the piece; None where it is surely beyond one plane."""
-        found, doubts = self.of(corners)
-        doubt = doubts.max(axis=0) + ROUNDING * np.abs(found).max(axis=0)
-        if (found > doubt).all(axis=0).any():
-            return None
-        crossed = np.flatnonzero((found > -doubt).any(axis=0))
-        planes = tuple(self.piece.planes[i] for i in crossed.tolist())
+    def crossings(self, numbers: Ints, sides: Floats) -> Iterator[tuple[int, _Crossing]]:
+        """How triangles (n, 3, 3) meet the piece, with their numbers; not those surely apart."""
+        found, doubts = self.of(sides.reshape(-1, 3))
+        found = found.reshape(len(sides), 3, len(self.offsets))
+        doubt = doubts.reshape(found.shape).max(axis=1) + ROUNDING * np.abs(found).max(axis=1)
+        apart = (found > doubt[:, None]).all(axis=1).any(axis=1)
+        crossed = (found > -doubt[:, None]).any(axis=1)
         unit = Fraction(1, 10**self.piece.digits)
-        return _Crossing(planes, unit, found[:, crossed], doubt[crossed])
+        for row in np.flatnonzero(~apart).tolist():
+            chosen = np.flatnonzero(crossed[row])
+            planes = tuple(self.piece.planes[i] for i in chosen.tolist())
+            crossing = _Crossing(planes, unit, found[row][:, chosen], doubt[row][chosen])
+            yield int(numbers[row]), crossing
 
 
 MOST_PARTS = 64
+"""With more of them, integers decide."""
 STEPS = 1 << 24
 """Edges are cut at multiples of one part in so many."""
 
@@ -157,24 +169,23 @@ def _surely_covered(crossings: Sequence[_Crossing]) -> bool:
 def _cut(part: list[Weights], heights: Floats, doubt: Floats) -> list[list[Weights]]:
     """What is left of a polygon beyond planes, given heights (3, f) of the triangle's corners."""
     left = list[list[Weights]]()
-    for column in range(heights.shape[1]):
-        over = _over(part, heights[:, column])
-        bound = float(doubt[column])
-        if all(value <= -bound for value in over):
-            continue
-        if all(value > -2 * bound for value in over):
+    while True:
+        over = _shares(part) @ heights
+        outside = (over > -doubt).any(axis=0)
+        if not outside.any():
+            return left
+        if (over > -2 * doubt).all(axis=0).any():
             return [*left, part]
-        inner, outer = _split(part, over, -2 * bound)
+        column = int(outside.argmax())
+        part, outer = _split(part, over[:, column].tolist(), -2 * float(doubt[column]))
         left.append(outer)
-        if not all(value <= -bound for value in _over(inner, heights[:, column])):
-            return [*left, inner]
-        part = inner
-    return left
+        if (_shares(part) @ heights[:, column] > -doubt[column]).any():
+            return [*left, part]
 
 
-def _over(part: list[Weights], heights: Floats) -> list[float]:
-    a, b, c = heights.tolist()
-    return [x / (x + y + z) * a + y / (x + y + z) * b + z / (x + y + z) * c for x, y, z in part]
+def _shares(part: list[Weights]) -> Floats:
+    """The corners (k, 3) of a polygon as shares of those of the triangle."""
+    return np.array([(x / (w := x + y + z), y / w, z / w) for x, y, z in part])
 
 
 def _split(

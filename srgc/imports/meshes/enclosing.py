@@ -36,9 +36,8 @@ def enclosing(points: Floats) -> Enclosed:
 
     It is deterministic, and holds them exactly: this is checked here, and it grows until it does.
     """
-    points = np.unique(points, axis=0)
-    points, thickened, width = _full(points)
-    corners = few_corners(hull_corners(points), MOST_CORNERS)
+    points, thickened, width = _full(np.unique(points, axis=0))
+    corners = few_corners(points, MOST_CORNERS)
     digits = _digits(corners, width)
     for rounded in _roundings(corners, digits, 10.0**-digits / width):
         piece = convex_piece((tuple(map(int, row)) for row in rounded.tolist()), digits)

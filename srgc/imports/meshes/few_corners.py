@@ -14,6 +14,8 @@ import numpy as np
 
 from srgc.imports.meshes.mesh import Floats, Ints
 
+MANY = 1200
+"""Of more points, those that are farthest across fixed directions stand for all at first."""
 TOUCHING = 1e-9
 """Relatively to the size, what counts as on a plane."""
 
@@ -25,10 +27,24 @@ def few_corners(points: Floats, most: int) -> Floats:
     """
     if len(points) <= most:
         return points
+    if len(points) > MANY:
+        along = points @ sphere_directions(MANY // 2).T
+        few = few_corners(points[np.unique(along.argmax(axis=0))], most)
+        wider = _about(points, few)
+        return _box(points) if wider is None else wider
     found = [
         each for each in (_by_planes(points, most), _by_corners(points, most)) if each is not None
     ]
     return min(found, key=hull_volume) if found else _box(points)
+
+
+def sphere_directions(count: int) -> Floats:
+    """Unit vectors (count, 3) spread over the sphere, along a spiral."""
+    turns = np.arange(count) + 0.5
+    height = 1 - 2 * turns / count
+    angle = np.pi * (1 + 5**0.5) * turns
+    width = np.sqrt(1 - height**2)
+    return np.column_stack([width * np.cos(angle), width * np.sin(angle), height])
 
 
 def hull_volume(points: Floats) -> float:

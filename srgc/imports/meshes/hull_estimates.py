@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from srgc.imports.meshes.few_corners import hull_volume
+from srgc.imports.meshes.few_corners import hull_volume, sphere_directions
 from srgc.imports.meshes.mesh import Bools, Floats, Ints
 
 COUNT = 60
@@ -16,13 +16,7 @@ COUNT = 60
 @cache
 def directions() -> Floats:
     """Unit vectors (d, 3): a spiral over the sphere, and the axes."""
-    turns = np.arange(COUNT) + 0.5
-    height = 1 - 2 * turns / COUNT
-    angle = np.pi * (1 + 5**0.5) * turns
-    width = np.sqrt(1 - height**2)
-    spiral = np.column_stack([width * np.cos(angle), width * np.sin(angle), height])
-    found: Floats = np.concatenate([spiral, np.eye(3), -np.eye(3)])
-    return found
+    return np.concatenate([sphere_directions(COUNT), np.eye(3), -np.eye(3)])
 
 
 def estimated_volume(points: Floats) -> float:
