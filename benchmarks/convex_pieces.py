@@ -30,7 +30,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from srgc.imports.meshes.containment import uncovered
 from srgc.imports.meshes.decomposition import covering, decomposed, reference_volume
 from srgc.imports.meshes.measures import measured
-from srgc.imports.meshes.mesh_file import MOST_TRIANGLES, read_mesh
+from srgc.imports.meshes.mesh_file import read_mesh
+from srgc.imports.meshes.mesh_limits import MOST_TRIANGLES
 from srgc.imports.meshes.regions import PointRegion
 from srgc.imports.meshes.solids import anatomy
 from tests.srgc.imports.random_meshes import bumpy_ball, open_mesh, random_mesh

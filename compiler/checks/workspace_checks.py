@@ -38,14 +38,15 @@ def workspace_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = T
     for task in program.tasks.values():
         tasks.setdefault(task.workspace, []).append(task)
     for workspace in program.workspaces.values():
+        # A file without tasks is there to be included: what is avoided is said elsewhere.
+        if complete and program.tasks:
+            _unused_obstacles(workspace, tasks.get(workspace.name, []), sink)
         _workspace(workspace, tasks.get(workspace.name, []), sink, complete=complete)
 
 
 def _workspace(
     workspace: ir.Workspace, tasks: Sequence[ir.Task], sink: Sink, *, complete: bool
 ) -> None:
-    if complete:
-        _unused_obstacles(workspace, tasks, sink)
     shapes = _shapes(workspace, sink)
     if shapes is None:
         return

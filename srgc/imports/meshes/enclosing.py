@@ -31,14 +31,15 @@ class Enclosed:
     thickened: bool
 
 
-def enclosing(points: Floats) -> Enclosed:
+def enclosing(points: Floats, fine: int = FINE) -> Enclosed:
     """A convex piece that holds the points (n, 3), n >= 1, in metres.
 
+    ``fine`` is how many steps of the grid its least width has at least.
     It is deterministic, and holds them exactly: this is checked here, and it grows until it does.
     """
     points, thickened, width = _full(np.unique(points, axis=0))
     corners = few_corners(points, MOST_CORNERS)
-    digits = _digits(corners, width)
+    digits = _digits(corners, width / fine)
     for rounded in _roundings(corners, digits, 10.0**-digits / width):
         piece = convex_piece((tuple(map(int, row)) for row in rounded.tolist()), digits)
         if piece is not None and holds(piece, points):
@@ -107,8 +108,8 @@ def _full(points: Floats) -> tuple[Floats, bool, float]:
     return hull_corners(points), thickened, max(float(widths.min()), least)
 
 
-def _digits(corners: Floats, width: float) -> int:
-    """So many decimals that the grid is fine against the width, and the corners fit on it."""
-    digits = max(LEAST_DIGITS, math.ceil(-math.log10(width / FINE)))
+def _digits(corners: Floats, step: float) -> int:
+    """So many decimals that the grid has such steps or less, and the corners fit on it."""
+    digits = max(LEAST_DIGITS, math.ceil(-math.log10(step)))
     size = float(np.ptp(corners, axis=0).max())
     return min(digits, MOST_DIGITS, math.floor(math.log10(LARGEST / (4 * size))))

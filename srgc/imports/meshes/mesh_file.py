@@ -1,4 +1,4 @@
-"""Meshes of STL, OBJ and COLLADA files, by trimesh and pycollada; what is hostile is refused.
+"""Meshes of STL, OBJ and COLLADA files; what is hostile is refused.
 
 No other file is opened: neither the materials of an OBJ nor the images of a COLLADA file.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import re
 import struct
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,14 +17,12 @@ import numpy as np
 from srgc.faults import UsageFault
 from srgc.imports.limited_files import MOST_XML_BYTES, limited_bytes
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
+from srgc.imports.meshes.mesh_limits import LARGEST, too_many
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 SUFFIXES = (".stl", ".obj", ".dae")
-MOST_TRIANGLES = 1_000_000
-LARGEST = 1e6
-"""Coordinates are smaller, in metres: what is farther off is no scene of a robot."""
 _HEADER, _TRIANGLE = 84, 50
 
 
@@ -47,17 +46,26 @@ def read_mesh(path: Path, unit: float | None = None) -> Mesh:
         )
     content = limited_bytes(path, *([MOST_XML_BYTES] if suffix == ".dae" else []))
     try:
-        if suffix == ".stl":
-            mesh = _stl(content, path)
-        elif suffix == ".obj":
-            mesh = _obj(content, path)
-        else:
-            from srgc.imports.meshes.collada_file import collada_mesh
-
-            mesh = collada_mesh(content, path, own_unit=unit is None)
+        # What libraries warn of concerns those who maintain them.
+        with warnings.catch_warnings(action="ignore"):
+            mesh = _read(content, path, own_unit=unit is None)
     except (MemoryError, RecursionError):
         raise UsageFault(f"{path}: it is too large or too deeply nested") from None
     return _checked(mesh, 1.0 if unit is None else unit, path)
+
+
+def _read(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
+    match path.suffix.lower():
+        case ".stl":
+            return _stl(content, path)
+        case ".obj":
+            from srgc.imports.meshes.obj_file import obj_mesh
+
+            return obj_mesh(content, path)
+        case _:
+            from srgc.imports.meshes.collada_file import collada_mesh
+
+            return collada_mesh(content, path, own_unit=own_unit)
 
 
 def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
@@ -78,18 +86,6 @@ def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
             "(--unit mm reads millimetres)"
         )
     return Mesh(vertices, np.asarray(mesh.triangles, dtype=np.int64), mesh.objects, mesh.notes)
-
-
-def too_many(count: int, path: Path) -> None:
-    """Refuse more triangles than are read.
-
-    Raises:
-        UsageFault: there are more.
-    """
-    if count > MOST_TRIANGLES:
-        raise UsageFault(
-            f"{path} has {count:,} triangles, and may have {MOST_TRIANGLES:,}; simplify it first"
-        )
 
 
 # --- STL ------------------------------------------------------------------------------------------
@@ -122,71 +118,6 @@ def _stl(content: bytes, path: Path) -> Mesh:
     if len(mesh.triangles) != facets:
         raise UsageFault(f"{path}: {facets} triangles are begun and {len(mesh.triangles)} are read")
     return mesh
-
-
-# --- OBJ ------------------------------------------------------------------------------------------
-
-
-def _obj(content: bytes, path: Path) -> Mesh:
-    """Each ``o`` or ``g`` with faces is an object; lines, points and materials are no triangles."""
-    from trimesh.exchange.obj import load_obj
-
-    if b"\0" in content:
-        raise UsageFault(f"{path} is no OBJ file: it is not text")
-    lines, due, left_out = _obj_lines(content, path)
-    content = b"\n".join(lines)
-    try:
-        loaded = load_obj(
-            io.BytesIO(content),
-            skip_materials=True,
-            maintain_order=True,
-            group_material=False,
-            split_objects=_splits(content, b"o"),
-            split_groups=_splits(content, b"g"),
-        )
-        parts = loaded["geometry"].items() if "geometry" in loaded else [(path.stem, loaded)]
-        mesh = joined([(str(name), _vertices(part, path)) for name, part in parts])
-    except UsageFault:
-        raise
-    except Exception as error:
-        raise _broken(path, "OBJ", error) from None
-    if len(mesh.triangles) != due:
-        raise UsageFault(
-            f"{path}: its faces are {due} triangles, and {len(mesh.triangles)} were read; "
-            "a face names corners that are not there, or was cut off"
-        )
-    notes = (f"{path.name}: {left_out} faces of one or two corners: left out",) if left_out else ()
-    return Mesh(mesh.vertices, mesh.triangles, mesh.objects, notes)
-
-
-def _splits(content: bytes, word: bytes) -> bool:
-    return re.search(rb"(?m)^[ \t]*" + word + rb"[ \t]+\S", content) is not None
-
-
-def _obj_lines(content: bytes, path: Path) -> tuple[list[bytes], int, int]:
-    """The lines but for faces of one or two corners, how many triangles, and how many such faces.
-
-    Raises:
-        UsageFault: there is no face, there are too many, or a vertex has no three coordinates.
-    """
-    kept, due, left_out = list[bytes](), 0, 0
-    for number, line in enumerate(content.replace(b"\\\n", b" ").split(b"\n"), 1):
-        words = line.split()
-        first = words[0] if words else b""
-        if first == b"v" and len(words) < 4:
-            raise UsageFault(
-                f"{path}:{number}: a vertex has {len(words) - 1} of 3 coordinates; "
-                "was the file cut off?"
-            )
-        if first == b"f" and len(words) < 4:
-            left_out += 1
-            continue
-        due += len(words) - 3 if first == b"f" else 0
-        kept.append(line)
-    if not due:
-        raise UsageFault(f"{path} has no triangle: no line begins with `f` and has three corners")
-    too_many(due, path)
-    return kept, due, left_out
 
 
 # --- What loaders give, as meshes -----------------------------------------------------------------

@@ -14,7 +14,7 @@ import numpy as np
 from srgc.faults import UsageFault
 from srgc.imports.limited_files import limited_bytes
 from srgc.imports.meshes.mesh import Mesh
-from srgc.imports.meshes.mesh_file import LARGEST, too_many
+from srgc.imports.meshes.mesh_limits import LARGEST, too_many
 from srgc.imports.scenes.scene import (
     BallShape,
     BoxShape,

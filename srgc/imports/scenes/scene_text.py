@@ -40,6 +40,8 @@ DIGITS, FINER, SMALL = 6, 9, 1e-3
 """Places are rounded to 10^-6 m, and to 10^-9 m where an object is smaller than a millimetre."""
 FOLDER = "obstacles"
 """Where the pieces of meshes stand beside the spec."""
+EXACT = 20_000
+"""A turned box is rounded to so many parts of its least edge."""
 FEW = 8
 """A mesh that is one piece of so many corners is written out."""
 MARGIN = 0.25
@@ -141,7 +143,7 @@ class _Writer:
         signs = np.array([[(-1, 1)[i >> axis & 1] for axis in range(3)] for i in range(8)])
         points = item.pose.of(signs * half)
         if not item.pose.along_axes():
-            self._piece(name, enclosing(points).piece)
+            self._piece(name, enclosing(points, EXACT).piece)
             return
         lower, upper = points.min(axis=0), points.max(axis=0)
         self._reach(lower, upper)

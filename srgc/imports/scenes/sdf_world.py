@@ -7,6 +7,7 @@ has no bounds or no shape is listed.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -32,11 +33,16 @@ MOST_INCLUDES, DEEPEST = 1000, 20
 
 @dataclass(slots=True)
 class _Place:
-    """Where a model stands, and the poses in the world of the frames of its scope."""
+    """A scope: where it stands, the poses of its frames in the world, and those not yet known."""
 
     prefix: str
     pose: Pose
     frames: dict[str, Pose] = field(default_factory=dict)
+    pending: dict[str, tuple[Element, str]] = field(default_factory=dict)
+
+    def declare(self, elements: Sequence[Element], attribute: str = "") -> None:
+        """Elements that poses may be relative to, before or behind them."""
+        self.pending.update({each.get("name", ""): (each, attribute) for each in elements})
 
 
 class _Reader:
@@ -67,10 +73,12 @@ class _Reader:
         """The models and includes of a world or model; frames first, since these refer to them."""
         if depth > DEEPEST:
             raise self.fault(f"models are nested more than {DEEPEST} deep")
-        for frame in parent.findall("frame"):
-            place.frames[frame.get("name", "")] = self.placed(frame, place, "attached_to")
-        for model in parent.findall("model"):
-            self.model(model, place, self.placed(model, place), depth)
+        models = parent.findall("model")
+        place.declare(parent.findall("frame"), "attached_to")
+        place.declare(models)
+        for model in models:
+            pose = self.frame(model.get("name", ""), place) or place.pose
+            self.model(model, place, pose, depth)
         for include in parent.findall("include"):
             self.include(include, place, depth)
 
@@ -80,16 +88,11 @@ class _Reader:
         name = called or model.get("name") or "model"
         whole = f"{outer.prefix}{name}"
         place = _Place(f"{whole}_", pose, {"__model__": pose})
-        outer.frames[name] = pose
         self.listed(model, whole, depth)
         links = model.findall("link")
-        for link in links:
-            place.frames[link.get("name", "")] = self.placed(link, place)
-        for frame in model.findall("frame"):
-            place.frames[frame.get("name", "")] = self.placed(frame, place, "attached_to")
-        # A pose may refer to what stands further down.
-        for link in links:
-            place.frames[link.get("name", "")] = self.placed(link, place)
+        place.declare(links)
+        place.declare(model.findall("frame"), "attached_to")
+        place.declare(model.findall("model"))
         for link in links:
             self.link(link, place, whole, alone=len(links) == 1)
         self.models(model, place, depth + 1)
@@ -107,7 +110,7 @@ class _Reader:
                 self.scene.dropped.append(f"{whole}: {tag}")
 
     def link(self, link: Element, place: _Place, whole: str, *, alone: bool) -> None:
-        base = place.frames[link.get("name", "")]
+        base = self.frame(link.get("name", ""), place) or place.pose
         called = whole if alone else f"{place.prefix}{link.get('name', 'link')}"
         collisions = link.findall("collision")
         if not collisions and link.find("visual") is not None:
@@ -118,7 +121,7 @@ class _Reader:
         for collision in collisions:
             own = collision.get("name") or "collision"
             name = called if len(collisions) == 1 else f"{called}_{own}"
-            inner = _Place(place.prefix, base, place.frames)
+            inner = _Place(place.prefix, base, place.frames, place.pending)
             pose = self.placed(collision, inner)
             for shape, shift, note in self.geometries.of(collision.find("geometry"), name, pose):
                 self.scene.objects.append(SceneObject(name, shape, pose.then(shift), note))
@@ -154,16 +157,23 @@ class _Reader:
         if pose is not None:
             relative = pose.get("relative_to") or pose.get("frame") or relative
         if relative and relative != "world":
-            name = relative.replace("::", "_")
-            if name not in place.frames:
+            found = self.frame(relative, place)
+            if found is None:
                 self.scene.dropped.append(
                     f"{place.prefix}{element.get('name', '')}: its pose is relative to "
                     f"`{relative}`, which is not known here; it is taken as one of its parent"
                 )
-            base = place.frames.get(name, base)
+            base = found or base
         elif relative == "world":
             base = Pose()
         return base if pose is None else base.then(self.pose(pose, element))
+
+    def frame(self, name: str, place: _Place) -> Pose | None:
+        """The pose in the world of a frame of a scope; None where there is none, or a circle."""
+        if name not in place.frames and name in place.pending:
+            element, attribute = place.pending.pop(name)
+            place.frames[name] = self.placed(element, place, attribute)
+        return place.frames.get(name)
 
     def pose(self, pose: Element, element: Element) -> Pose:
         what = f"{self.path}: {_tag(element)} `{element.get('name', '')}`"

@@ -23,7 +23,9 @@ def block(lower, upper, digits=1):
 
 def in_some(point, all_rows):
     return any(
-        all(sum(a * x for a, x in zip(row.normal, point, strict=True)) <= row.offset for row in rows)
+        all(
+            sum(a * x for a, x in zip(row.normal, point, strict=True)) <= row.offset for row in rows
+        )
         for rows in all_rows
     )
 
@@ -53,7 +55,10 @@ def test_verdicts_agree_with_exact_samples(seed):
     for number, triangle in enumerate(corners):
         a, b, c = map(exact, triangle)
         samples = [
-            tuple((i * p + j * q + (steps - i - j) * r) / steps for p, q, r in zip(a, b, c, strict=True))
+            tuple(
+                (i * p + j * q + (steps - i - j) * r) / steps
+                for p, q, r in zip(a, b, c, strict=True)
+            )
             for i in range(steps + 1)
             for j in range(steps + 1 - i)
         ]
@@ -77,10 +82,14 @@ def test_what_is_left_has_the_area_that_shapely_finds(seed):
     flat = rng.uniform(-1.2, 1.2, size=(3, 2))
     vertices = np.column_stack([flat, np.zeros(3)])
     rest = Polygon(flat).difference(
-        unary_union([box(*(low / 10), *(high / 10)) for low, high in zip(lowers, uppers, strict=True)])
+        unary_union(
+            [box(*(low / 10), *(high / 10)) for low, high in zip(lowers, uppers, strict=True)]
+        )
     )
     found = uncovered(vertices, ONE, pieces)
-    parts = [Polygon([(float(x), float(y)) for x, y, _ in p]) for each in found for p in each.polygons]
+    parts = [
+        Polygon([(float(x), float(y)) for x, y, _ in p]) for each in found for p in each.polygons
+    ]
     assert sum(part.area for part in parts) == pytest.approx(rest.area, abs=1e-12)
 
 

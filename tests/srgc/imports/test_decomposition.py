@@ -221,7 +221,9 @@ def test_files_are_read_back_as_they_are(tmp_path):
     for path, piece in zip(paths, found.pieces, strict=True):
         mesh = trimesh.load(path)
         assert mesh.is_watertight
-        assert sorted(map(tuple, mesh.vertices.tolist())) == sorted(map(tuple, piece.points().tolist()))
+        assert sorted(map(tuple, mesh.vertices.tolist())) == sorted(
+            map(tuple, piece.points().tolist())
+        )
     text = pieces_text(found.pieces, ["a", "b"], ["two"])
     whole = trimesh.load(trimesh.util.wrap_as_stream(text), file_type="obj", split_object=True)
     assert whole.volume == pytest.approx(found.measures.union, rel=0.01)

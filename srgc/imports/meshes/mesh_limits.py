@@ -1,0 +1,23 @@
+"""How large meshes may be."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from srgc.faults import UsageFault
+
+MOST_TRIANGLES = 1_000_000
+LARGEST = 1e6
+"""Coordinates are smaller, in metres: what is farther off is no scene of a robot."""
+
+
+def too_many(count: int, path: Path) -> None:
+    """Refuse more triangles than are read.
+
+    Raises:
+        UsageFault: there are more.
+    """
+    if count > MOST_TRIANGLES:
+        raise UsageFault(
+            f"{path} has {count:,} triangles, and may have {MOST_TRIANGLES:,}; simplify it first"
+        )

@@ -1,0 +1,106 @@
+"""The faces of an OBJ file as triangles.
+
+Source: Wavefront, *Object files (.obj)*.  The reader of trimesh 5 loses the order of objects and
+takes no faces of mixed sizes in one, so lines are read here.  Materials are not opened.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.meshes.mesh import Ints, Mesh, MeshObject
+from srgc.imports.meshes.mesh_limits import too_many
+
+Corners = list[tuple[float, float, float]]
+
+
+@dataclass(slots=True)
+class _Lines:
+    """What has been read; ``starts`` are the names of objects and their first triangles."""
+
+    path: Path
+    by_object: bool
+    vertices: Corners = field(default_factory=Corners)
+    triangles: list[tuple[int, int, int]] = field(default_factory=list)
+    starts: list[tuple[str, int]] = field(default_factory=list)
+    left_out: int = 0
+
+    def read(self, number: int, words: list[str]) -> None:
+        match words[0]:
+            case "v":
+                self.vertices.append(self.vertex(number, words[1:4]))
+            case "f":
+                self.face(number, words[1:])
+            case "o" | "g" if self.by_object == (words[0] == "o"):
+                self.starts.append((" ".join(words[1:]), len(self.triangles)))
+
+    def vertex(self, number: int, words: list[str]) -> tuple[float, float, float]:
+        try:
+            x, y, z = map(float, words)
+        except ValueError:
+            raise self.fault(number, "a vertex has no three coordinates") from None
+        return x, y, z
+
+    def face(self, number: int, words: list[str]) -> None:
+        """A convex polygon as a fan; negative numbers count from the last vertex."""
+        if len(words) < 3:
+            self.left_out += 1
+            return
+        try:
+            given = [int(word.partition("/")[0]) for word in words]
+        except ValueError:
+            raise self.fault(number, "a face has a corner that is no number") from None
+        count = len(self.vertices)
+        corners = [index - 1 if index > 0 else count + index for index in given]
+        if not all(0 <= corner for corner in corners):
+            raise self.fault(number, "a face names a vertex that is not there")
+        self.triangles += [
+            (corners[0], b, c) for b, c in zip(corners[1:], corners[2:], strict=False)
+        ]
+        too_many(len(self.triangles), self.path)
+
+    def fault(self, number: int, said: str) -> UsageFault:
+        return UsageFault(f"{self.path}:{number}: {said}; was the file cut off?")
+
+
+def obj_mesh(content: bytes, path: Path) -> Mesh:
+    """The mesh of an OBJ file; each ``o``, or without any each ``g``, is an object.
+
+    Raises:
+        UsageFault: it is not text, has no face or too many, or a line that was cut off.
+    """
+    if b"\0" in content:
+        raise UsageFault(f"{path} is no OBJ file: it is not text")
+    # Comments may be in any encoding.
+    rows = content.decode("utf-8-sig", errors="replace").replace("\\\n", " ").split("\n")
+    lines = _Lines(path, any(row.split()[:1] == ["o"] for row in rows))
+    for number, row in enumerate(rows, 1):
+        words = row.split()
+        if words:
+            lines.read(number, words)
+    if not lines.triangles:
+        raise UsageFault(f"{path} has no triangle: no line begins with `f` and has three corners")
+    triangles: Ints = np.array(lines.triangles, dtype=np.int64)
+    if triangles.max() >= len(lines.vertices):
+        raise UsageFault(f"{path}: a face names a vertex that is not there; was the file cut off?")
+    notes = ()
+    if lines.left_out:
+        notes = (f"{path.name}: {lines.left_out} faces of one or two corners: left out",)
+    vertices = np.array(lines.vertices, dtype=np.float64)
+    return Mesh(vertices, triangles, _objects(lines, path.stem), notes)
+
+
+def _objects(lines: _Lines, stem: str) -> tuple[MeshObject, ...]:
+    starts = lines.starts
+    if not starts or starts[0][1] > 0:
+        starts = [(stem, 0), *starts]
+    ends = [*(start for _, start in starts[1:]), len(lines.triangles)]
+    return tuple(
+        MeshObject(name or stem, start, end)
+        for (name, start), end in zip(starts, ends, strict=True)
+        if end > start
+    )
