@@ -69,7 +69,7 @@ def _asset(root: Xml, path: Path) -> tuple[float, str]:
     """The unit in metres, and the axis that is up."""
     scale, up = 1.0, "Y_UP"
     for element in root.iter():
-        tag = element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
+        tag = element.tag.rpartition("}")[2]
         if tag == "unit":
             try:
                 scale = float(element.get("meter", "1"))
@@ -89,7 +89,7 @@ def _asset(root: Xml, path: Path) -> tuple[float, str]:
 def _strip(root: Xml) -> None:
     for parent in list(root.iter()):
         for child in list(parent):
-            tag = child.tag.rpartition("}")[2] if isinstance(child.tag, str) else ""
+            tag = child.tag.rpartition("}")[2]
             if tag in APPEARANCE:
                 parent.remove(child)
 

@@ -41,7 +41,7 @@ def enclosing(points: Floats, fine: int = FINE) -> Enclosed:
     corners = few_corners(points, MOST_CORNERS)
     digits = _digits(corners, width / fine)
     for rounded in _roundings(corners, digits, 10.0**-digits / width):
-        piece = convex_piece((tuple(map(int, row)) for row in rounded.tolist()), digits)
+        piece = convex_piece(((int(x), int(y), int(z)) for x, y, z in rounded.tolist()), digits)
         if piece is not None and holds(piece, points):
             return Enclosed(piece, thickened)
     raise ArithmeticError("no piece of the grid holds the points")
@@ -80,7 +80,7 @@ def _level(corners: Floats, middle: Floats) -> Floats:
 
 def _away(value: float, middle: float, digits: int) -> int:
     """The step of the grid next to a value, on the side that is away from the middle; exact."""
-    steps = Fraction(value) * 10**digits
+    steps = Fraction(value) * Fraction(10) ** digits
     return math.ceil(steps) if value >= middle else math.floor(steps)
 
 

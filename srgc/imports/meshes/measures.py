@@ -102,6 +102,6 @@ def _farthest(pieces: Sequence[ConvexPiece], vertices: Floats, triangles: Ints) 
     near = near.reshape(len(corners), -1)
     least = np.full(len(corners), np.inf)
     for column in near.T:
-        nearest = closest_point(sides[column], corners)
+        nearest = closest_point(sides[column], corners)  # type: ignore[no-untyped-call]
         least = np.minimum(least, np.linalg.norm(nearest - corners, axis=1))
     return float(least.max())

@@ -7,6 +7,7 @@ takes no faces of mixed sizes in one, so lines are read here.  Materials are not
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -56,11 +57,9 @@ class _Lines:
             raise self.fault(number, "a face has a corner that is no number") from None
         count = len(self.vertices)
         corners = [index - 1 if index > 0 else count + index for index in given]
-        if not all(0 <= corner for corner in corners):
+        if any(corner < 0 for corner in corners):
             raise self.fault(number, "a face names a vertex that is not there")
-        self.triangles += [
-            (corners[0], b, c) for b, c in zip(corners[1:], corners[2:], strict=False)
-        ]
+        self.triangles += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
         too_many(len(self.triangles), self.path)
 
     def fault(self, number: int, said: str) -> UsageFault:
@@ -87,7 +86,7 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
     triangles: Ints = np.array(lines.triangles, dtype=np.int64)
     if triangles.max() >= len(lines.vertices):
         raise UsageFault(f"{path}: a face names a vertex that is not there; was the file cut off?")
-    notes = ()
+    notes: tuple[str, ...] = ()
     if lines.left_out:
         notes = (f"{path.name}: {lines.left_out} faces of one or two corners: left out",)
     vertices = np.array(lines.vertices, dtype=np.float64)

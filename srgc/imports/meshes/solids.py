@@ -166,7 +166,7 @@ def _rewound(corners: Floats, faces: Ints) -> Ints:
     import trimesh
 
     mesh = trimesh.Trimesh(corners, faces, process=False)
-    trimesh.repair.fix_winding(mesh)
+    trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]
     return np.asarray(mesh.faces, dtype=np.int64)
 
 

@@ -105,7 +105,7 @@ class Scene:
     ground: float | None = None
 
     def plane(self, name: str, normal: Floats, through: Floats) -> None:
-        """Take note of a plane without bounds, which is no obstacle; if it looks up it is a floor."""
+        """Take note of a plane without bounds, which is no obstacle; facing up it is a floor."""
         if normal[2] > 0 and np.abs(normal[:2]).max() <= ALIGNED * normal[2]:
             height = float(through[2])
             self.ground = height if self.ground is None else max(height, self.ground)

@@ -188,7 +188,8 @@ def model(name, geometry, pose="", link="", collision="", more=""):
 
     return (
         f"<model name='{name}'><static>true</static>{of(pose)}{more}<link name='l'>{of(link)}"
-        f"<collision name='c'>{of(collision)}<geometry>{geometry}</geometry></collision></link></model>"
+        f"<collision name='c'>{of(collision)}<geometry>{geometry}</geometry></collision></link>"
+        "</model>"
     )
 
 
@@ -227,7 +228,8 @@ def test_frames_that_poses_are_relative_to(tmp_path):
         "<model name='m'><pose>1 0 0 0 0 0</pose><frame name='f'><pose>0 0 1 0 0 0</pose></frame>"
         "<link name='a'><pose relative_to='b'>0 5 0 0 0 0</pose><collision name='c'><geometry>"
         f"{BOX}</geometry></collision></link><link name='b'><pose relative_to='f' degrees='true'>"
-        f"0 0 0 0 0 90</pose><collision name='c'><geometry>{BOX}</geometry></collision></link></model>"
+        f"0 0 0 0 0 90</pose><collision name='c'><geometry>{BOX}</geometry></collision></link>"
+        "</model>"
     )
     scene = read_scene(world(tmp_path, text))
     places = {each.name: each.pose.shift for each in scene.objects}
@@ -285,7 +287,7 @@ def test_meshes_outside_are_not_read(tmp_path, uri):
     trimesh.creation.box((1, 1, 1)).export(tmp_path / "secret.stl")
     (tmp_path / "in").mkdir()
     path = world(tmp_path / "in", model("m", f"<mesh><uri>{uri}</uri></mesh>"))
-    with pytest.raises(UsageFault, match="leads out|resolves nowhere"):
+    with pytest.raises(UsageFault, match=r"leads out|resolves nowhere"):
         read_scene(path)
 
 
@@ -334,7 +336,7 @@ ROUND = (
     "<ellipsoid><radii>0.1 0.2 0.3</radii></ellipsoid>",
     "<cone><radius>0.1</radius><length>0.3</length></cone>",
     "<capsule><radius>0.1</radius><length>0.3</length></capsule>",
-    "<polyline><point>0 0</point><point>0.4 0</point><point>0 0.3</point><height>0.2</height></polyline>",
+    "<polyline><point>0 0</point><point>.4 0</point><point>0 .3</point><height>.2</height></polyline>",
 )
 
 
