@@ -40,7 +40,7 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     examples=[
         "srgc import urdf robots/scara.urdf -o out/scara.srg",
         "srgc import timor specs/imports/scara_modules -o out/kit.srg",
-        "srgc import cobra specs/imports/sort_parts.json --modules specs/imports/scara_modules -o -",
+        "srgc import cobra specs/imports/sort_parts.json -o out/sort.srg",
     ],
     reads_spec=False,
     read_on="docs/how-to/import.md",
