@@ -93,6 +93,8 @@ class SourceFiles:
                 f"{self.main}: `{visible(written)}` leads out of the folder of the file: put it "
                 "there, or name the folder of its package by --package NAME=DIR"
             )
+        if not real.is_file():
+            raise UsageFault(f"{self.main}: `{visible(written)}`: there is no such file")
         return real
 
 

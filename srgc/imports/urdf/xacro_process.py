@@ -12,6 +12,7 @@ import os
 import resource
 import sys
 from collections.abc import Mapping, Sequence
+from errno import EACCES
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ def fence(roots: Sequence[str]) -> None:
             real = os.path.realpath(os.fsdecode(path)) if not isinstance(path, int) else ""
             inside = any(real == root or real.startswith(f"{root}{os.sep}") for root in roots)
             if not inside or set(mode) & set("wax+"):
-                raise PermissionError(f"{real} is outside the folder of the file")
+                raise PermissionError(EACCES, "it is outside the folder of the file", real)
         elif event.startswith((*REFUSED, *_CHANGES)):
             raise PermissionError(f"{event} is not for a description of a robot")
 
@@ -38,9 +39,15 @@ def fence(roots: Sequence[str]) -> None:
 
 def expanded(file: str, packages: Mapping[str, str], arguments: Mapping[str, str]) -> str:
     """The text of a xacro file without macros."""
+    from xml.dom import minidom
+
     import xacro
-    import yaml  # noqa: F401 — read by macros, after which nothing can be imported any more
+    import yaml
     from xacro import substitution_args
+
+    # What they import only when they are used has to be there before the fence is.
+    minidom.parseString("<a>1</a>").toprettyxml()  # noqa: S318 — our own text
+    yaml.safe_load("a: 1.5")
 
     def find(package: str) -> str:
         if package not in packages:
@@ -65,7 +72,8 @@ def main() -> int:
     try:
         text = expanded(asked["file"], asked["packages"], asked["arguments"])
     except BaseException as error:
-        said = " ".join(str(error).split()) or type(error).__name__
+        cause = getattr(error, "exc", None) or error
+        said = " ".join(str(cause).split()) or type(cause).__name__
         sys.stderr.write(f"\n{said[:500]}\n")
         return 1
     sys.stdout.write(text)
