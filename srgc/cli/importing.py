@@ -105,9 +105,10 @@ def import_(
 ) -> int:
     """Write what another tool describes as a spec: a robot, modules, a task or a scene.
 
-    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module.  What cannot be
-    carried over is listed, and stands as a comment at the top of what is written.  No file is read
-    outside the folder of FILE but below those that --package names.
+    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module; `timor` a set of
+    modules, or its folder; `cobra` a task.  What cannot be carried over is listed, and stands as a
+    comment at the top of what is written.  No file is read outside the folder of FILE but below
+    those that --package and --modules name.
     """
     place, known = KINDS[kind]
     given = {name: value for name, value in options.items() if value not in (None, (), False)}
