@@ -40,7 +40,7 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     examples=[
         "srgc import urdf robots/scara.urdf -o out/scara.srg",
         "srgc import timor specs/imports/scara_modules -o out/kit.srg",
-        "srgc import cobra specs/imports/sort_parts.json --modules specs/imports/scara_modules -o -",
+        "srgc import cobra specs/imports/sort_parts.json -o out/sort.srg",
     ],
     reads_spec=False,
     read_on="docs/how-to/import.md",
@@ -105,9 +105,10 @@ def import_(
 ) -> int:
     """Write what another tool describes as a spec: a robot, modules, a task or a scene.
 
-    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module.  What cannot be
-    carried over is listed, and stands as a comment at the top of what is written.  No file is read
-    outside the folder of FILE but below those that --package names.
+    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module; `timor` a set of
+    modules, or its folder; `cobra` a task.  What cannot be carried over is listed, and stands as a
+    comment at the top of what is written.  No file is read outside the folder of FILE but below
+    those that --package and --modules name.
     """
     place, known = KINDS[kind]
     given = {name: value for name, value in options.items() if value not in (None, (), False)}

@@ -13,6 +13,7 @@ from srgc.imports.module_set import Placement, Shape, steps_of
 from srgc.imports.timor.geometry_data import Geometry
 from srgc.imports.timor.vrml_file import vrml_pieces
 
+
 class MeshHulls:
     """Makes hulls of meshes; ``meshes`` has the files that they name."""
 
