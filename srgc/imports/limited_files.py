@@ -114,8 +114,8 @@ class FileTree:
             if (folder / inside).exists() and (folder == self.root / name or self._named(name)):
                 return self._below(folder, inside, reference)
         raise UsageFault(
-            f"{reference}: there is no `{name}` below {self.root}; say where it is with "
-            f"`--package {name}=DIR`"
+            f"{reference} is not below the folder of the file; `--package {name}=DIR` says where "
+            "it is"
         )
 
     def _named(self, name: str) -> bool:
@@ -128,9 +128,9 @@ class FileTree:
         path = (folder / inside).resolve()
         if not any(path.is_relative_to(each) for each in (self.root, *self.packages.values())):
             raise UsageFault(
-                f"{reference} leads out of {folder}: nothing is read there; copy the file, or name "
-                "its folder with `--package NAME=DIR`"
+                f"{reference} leads out of the folder of the file, where nothing is read; copy it, "
+                "or name its folder with `--package NAME=DIR`"
             )
         if not path.is_file():
-            raise UsageFault(f"{reference}: there is no file {path}")
+            raise UsageFault(f"{reference}: there is no such file")
         return path

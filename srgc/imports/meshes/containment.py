@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -51,13 +51,18 @@ def uncovered(
     for each in heights:
         near = np.flatnonzero(~single)
         single[near] = each.surely_hold(vertices)[triangles[near]].all(axis=1)
+    boxes = np.array([(each.lower, each.upper) for each in heights]).reshape(-1, 2, 3)
     missing = list[Uncovered]()
     for number in np.flatnonzero(~single).tolist():
         corners = vertices[triangles[number]]
-        around = [i for i, each in enumerate(heights) if each.may_touch(corners)]
-        if around and _surely_covered(corners, [heights[i] for i in around]):
+        lower, upper = corners.min(axis=0), corners.max(axis=0)
+        near = np.flatnonzero(((lower <= boxes[:, 1]) & (upper >= boxes[:, 0])).all(axis=1))
+        crossings = [each for i in near.tolist() if (each := heights[i].crossing(corners))]
+        if crossings and _surely_covered(crossings):
             continue
-        left = beyond([polygon_of(corners)], [pieces[i] for i in around])
+        left = [polygon_of(corners)]
+        for crossing in crossings:
+            left = _beyond_all(left, crossing.planes, crossing.unit)
         if left:
             missing.append(Uncovered(number, tuple(map(tuple, left))))
     return tuple(missing)
@@ -71,10 +76,23 @@ def surely_inside(points: Floats, piece: ConvexPiece) -> Bools:
 # --- In doubles, with a bound of their rounding ---------------------------------------------------
 
 
+class _Crossing(NamedTuple):
+    """The planes of a piece that a triangle may be beyond, with the heights of its corners (3, f).
+
+    It is surely within all others.
+    """
+
+    planes: tuple[Plane, ...]
+    unit: Fraction
+    heights: Floats
+    doubt: Floats
+
+
 class _Heights:
     """How far points are beyond the planes of a piece, in doubles, and how sure that is."""
 
     def __init__(self, piece: ConvexPiece) -> None:
+        self.piece = piece
         self.scale = 10.0**piece.digits
         planes = np.array(piece.planes, dtype=object)
         self.origin = np.array([float(x) for x in piece.corners[0]])
@@ -103,31 +121,35 @@ class _Heights:
         held[near] = (found <= -doubt).all(axis=1)
         return held
 
-    def may_touch(self, corners: Floats) -> bool:
-        """Whether the box about a triangle meets that about the piece."""
-        lower, upper = corners.min(axis=0), corners.max(axis=0)
-        return bool((lower <= self.upper).all() and (upper >= self.lower).all())
+    def crossing(self, corners: Floats) -> _Crossing | None:
+        """How a triangle (3, 3) meets the piece; None where it is surely beyond one plane."""
+        found, doubts = self.of(corners)
+        doubt = doubts.max(axis=0) + ROUNDING * np.abs(found).max(axis=0)
+        if (found > doubt).all(axis=0).any():
+            return None
+        crossed = np.flatnonzero((found > -doubt).any(axis=0))
+        planes = tuple(self.piece.planes[i] for i in crossed.tolist())
+        unit = Fraction(1, 10**self.piece.digits)
+        return _Crossing(planes, unit, found[:, crossed], doubt[crossed])
 
 
+MOST_PARTS = 64
 STEPS = 1 << 24
 """Edges are cut at multiples of one part in so many."""
 
 
-def _surely_covered(corners: Floats, pieces: Sequence[_Heights]) -> bool:
+def _surely_covered(crossings: Sequence[_Crossing]) -> bool:
     """Whether pieces are found in doubles that cover a triangle; False says nothing.
 
     The parts are polygons whose corners are exact means of those of the triangle, so they cover it
     whatever the doubles are; a part counts as covered where all its corners are surely in a piece.
     """
     parts: list[list[Weights]] = [[(1, 0, 0), (0, 1, 0), (0, 0, 1)]]
-    for piece in pieces:
-        found, doubts = piece.of(corners)
-        doubt = doubts.max(axis=0) + ROUNDING * np.abs(found).max(axis=0)
-        crossed = np.flatnonzero((found > -doubt).any(axis=0))
-        parts = [left for part in parts for left in _cut(part, found[:, crossed], doubt[crossed])]
+    for _, _, heights, doubt in crossings:
+        parts = [left for part in parts for left in _cut(part, heights, doubt)]
         if not parts:
             return True
-        if len(parts) > 64:
+        if len(parts) > MOST_PARTS:
             return False
     return False
 
@@ -196,11 +218,14 @@ def beyond(polygons: list[Polygon], pieces: Sequence[ConvexPiece]) -> list[Polyg
     No polygon that is given back lies in a piece; segments and points are polygons, too.
     """
     for piece in pieces:
-        unit = Fraction(1, 10**piece.digits)
-        polygons = [left for each in polygons for left in _beyond(each, piece.planes, unit)]
+        polygons = _beyond_all(polygons, piece.planes, Fraction(1, 10**piece.digits))
         if not polygons:
             return []
     return polygons
+
+
+def _beyond_all(polygons: list[Polygon], planes: Sequence[Plane], unit: Fraction) -> list[Polygon]:
+    return [left for each in polygons for left in _beyond(each, planes, unit)]
 
 
 def _beyond(polygon: Polygon, planes: Sequence[Plane], unit: Fraction) -> list[Polygon]:

@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from math import gcd
 from typing import TypeAlias
 
 import numpy as np
@@ -50,9 +49,19 @@ class ConvexPiece:
     def decimals(self) -> tuple[tuple[str, str, str], ...]:
         """The corners in metres, as exact decimals."""
         return tuple(
-            (_decimal(x, self.digits), _decimal(y, self.digits), _decimal(z, self.digits))
+            (
+                decimal_text(x, self.digits),
+                decimal_text(y, self.digits),
+                decimal_text(z, self.digits),
+            )
             for x, y, z in self.corners
         )
+
+    def box(self) -> tuple[IntPoint, IntPoint] | None:
+        """The least and the largest corner of a box along the axes; None of other pieces."""
+        if len(self.planes) != 6 or any(sum(map(bool, plane[:3])) != 1 for plane in self.planes):
+            return None
+        return self.corners[0], self.corners[-1]
 
     def outward(self) -> tuple[tuple[int, int, int], ...]:
         """Triangles of numbers of corners that are its surface, counter-clockwise from outside."""
@@ -180,7 +189,7 @@ def _chain(points: list[tuple[int, int]]) -> list[tuple[int, int]]:
     return chain
 
 
-def _decimal(value: int, digits: int) -> str:
+def decimal_text(value: int, digits: int) -> str:
     """``value`` times 10^-``digits``, without zeros at the end."""
     sign, size = ("-" if value < 0 else ""), abs(value)
     if digits <= 0:
@@ -188,10 +197,3 @@ def _decimal(value: int, digits: int) -> str:
     whole, part = divmod(size, 10**digits)
     shown = f"{part:0{digits}d}".rstrip("0")
     return f"{sign}{whole}.{shown}" if shown else f"{sign}{whole}"
-
-
-def primitive(plane: Plane) -> Plane:
-    """The plane with the least integers."""
-    divisor = gcd(*plane) or 1
-    a, b, c, d = (x // divisor for x in plane)
-    return a, b, c, d

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 DETAIL = 0.1
 """The volume that pieces add, as a share of that of the mesh, unless another is asked for."""
-MOST_PIECES = 256
+MOST_PIECES = 512
 """No more are made, whatever the detail."""
 
 
@@ -62,11 +62,11 @@ def decomposed(
     """
     _refuse(triangles, detail, pieces)
     parts = anatomy(vertices, triangles)
-    reference = _reference(parts)
+    reference = reference_volume(parts)
     most = min(pieces or MOST_PIECES, MOST_PIECES)
     regions = regions_of(parts, vertices, triangles, detail * reference, most)
     regions = refined(regions, detail * reference, most)
-    found, thickened = _covering(vertices, triangles, parts, regions, most)
+    found, thickened = covering(vertices, triangles, parts, regions)
     order = sorted(range(len(found)), key=lambda i: found[i].corners)
     return Pieces(
         tuple(found[i] for i in order),
@@ -85,7 +85,7 @@ def _refuse(triangles: Ints, detail: float, pieces: int | None) -> None:
         raise UsageFault("at least one piece is due")
 
 
-def _reference(parts: Anatomy) -> float:
+def reference_volume(parts: Anatomy) -> float:
     """What the volume added is a share of (m^3): solids, and the hulls of open parts."""
     hulls = sum(hull_volume(shell.reshape(-1, 3)) for shell in parts.shells)
     return float(sum(solid.volume() for solid in parts.solids)) + hulls
@@ -94,8 +94,8 @@ def _reference(parts: Anatomy) -> float:
 # --- The exact check, and growing -----------------------------------------------------------------
 
 
-def _covering(
-    vertices: Floats, triangles: Ints, parts: Anatomy, regions: Sequence[Region], most: int
+def covering(
+    vertices: Floats, triangles: Ints, parts: Anatomy, regions: Sequence[Region]
 ) -> tuple[list[ConvexPiece], set[int]]:
     """Pieces that hold every triangle, exactly, and the solids; and which were thickened."""
     held = [region.points for region in regions]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -37,23 +38,31 @@ def enclosing(points: Floats) -> Enclosed:
     points, thickened, width = _full(points)
     corners = few_corners(hull_corners(points), MOST_CORNERS)
     digits = _digits(corners, width)
-    for rounded in _roundings(corners * 10.0**digits, 10.0**-digits / width):
+    for rounded in _roundings(corners, digits, 10.0**-digits / width):
         piece = convex_piece((tuple(map(int, row)) for row in rounded.tolist()), digits)
         if piece is not None and holds(piece, points):
             return Enclosed(piece, thickened)
     raise ArithmeticError("no piece of the grid holds the points")
 
 
-def _roundings(corners: Floats, step: float) -> Iterator[Floats]:
-    """The corners on the grid: the nearest, then farther and farther out from their middle."""
-    yield np.rint(corners)
+def _roundings(corners: Floats, digits: int, step: float) -> Iterator[Floats]:
+    """The corners in steps of the grid: the nearest, then farther and farther from their middle."""
+    yield np.rint(corners * 10.0**digits)
     middle = corners.mean(axis=0)
-    away = np.where(corners >= middle, 1, -1)
-    for out in (0, 1):
-        yield away * np.ceil(away * corners) + out * away
     for power in range(-1, 40):
-        farther = middle + (1 + step * 2.0**power) * (corners - middle)
-        yield away * np.ceil(away * farther)
+        farther = corners if power < 0 else middle + (1 + step * 2.0**power) * (corners - middle)
+        yield np.array(
+            [
+                [_away(x, m, digits) for x, m in zip(row, middle.tolist(), strict=True)]
+                for row in farther.tolist()
+            ]
+        )
+
+
+def _away(value: float, middle: float, digits: int) -> int:
+    """The step of the grid next to a value, on the side that is away from the middle; exact."""
+    steps = Fraction(value) * 10**digits
+    return math.ceil(steps) if value >= middle else math.floor(steps)
 
 
 def holds(piece: ConvexPiece, points: Floats) -> bool:

@@ -33,14 +33,9 @@ def few_corners(points: Floats, most: int) -> Floats:
 
 def hull_volume(points: Floats) -> float:
     """The volume of the hull of points; zero where they are flat."""
-    from scipy.spatial import ConvexHull, QhullError
+    from manifold3d import Manifold
 
-    if len(points) < 4:
-        return 0.0
-    try:
-        return float(ConvexHull(points).volume)
-    except QhullError:
-        return 0.0
+    return float(Manifold.hull_points(points).volume()) if len(points) > 3 else 0.0
 
 
 def hull_corners(points: Floats) -> Floats:

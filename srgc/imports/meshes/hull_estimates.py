@@ -38,20 +38,40 @@ class Estimates:
         self.points, self.edges = points, edges
         self.directions = directions()
         self.along = points @ self.directions.T
+        self.near = 1e-9 * float(np.ptp(points, axis=0).max())
 
     def both_sides(self, normal: Floats, offset: float) -> float:
-        """The sum of the volumes of the hulls of what is below and above a plane; inf of nothing."""
-        heights = self.points @ normal - offset
-        below, above = heights <= 0, heights >= 0
+        """The volumes of the hulls of what is below and above a plane, added; inf of nothing."""
+        below, above, between = self._cut(normal, offset)
         if not below.any() or not above.any():
             return float("inf")
+        cut = between @ self.directions.T
+        return self._side(below, between, cut) + self._side(above, between, cut)
+
+    def both_hulls(self, normal: Floats, offset: float) -> float:
+        """The same, of all points."""
+        below, above, between = self._cut(normal, offset)
+        sides = [np.concatenate([self.points[side], between]) for side in (below, above)]
+        return sum(map(hull_volume, sides)) if below.any() and above.any() else float("inf")
+
+    def _cut(self, normal: Floats, offset: float) -> tuple[Bools, Bools, Floats]:
+        """Which points are below and above, and where edges cross the plane.
+
+        A point on the plane is on the side on which it has a neighbour.
+        """
+        heights = self.points @ normal - offset
+        heights[np.abs(heights) <= self.near] = 0.0
         first, last = self.edges.T
-        crossing = heights[first] * heights[last] < 0
+        over, under = heights > 0, heights < 0
+        above, below = over.copy(), under.copy()
+        for one, other in ((first, last), (last, first)):
+            above[one[over[other] & ~under[one]]] = True
+            below[one[under[other] & ~over[one]]] = True
+        crossing = (over[first] & under[last]) | (under[first] & over[last])
         one, other = first[crossing], last[crossing]
         share = heights[one] / (heights[one] - heights[other])
         between = self.points[one] + share[:, None] * (self.points[other] - self.points[one])
-        cut = between @ self.directions.T
-        return self._side(below, between, cut) + self._side(above, between, cut)
+        return below, above, between
 
     def _side(self, side: Bools, between: Floats, cut: Floats) -> float:
         numbers = np.flatnonzero(side)

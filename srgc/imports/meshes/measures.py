@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 NOTHING = 1e-7
 """This share of a solid is rounding of the volumes, and not uncovered."""
 
+NEAR = 40
+"""The distance of a corner to the mesh is that to the nearest of so many triangles."""
+
 
 @dataclass(frozen=True, slots=True)
 class Measures:
@@ -89,10 +92,16 @@ def not_covered(solids: Sequence[Manifold], pieces: Sequence[ConvexPiece]) -> li
 
 
 def _farthest(pieces: Sequence[ConvexPiece], vertices: Floats, triangles: Ints) -> float:
-    """The largest distance from a corner of a piece to the nearest vertex or middle of a triangle."""
+    """The largest distance from a corner of a piece to one of the triangles that are near it."""
     from scipy.spatial import KDTree
+    from trimesh.triangles import closest_point
 
     sides = vertices[triangles]
-    near = KDTree(np.concatenate([vertices, sides.mean(axis=1)]))
     corners = np.concatenate([piece.points() for piece in pieces])
-    return float(near.query(corners)[0].max())
+    near = KDTree(sides.mean(axis=1)).query(corners, k=min(NEAR, len(sides)))[1]
+    near = near.reshape(len(corners), -1)
+    least = np.full(len(corners), np.inf)
+    for column in near.T:
+        nearest = closest_point(sides[column], corners)
+        least = np.minimum(least, np.linalg.norm(nearest - corners, axis=1))
+    return float(least.max())

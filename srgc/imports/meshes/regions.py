@@ -64,14 +64,31 @@ class MergedRegion(Region):
         return list(self.pair)
 
 
+class PointRegion(Region):
+    """Points that one piece is to hold: a hull that something else has found."""
+
+    def __init__(self, points: Floats) -> None:
+        super().__init__(points, 0.0)
+
+    def split(self) -> list[Region]:
+        """Itself."""
+        return [self]
+
+
 # --- Solids ---------------------------------------------------------------------------------------
 
 
-COARSE = 1500
+COARSE = 3000
 """Planes are looked for with about so many triangles."""
-PLACES = 7
+MOST_TOLERANCE = 5e-3
+"""The simpler one is as near, as a share of the size: thin walls have to stay."""
+SHORTLIST = 6
+"""Of so many planes the hulls are computed, not estimated."""
+PLACES = 5
 """So many places are tried along each axis at first."""
-FACETS = 12
+PARALLEL = 0.999
+"""An own axis of a part so near one of the world is that one."""
+FACETS = 20
 """So many planes of large flat parts of the surface are tried."""
 
 
@@ -99,26 +116,27 @@ class SolidRegion(Region):
         estimates = Estimates(points, _edge_ends(triangles))
         tried: list[tuple[float, int, Floats, float]] = []
 
-        def attempt(normal: Floats, offset: float) -> float:
-            total = estimates.both_sides(normal, offset)
-            tried.append((total, len(tried), normal, offset))
-            return total
+        def attempt(normal: Floats, offset: float) -> None:
+            tried.append((estimates.both_sides(normal, offset), len(tried), normal, offset))
 
         for normal, offset in _facet_planes(points, triangles):
             attempt(normal, offset)
-        for axis in (*np.eye(3), *axes):
+        sweeps = [*np.eye(3), *(a for a in axes if np.abs(a).max() < PARALLEL)]
+        for axis in sweeps:
             along = points @ axis
-            lower, width = float(along.min()), float(np.ptp(along))
-            step = width / (PLACES + 1)
-            totals = [attempt(axis, lower + step * (i + 1)) for i in range(PLACES)]
-            best = lower + step * (int(np.argmin(totals)) + 1)
-            for shift in (-0.5, -0.25, 0.25, 0.5):
-                attempt(axis, best + shift * step)
+            for share in np.arange(1, PLACES + 1) / (PLACES + 1):
+                attempt(axis, float(along.min() + share * np.ptp(along)))
+        for _, _, normal, offset in sorted(tried, key=lambda each: each[:2])[:2]:
+            step = float(np.ptp(points @ normal)) / (PLACES + 1)
+            for share in (-0.5, -0.25, 0.25, 0.5):
+                attempt(normal, offset + share * step)
         tried.sort(key=lambda each: each[:2])
+        likely = [(normal, offset) for _, _, normal, offset in tried[:SHORTLIST]]
+        totals = [estimates.both_hulls(normal, offset) for normal, offset in likely]
         along = points @ axes[0]
         halves = (axes[0], float(along.min() + along.max()) / 2)
-        chosen = [(normal, offset) for _, _, normal, offset in tried[:5]]
-        if tried[0][0] > (1 - GAIN) * self.hull_volume:
+        chosen = [likely[i] for i in np.argsort(totals, kind="stable").tolist()]
+        if min(totals) > (1 - GAIN) * hull_volume(points):
             return [halves, *chosen]
         return [*chosen, halves]
 
@@ -131,8 +149,9 @@ def _vertices(solid: Manifold) -> Floats:
 def _coarse(solid: Manifold) -> tuple[Floats, Ints]:
     """Vertices and triangles of a solid, of a simpler one near it where it has many."""
     box = solid.bounding_box()
-    tolerance = 1e-3 * max(box[3] - box[0], box[4] - box[1], box[5] - box[2])
-    while solid.num_tri() > COARSE and tolerance < 0.02:
+    size = max(box[3] - box[0], box[4] - box[1], box[5] - box[2])
+    tolerance = 5e-4 * size
+    while solid.num_tri() > COARSE and tolerance < MOST_TOLERANCE * size:
         simpler = solid.simplify(tolerance)
         if simpler.is_empty():
             break

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srgc.imports.meshes.joining import Joining
+from srgc.imports.meshes.measures import union_of
 from srgc.imports.meshes.mesh import Bools, Floats, Ints
 from srgc.imports.meshes.regions import Region, ShellRegion, SolidRegion
 from srgc.imports.meshes.solids import Anatomy
@@ -15,7 +16,9 @@ from srgc.imports.meshes.solids import Anatomy
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ROUGH, JOINED = 0.45, 0.7
+LOOK = 1.1
+"""What pieces add is measured again when there are so many times as many."""
+ROUGH, JOINED = 0.6, 1.1
 """The shares of the detail up to which parts are split at first, and up to which they are joined."""
 
 
@@ -72,20 +75,33 @@ def _inside_hulls(sides: Floats, regions: Sequence[Region]) -> Bools:
 
 
 def refined(regions: list[Region], budget: float, most: int) -> list[Region]:
-    """Split regions whose pieces, with few corners, add most, until all add at most the budget."""
+    """Split regions whose pieces, with few corners, add most, until all add at most the budget.
+
+    What pieces add one by one counts where they overlap as often as they do; so what they add
+    together is measured now and then.
+    """
     heap = [(each.volume - each.piece_volume, i, each) for i, each in enumerate(regions)]
     heapq.heapify(heap)
-    total, count, done = -sum(each[0] for each in heap), len(heap), list[Region]()
-    while heap and total > budget:
-        added, number, worst = heapq.heappop(heap)
+    count, done, next_look = len(heap), list[Region](), 0.0
+    while heap:
+        alive = [*done, *(each for _, _, each in heap)]
+        if len(alive) >= next_look:
+            next_look = LOOK * len(alive)
+            if together(alive) <= budget:
+                break
+        _, _, worst = heapq.heappop(heap)
         parts = worst.split()
         if len(parts) == 1 or len(heap) + len(done) + len(parts) > most:
             done.append(worst)
             continue
-        total += added
         for part in parts:
             count += 1
-            change = part.volume - part.piece_volume
-            total -= change
-            heapq.heappush(heap, (change, count, part))
+            heapq.heappush(heap, (part.volume - part.piece_volume, count, part))
     return [*done, *(each for _, _, each in sorted(heap, key=lambda each: each[1]))]
+
+
+def together(regions: Sequence[Region]) -> float:
+    """What the pieces of regions add together, or one by one where that is less (m^3)."""
+    single = sum(each.piece_volume - each.volume for each in regions)
+    union = union_of([each.enclosed.piece for each in regions])
+    return min(single, float(union.volume()) - sum(each.volume for each in regions))

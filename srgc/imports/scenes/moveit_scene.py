@@ -1,0 +1,165 @@
+"""The text format of MoveIt's planning scenes, as ``saveGeometryToStream`` writes it.
+
+Source: moveit_core, ``planning_scene.cpp``, and geometric_shapes, ``shape_operations.cpp``.  Since
+MoveIt 1.1 objects have a pose of their own and subframes; older files are told by what follows the
+name of the first object: the number of its shapes.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.limited_files import limited_bytes
+from srgc.imports.meshes.mesh import Mesh
+from srgc.imports.meshes.mesh_file import LARGEST, too_many
+from srgc.imports.scenes.scene import (
+    BallShape,
+    BoxShape,
+    MeshShape,
+    PointsShape,
+    Pose,
+    RodShape,
+    Scene,
+    SceneObject,
+    Shape,
+    cone_points,
+    positive,
+    quaternion_pose,
+)
+
+MOST_SHAPES = 10_000
+
+
+class _Lines:
+    """The lines of a file, and the number of the next."""
+
+    def __init__(self, path: Path) -> None:
+        text = limited_bytes(path).decode("utf-8-sig", errors="replace")
+        self.path, self.rows, self.at = path, text.splitlines(), 0
+
+    def fault(self, said: str) -> UsageFault:
+        return UsageFault(f"{self.path}:{min(self.at, len(self.rows)) or 1}: {said}")
+
+    def line(self, due: str) -> str:
+        if self.at >= len(self.rows):
+            raise self.fault(f"the file ends where {due} is due; was it cut off?")
+        self.at += 1
+        return self.rows[self.at - 1].strip()
+
+    def peeked(self) -> str:
+        return self.rows[self.at].strip() if self.at < len(self.rows) else ""
+
+    def numbers(self, count: int, due: str) -> list[float]:
+        """So many numbers, which may stand in several lines."""
+        found = list[float]()
+        while len(found) < count:
+            words = self.line(due).split()
+            try:
+                found += [float(word) for word in words]
+            except ValueError:
+                raise self.fault(f"{due} is due, and no numbers stand here") from None
+        if len(found) != count or not np.isfinite(found).all():
+            raise self.fault(f"{due} is due: {count} finite numbers")
+        return found
+
+    def count(self, due: str) -> int:
+        (number,) = self.numbers(1, due)
+        if number != int(number) or not 0 <= number <= 2**31:
+            raise self.fault(f"{due} is due: a number of things")
+        return int(number)
+
+    def pose(self, what: str) -> Pose:
+        shift = self.numbers(3, f"the place of {what}")
+        turn = self.numbers(4, f"the quaternion of {what}")
+        if max(map(abs, shift)) >= LARGEST:
+            raise self.fault(f"{what} is {LARGEST:g} m away or farther")
+        return quaternion_pose(shift, turn, f"{self.path}:{self.at}: {what}")
+
+
+def moveit_scene(path: Path) -> Scene:
+    """The objects of a ``.scene`` file.
+
+    Raises:
+        UsageFault: it is no such file or was cut off, with the line.
+    """
+    lines = _Lines(path)
+    scene = Scene(lines.line("the name of the scene") or path.stem)
+    new: bool | None = None
+    while (head := lines.line("`*` with an object, or `.`")) != ".":
+        if not head.startswith("*"):
+            raise lines.fault(f"`* NAME` or `.` is due, not `{head[:40]}`")
+        name = head[1:].strip() or "object"
+        new = len(lines.peeked().split()) == 3 if new is None else new
+        _object(lines, scene, name, own_pose=new)
+        if len(scene.objects) > MOST_SHAPES:
+            raise lines.fault(f"there are more than {MOST_SHAPES:,} shapes")
+    return scene
+
+
+def _object(lines: _Lines, scene: Scene, name: str, *, own_pose: bool) -> None:
+    outer = lines.pose(name) if own_pose else Pose()
+    count = lines.count(f"the number of shapes of {name}")
+    for number in range(count):
+        called = name if count == 1 else f"{name}_{number + 1}"
+        kind = lines.line(f"a shape of {name}")
+        found = _shape(lines, kind, called)
+        pose = outer.then(lines.pose(called))
+        lines.numbers(4, f"the colour of {called}")
+        if isinstance(found, list):
+            normal = np.array(found[:3])
+            size = float(normal @ normal) or 1.0
+            scene.plane(called, pose.turn @ normal, pose.of(-found[3] / size * normal[None])[0])
+        else:
+            shape, note = found
+            scene.objects.append(SceneObject(called, shape, pose, note))
+    if own_pose:
+        subframes = lines.count(f"the number of subframes of {name}")
+        for _ in range(subframes):
+            frame = lines.line(f"a subframe of {name}")
+            lines.pose(frame)
+        if subframes:
+            scene.dropped.append(f"{name}: {subframes} subframes, which are no obstacles")
+
+
+def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | list[float]:
+    """A shape and what is to be said of it, or the a, b, c, d of a plane ax + by + cz + d = 0."""
+    where = f"{lines.path}:{lines.at}: {what}"
+    if kind == "box":
+        x, y, z = lines.numbers(3, f"the edges of {what}")
+        positive((x, y, z), where)
+        return BoxShape((x, y, z)), ""
+    if kind == "sphere":
+        (radius,) = lines.numbers(1, f"the radius of {what}")
+        positive((radius,), where)
+        return BallShape(radius), ""
+    if kind in {"cylinder", "cone"}:
+        radius, length = lines.numbers(2, f"the radius and length of {what}")
+        positive((radius, length), where)
+        if kind == "cylinder":
+            return RodShape("cylinder", radius, length), ""
+        return PointsShape(cone_points(radius, length)), "a cone: a pyramid about it"
+    if kind == "plane":
+        return lines.numbers(4, f"the plane of {what}")
+    if kind == "mesh":
+        return MeshShape(_mesh(lines, what), lines.path.name), ""
+    raise lines.fault(
+        f"`{kind[:40]}` is no shape that is known: box, sphere, cylinder, cone, plane, mesh"
+    )
+
+
+def _mesh(lines: _Lines, what: str) -> Mesh:
+    corners, count = (int(x) for x in lines.numbers(2, f"the vertices and triangles of {what}"))
+    too_many(max(count, corners // 3), lines.path)
+    if corners < 3 or count < 1:
+        raise lines.fault(f"the mesh of {what} has no triangle")
+    vertices = [lines.numbers(3, f"a vertex of {what}") for _ in range(corners)]
+    triangles = [lines.numbers(3, f"a triangle of {what}") for _ in range(count)]
+    numbers = np.array(triangles)
+    if (numbers < 0).any() or (numbers >= corners).any() or (numbers % 1).any():
+        raise lines.fault(f"a triangle of {what} names a vertex that is not there")
+    if np.abs(vertices).max() >= LARGEST:
+        raise lines.fault(f"a vertex of {what} is {LARGEST:g} m away or farther")
+    return Mesh(np.array(vertices), numbers.astype(np.int64))

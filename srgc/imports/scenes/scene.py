@@ -1,0 +1,186 @@
+"""A scene of shapes in space, whatever file it was read from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.meshes.mesh import Floats, Mesh
+
+ALIGNED = 1e-6
+"""A turn that differs by less from one by right angles is that one: it was written as decimals."""
+
+
+@dataclass(frozen=True, slots=True)
+class BoxShape:
+    """A box about its middle; the edges are in metres."""
+
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class BallShape:
+    """A ball; its radius is in metres."""
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class RodShape:
+    """A ``cylinder`` or ``capsule`` about its middle along z; lengths in metres, without the caps."""
+
+    kind: str
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class PointsShape:
+    """The hull of points (n, 3) in metres."""
+
+    points: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class MeshShape:
+    """A mesh, and where it was read."""
+
+    mesh: Mesh
+    source: str
+
+
+Shape: TypeAlias = BoxShape | BallShape | RodShape | PointsShape | MeshShape
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A turn (3, 3), then a shift (3,) in metres."""
+
+    turn: Floats = field(default_factory=lambda: np.eye(3))
+    shift: Floats = field(default_factory=lambda: np.zeros(3))
+
+    def then(self, inner: Pose) -> Pose:
+        """The pose in the world of what has the pose ``inner`` in this one."""
+        return Pose(_aligned(self.turn @ inner.turn), self.turn @ inner.shift + self.shift)
+
+    def inverse(self) -> Pose:
+        """The pose of the world in this one."""
+        return Pose(_aligned(self.turn.T), -self.turn.T @ self.shift)
+
+    def of(self, points: Floats) -> Floats:
+        """Points (n, 3) of this pose in the world."""
+        found: Floats = points @ self.turn.T + self.shift
+        return found
+
+    def along_axes(self) -> bool:
+        """Whether the turn is by right angles."""
+        return bool(((self.turn == 0) | (np.abs(self.turn) == 1)).all())
+
+
+@dataclass(frozen=True, slots=True)
+class SceneObject:
+    """A shape at a place; ``note`` says what of it was changed."""
+
+    name: str
+    shape: Shape
+    pose: Pose
+    note: str = ""
+
+
+@dataclass(slots=True)
+class Scene:
+    """Objects, and what of the file could not be carried over.
+
+    ``ground`` is the height of a horizontal plane below everything (m).
+    """
+
+    name: str
+    objects: list[SceneObject] = field(default_factory=list)
+    dropped: list[str] = field(default_factory=list)
+    ground: float | None = None
+
+    def plane(self, name: str, normal: Floats, through: Floats) -> None:
+        """Take note of a plane without bounds, which is no obstacle; one that looks up is a floor."""
+        if normal[2] > 0 and np.abs(normal[:2]).max() <= ALIGNED * normal[2]:
+            height = float(through[2])
+            self.ground = height if self.ground is None else max(height, self.ground)
+            said = "a floor without bounds; the bounds begin at it where nothing is below"
+        else:
+            said = "a plane without bounds"
+        self.dropped.append(f"{name}: {said}")
+
+
+def _aligned(turn: Floats) -> Floats:
+    near = np.rint(turn)
+    close = np.abs(turn - near).max() <= ALIGNED and abs(abs(np.linalg.det(near)) - 1) < 0.5
+    return near + 0.0 if close else turn
+
+
+def quaternion_pose(shift: Sequence[float], turn: Sequence[float], what: str) -> Pose:
+    """The pose of a place and a quaternion (x, y, z, w), which need not be a unit one.
+
+    Raises:
+        UsageFault: a number is not finite, or the quaternion is zero.
+    """
+    size = math.hypot(*turn)
+    if not all(map(math.isfinite, (*shift, size))) or size < 1e-9:
+        raise UsageFault(f"{what}: its pose has a number that is not finite, or a zero quaternion")
+    x, y, z, w = (part / size for part in turn)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return Pose(_aligned(np.array(rows)), np.array(shift, dtype=np.float64))
+
+
+def angle_pose(shift: Sequence[float], angles: Sequence[float], what: str) -> Pose:
+    """The pose of a place and of turns about the fixed axes x, y, z in this order, in radians.
+
+    Raises:
+        UsageFault: a number is not finite.
+    """
+    if not all(map(math.isfinite, (*shift, *angles))):
+        raise UsageFault(f"{what}: its pose has a number that is not finite")
+    (ca, sa), (cb, sb), (cc, sc) = ((math.cos(angle), math.sin(angle)) for angle in angles)
+    rows = [
+        [cc * cb, cc * sb * sa - sc * ca, cc * sb * ca + sc * sa],
+        [sc * cb, sc * sb * sa + cc * ca, sc * sb * ca - cc * sa],
+        [-sb, cb * sa, cb * ca],
+    ]
+    return Pose(_aligned(np.array(rows)), np.array(shift, dtype=np.float64))
+
+
+def positive(values: Sequence[float], what: str) -> None:
+    """Refuse sizes that are none.
+
+    Raises:
+        UsageFault: one is not finite or not positive.
+    """
+    if not all(math.isfinite(value) and value > 0 for value in values):
+        shown = ", ".join(f"{value:g}" for value in values)
+        raise UsageFault(f"{what}: a size is not positive: {shown}")
+
+
+def cone_points(radius: float, length: float) -> Floats:
+    """Points whose hull holds a cone about its middle, the tip up: its base is a 16-gon."""
+    angles = 2 * np.pi * np.arange(16) / 16
+    wide = radius / math.cos(np.pi / 16)
+    base = [wide * np.cos(angles), wide * np.sin(angles), np.full(16, -length / 2)]
+    return np.concatenate([np.column_stack(base), [[0.0, 0.0, length / 2]]])
+
+
+def ellipsoid_points(radii: Sequence[float]) -> Floats:
+    """Points whose hull holds an ellipsoid."""
+    from trimesh.creation import icosphere
+
+    ball = icosphere(subdivisions=2)
+    sides = np.asarray(ball.triangles, dtype=np.float64)
+    inner = np.linalg.norm(sides.mean(axis=1), axis=1).min()
+    found: Floats = np.asarray(ball.vertices) / inner * 1.001 * np.array(radii)
+    return found

@@ -1,0 +1,95 @@
+"""Scenes of files, by the ends of their names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from srgc.faults import UsageFault
+from srgc.imports.limited_files import FileTree
+from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
+from srgc.imports.scenes.scene import MeshShape, Pose, Scene, SceneObject
+
+LENGTHS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
+WORLDS = (".sdf", ".world")
+_PLACE = re.compile(r"\(?([^(),]+),([^(),]+),([^(),]+?)\)?\s*(mm|cm|m)?")
+
+
+def read_scene(
+    path: Path,
+    *,
+    unit: str | None = None,
+    at: str | None = None,
+    packages: Mapping[str, Path] | None = None,
+) -> Scene:
+    """The scene of a mesh, of MoveIt or of SDF.
+
+    Args:
+        path: by the end of its name STL, OBJ, COLLADA, ``.scene``, ``.sdf`` or ``.world``.
+        unit: one of :data:`LENGTHS`: that of an STL or OBJ file, or instead of that of COLLADA.
+        at: where the origin of the file is in the world, such as ``(0.5, 0, 0) m``.
+        packages: the folders of packages that ``package://`` and ``model://`` name.
+
+    Raises:
+        UsageFault: it is no such file, or something of it cannot be read.
+    """
+    suffix = path.suffix.lower()
+    place = Pose() if at is None else Pose(shift=np.array(_place(at)))
+    if suffix in SUFFIXES:
+        scene = _of_mesh(path, None if unit is None else LENGTHS[unit])
+    elif suffix == ".scene" or suffix in WORLDS:
+        if unit is not None:
+            raise UsageFault(f"{path} is in metres: --unit goes with STL, OBJ and DAE")
+        scene = _of_world(path, packages or {})
+    else:
+        known = ", ".join((*SUFFIXES, ".scene", *WORLDS))
+        raise UsageFault(f"{path} is no scene, by the end of its name; known: {known}")
+    scene.objects = [
+        SceneObject(each.name, each.shape, place.then(each.pose), each.note)
+        for each in scene.objects
+    ]
+    if scene.ground is not None:
+        scene.ground += float(place.shift[2])
+    return scene
+
+
+def _of_world(path: Path, packages: Mapping[str, Path]) -> Scene:
+    if path.suffix.lower() == ".scene":
+        from srgc.imports.scenes.moveit_scene import moveit_scene
+
+        return moveit_scene(path)
+    from srgc.imports.scenes.sdf_world import sdf_scene
+
+    return sdf_scene(path, FileTree(path.parent, packages))
+
+
+def _of_mesh(path: Path, unit: float | None) -> Scene:
+    mesh = read_mesh(path, unit)
+    objects = [
+        SceneObject(each.name or path.stem, MeshShape(mesh.part(each), path.name), Pose())
+        for each in mesh.objects
+        if each.stop > each.start
+    ]
+    return Scene(path.stem, objects, list(mesh.notes))
+
+
+def _place(text: str) -> list[float]:
+    """The coordinates of a place in metres.
+
+    Raises:
+        UsageFault: it is none.
+    """
+    found = _PLACE.fullmatch(text.strip())
+    try:
+        if found is None:
+            raise ValueError(text)
+        *numbers, unit = found.groups()
+        place = [float(number) * LENGTHS[unit or "m"] for number in numbers]
+    except ValueError:
+        raise UsageFault(f"`{text}` is no place; write one such as `(0.5, 0, 0) m`") from None
+    if not all(abs(x) < 1e6 for x in place):
+        raise UsageFault(f"`{text}` is no place: its coordinates are less than 1000 km")
+    return place

@@ -1,0 +1,251 @@
+"""A scene as the text of a workspace, as a person would have written it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from itertools import chain, count
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from grammar_lang.diagnostics.diagnostic import Sink
+from grammar_lang.formatting.formatter import canonical
+from grammar_lang.names.declarations import map_name
+from srgc.faults import UsageFault
+from srgc.imports.meshes.convex_piece import decimal_text
+from srgc.imports.meshes.decomposition import DETAIL, Pieces, decomposed
+from srgc.imports.meshes.enclosing import enclosing
+from srgc.imports.scenes.scene import (
+    BallShape,
+    BoxShape,
+    MeshShape,
+    PointsShape,
+    RodShape,
+    Scene,
+    SceneObject,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from srgc.imports.meshes.convex_piece import ConvexPiece
+    from srgc.imports.meshes.mesh import Floats
+
+UNITS = {"m": 0, "cm": 2, "mm": 3}
+"""The units of texts, and the power of ten that a metre is of them."""
+DIGITS, FINER, SMALL = 6, 9, 1e-3
+"""Places are rounded to 10^-6 m, and to 10^-9 m where an object is smaller than a millimetre."""
+MARGIN = 0.25
+"""So much of the size of the scene is free about it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is asked for: of pieces as of :func:`decomposed`, and the name of the workspace."""
+
+    detail: float = DETAIL
+    pieces: int | None = None
+    name: str | None = None
+
+
+@dataclass(slots=True)
+class SceneText:
+    """The text of a workspace, and what is to be said about it, a line each."""
+
+    text: str
+    notes: list[str] = field(default_factory=list)
+
+
+def scene_text(scene: Scene, source: str, wanted: Wanted) -> SceneText:
+    """The workspace of a scene that was read from ``source``.
+
+    Raises:
+        UsageFault: there is nothing in it.
+    """
+    if not scene.objects:
+        dropped = "".join(f"\n  {line}" for line in scene.dropped[:20])
+        raise UsageFault(f"{source} has nothing that collides{dropped and ':' + dropped}")
+    writer = _Writer(wanted)
+    for item in scene.objects:
+        writer.add(item)
+    text = "\n".join(
+        [*_head(scene, source, writer), *writer.bounds(scene.ground), *writer.lines, "}", ""]
+    )
+    made = canonical(text, Sink())
+    if made is None:
+        raise ArithmeticError("the text of a scene has a syntax error")
+    return SceneText(
+        made, [*writer.notes, *(f"not carried over: {each}" for each in scene.dropped)]
+    )
+
+
+def _head(scene: Scene, source: str, writer: _Writer) -> list[str]:
+    lines = [f"// {_plain(source)}, as srgc import scene has read it."]
+    if writer.rounded:
+        lines.append("// Places are rounded to 0.001 mm.")
+    if scene.dropped:
+        lines.append("// Not carried over:")
+        lines += [f"//   {_plain(each)}" for each in scene.dropped]
+    name = map_name(writer.wanted.name or scene.name)
+    return [*lines, f"workspace {name[:1].upper()}{name[1:]} {{", "  space xyz;"]
+
+
+def _plain(text: str) -> str:
+    """A text of others as part of a comment: one line, of what can be printed."""
+    return "".join(each if each.isprintable() else " " for each in text)[:300]
+
+
+class _Writer:
+    """Collects the lines of obstacles."""
+
+    def __init__(self, wanted: Wanted) -> None:
+        self.wanted = wanted
+        self.lines: list[str] = []
+        self.notes: list[str] = []
+        self.rounded = False
+        self.taken = set[str]()
+        self.lower, self.upper = np.full(3, np.inf), np.full(3, -np.inf)
+
+    def add(self, item: SceneObject) -> None:
+        """Write an object as one obstacle or several."""
+        name = map_name(item.name.replace(".", "_"))
+        if item.note:
+            self.lines.append(f"  // {_plain(item.name)} is {item.note}.")
+            self.notes.append(f"{item.name} is {item.note}")
+        match item.shape:
+            case BoxShape(size=size):
+                self._box(name, item, size)
+            case BallShape(radius=radius):
+                self._round(name, "ball", item, np.zeros((1, 3)), radius)
+            case RodShape(kind=kind, radius=radius, length=length):
+                ends = np.array([[0, 0, -length / 2], [0, 0, length / 2]])
+                self._round(name, kind, item, ends, radius)
+            case PointsShape(points=points):
+                self._pieces(name, [enclosing(item.pose.of(points)).piece])
+            case MeshShape(mesh=mesh, source=source):
+                found = decomposed(
+                    item.pose.of(mesh.vertices),
+                    mesh.triangles,
+                    detail=self.wanted.detail,
+                    pieces=self.wanted.pieces,
+                )
+                self._told(item.name, source, found)
+                self._pieces(name, found.pieces)
+
+    def _told(self, name: str, source: str, found: Pieces) -> None:
+        """Say what was made of a mesh."""
+        said = f"{described(found)}"
+        self.lines.append(f"  // {_plain(name)} of {_plain(source)}: {said}.")
+        self.lines += [f"  //   {_plain(note)}." for note in found.notes]
+        self.notes.append(f"{name}: {'; '.join([said, *found.notes])}")
+
+    def _box(self, name: str, item: SceneObject, size: Sequence[float]) -> None:
+        half = np.array(size) / 2
+        signs = np.array([[(-1, 1)[i >> axis & 1] for axis in range(3)] for i in range(8)])
+        points = item.pose.of(signs * half)
+        if not item.pose.along_axes():
+            self._pieces(name, [enclosing(points).piece])
+            return
+        lower, upper = points.min(axis=0), points.max(axis=0)
+        self._reach(lower, upper)
+        digits = FINER if min(size) < SMALL else DIGITS
+        self._write(name, "box " + _sides(self._grid([lower, upper], digits), digits))
+
+    def _round(self, name: str, kind: str, item: SceneObject, ends: Floats, radius: float) -> None:
+        places = item.pose.of(ends)
+        self._reach(places.min(axis=0) - radius, places.max(axis=0) + radius)
+        digits = FINER if radius < SMALL else DIGITS
+        *points, (wide, _, _) = self._grid([*places, np.array([radius, 0, 0])], digits)
+        unit = _unit(np.abs([x for point in points for x in point]).max() * 10.0**-digits)
+        shown = ", ".join(_point(point, digits, unit) for point in points)
+        of_radius = _unit(radius)
+        size = decimal_text(wide, digits - UNITS[of_radius])
+        self._write(name, f"{kind} {shown} {unit} radius {size} {of_radius}")
+
+    def _pieces(self, name: str, pieces: Sequence[ConvexPiece]) -> None:
+        """Convex pieces, each an obstacle; the one place that decides how they are written."""
+        for number, piece in enumerate(pieces, 1):
+            called = name if len(pieces) == 1 else f"{name}_{number}"
+            points = piece.points()
+            self._reach(points.min(axis=0), points.max(axis=0))
+            box = piece.box()
+            if box is not None:
+                self._write(called, "box " + _sides(box, piece.digits))
+                continue
+            unit = _unit(float(np.abs(points).max()))
+            shown = ", ".join(_point(corner, piece.digits, unit) for corner in piece.corners)
+            self._write(called, f"hull {shown} {unit}")
+
+    def _write(self, name: str, shape: str) -> None:
+        self.lines.append(f"  obstacle {self._unused(name)} {shape};")
+
+    def _unused(self, name: str) -> str:
+        more = (f"{name}_{number}" for number in count(2))
+        found = next(each for each in chain([name], more) if each not in self.taken)
+        self.taken.add(found)
+        return found
+
+    def _grid(self, places: Sequence[Floats], digits: int) -> list[tuple[int, int, int]]:
+        """Places in steps of 10^-``digits`` m."""
+        found = list[tuple[int, int, int]]()
+        for place in places:
+            x, y, z = (round(float(value) * 10**digits) for value in place)
+            self.rounded |= any(
+                abs(step / 10**digits - float(value)) > 1e-12
+                for step, value in zip((x, y, z), place, strict=True)
+            )
+            found.append((x, y, z))
+        return found
+
+    def _reach(self, lower: Floats, upper: Floats) -> None:
+        self.lower, self.upper = np.minimum(self.lower, lower), np.maximum(self.upper, upper)
+
+    def bounds(self, ground: float | None) -> list[str]:
+        """A box about everything and the origin, with a margin, of round numbers."""
+        lower, upper = np.minimum(self.lower, 0.0), np.maximum(self.upper, 0.0)
+        size = float((upper - lower).max())
+        step = 10.0 ** math.floor(math.log10(size)) / 2
+        digits = max(0, 1 - math.floor(math.log10(step)))
+        low = np.floor((lower - MARGIN * size) / step) * step
+        high = np.ceil((upper + MARGIN * size) / step) * step
+        if ground is not None and ground <= lower[2]:
+            low[2] = ground
+            digits = max(digits, DIGITS)
+        places = [tuple(round(x * 10**digits) for x in row.tolist()) for row in (low, high)]
+        return [
+            "  // A box about everything, and some room; adapt it to your cell.",
+            f"  bounds box {_sides(places, digits)};",  # type: ignore[arg-type]
+            "",
+        ]
+
+
+def described(found: Pieces) -> str:
+    """What pieces add to a mesh, in words."""
+    number = len(found.pieces)
+    said = [
+        f"{number} convex piece{'' if number == 1 else 's'}",
+        f"{100 * found.measures.added:.1f} % more volume",
+        f"corners up to {1000 * found.measures.farthest:.3g} mm beyond it",
+    ]
+    if found.thickened:
+        said.append(f"{len(found.thickened)} made thicker")
+    return ", ".join(said)
+
+
+def _unit(size: float) -> str:
+    """The unit in which a length of that size is a usual number."""
+    return "m" if size >= 1 else "cm" if size >= 0.1 else "mm"
+
+
+def _point(point: Sequence[int], digits: int, unit: str) -> str:
+    return f"({', '.join(decimal_text(x, digits - UNITS[unit]) for x in point)})"
+
+
+def _sides(corners: Sequence[Sequence[int]], digits: int) -> str:
+    unit = _unit(max(abs(x) for corner in corners for x in corner) * 10.0**-digits)
+    shown = [
+        f"[{decimal_text(a, digits - UNITS[unit])}, {decimal_text(b, digits - UNITS[unit])}]"
+        for a, b in zip(*corners, strict=True)
+    ]
+    return f"{' x '.join(shown)} {unit}"
