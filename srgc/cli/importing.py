@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,8 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     ),
 }
 """By kind where the function is that imports it, and the options that it takes."""
+LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", "yourdfpy")
+"""Those of the extra ``import``, each imported only where it is needed."""
 
 
 @click.command(
@@ -113,7 +116,14 @@ def import_(
     place, known = KINDS[kind]
     given = {name: value for name, value in options.items() if value not in (None, (), False)}
     _refuse(kind, given, known)
-    imported = _function(place)(file, **{name: options[name] for name in known})
+    try:
+        imported = _function(place)(file, **{name: options[name] for name in known})
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in LIBRARIES:
+            raise
+        raise UsageFault(
+            f'an import needs the library {error.name}: pip install "srgc[import]"'
+        ) from None
     for remark in imported.remarks:
         click.echo(f"note: {remark}", err=True)
     if output == Path("-"):
@@ -122,8 +132,11 @@ def import_(
     from srgc.imports.written_import import write_import
 
     path = output or Path(f"{imported.name}.srg")
-    for written in write_import(imported, path, force=force):
-        click.echo(f"{written}")
+    write_import(imported, path, force=force)
+    click.echo(f"{path}")
+    for folder, count in Counter(name.rpartition("/")[0] for name in imported.files).items():
+        meshes = "1 mesh" if count == 1 else f"{count} meshes"
+        click.echo(f"{path.parent / folder}: {meshes}")
     return 0
 
 
