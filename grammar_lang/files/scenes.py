@@ -26,20 +26,24 @@ _DROPPED = frozenset({"l", "p", "curv", "curv2", "surf"})
 """What OBJ has besides faces; to leave it out would be to leave out an obstacle."""
 
 Corner: TypeAlias = tuple[Fraction, ...]
+Written: TypeAlias = Corner | tuple[float, ...]
 Triangle: TypeAlias = tuple[int, int, int]
 
 
 @dataclass(slots=True)
 class _Triangles:
-    """The corners, each once, and the triangles by the name of what they stand under."""
+    """The corners, each once, and the triangles by the name of what they stand under.
 
-    numbers: dict[Corner, int] = field(default_factory=dict[Corner, int])
+    Corners are floats as long as the file has them so: they are far quicker to tell apart.
+    """
+
+    numbers: dict[Written, int] = field(default_factory=dict[Written, int])
     parts: dict[str | None, list[Triangle]] = field(
         default_factory=dict[str | None, list[Triangle]]
     )
     count: int = 0
 
-    def number(self, corner: Corner) -> int:
+    def number(self, corner: Written) -> int:
         return self.numbers.setdefault(corner, len(self.numbers))
 
     def add(self, name: str | None, triangle: Triangle) -> None:
@@ -71,7 +75,7 @@ def scene_of(path: str, data: bytes, *, faces_alone: bool = True) -> ir.Scene:
 
 def _objects(found: _Triangles) -> Iterator[ir.SceneObject]:
     """Named parts as they are, the others by what hangs together."""
-    corners = tuple(found.numbers)
+    corners = [tuple(map(Fraction, corner)) for corner in found.numbers]
     for name, triangles in found.parts.items():
         if name is not None:
             label = name if len(name) <= _LABEL else f"{name[:_LABEL]}…"
@@ -117,7 +121,7 @@ def _stl(data: bytes) -> _Triangles:
     found = _Triangles()
     binary = meshes.binary_triangles(data)
     for corners in _facets(data) if binary is None else binary:
-        a, b, c = (found.number(tuple(map(Fraction, corner))) for corner in corners)
+        a, b, c = map(found.number, corners)
         found.add(None, (a, b, c))
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +37,8 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     ),
 }
 """By kind where the function is that imports it, and the options that it takes."""
+LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", "yourdfpy")
+"""Those of the extra ``import``, each imported only where it is needed."""
 
 
 @click.command(
@@ -44,7 +47,7 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     examples=[
         "srgc import urdf robots/scara.urdf -o out/scara.srg",
         "srgc import timor specs/imports/scara_modules -o out/kit.srg",
-        "srgc import cobra specs/imports/sort_parts.json --modules specs/imports/scara_modules -o -",
+        "srgc import cobra specs/imports/sort_parts.json -o out/sort.srg",
         "srgc import scene specs/imports/bench.scene -o out/bench.srg",
     ],
     reads_spec=False,
@@ -116,14 +119,22 @@ def import_(
 ) -> int:
     """Write what another tool describes as a spec: a robot, modules, a task or a scene.
 
-    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module.  What cannot be
-    carried over is listed, and stands as a comment at the top of what is written.  No file is read
-    outside the folder of FILE but below those that --package names.
+    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module; `timor` a set of
+    modules, or its folder; `cobra` a task.  What cannot be carried over is listed, and stands as a
+    comment at the top of what is written.  No file is read outside the folder of FILE but below
+    those that --package and --modules name.
     """
     place, known = KINDS[kind]
     given = {name: value for name, value in options.items() if value not in (None, (), False)}
     _refuse(kind, given, known)
-    imported = _function(place)(file, **{name: options[name] for name in known})
+    try:
+        imported = _function(place)(file, **{name: options[name] for name in known})
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in LIBRARIES:
+            raise
+        raise UsageFault(
+            f'an import needs the library {error.name}: pip install "srgc[import]"'
+        ) from None
     for remark in imported.remarks:
         click.echo(f"note: {remark}", err=True)
     if output == Path("-"):
@@ -132,8 +143,11 @@ def import_(
     from srgc.imports.written_import import write_import
 
     path = output or Path(f"{imported.name}.srg")
-    for written in write_import(imported, path, force=force):
-        click.echo(f"{written}")
+    write_import(imported, path, force=force)
+    click.echo(f"{path}")
+    for folder, count in Counter(name.rpartition("/")[0] for name in imported.files).items():
+        meshes = "1 mesh" if count == 1 else f"{count} meshes"
+        click.echo(f"{path.parent / folder}: {meshes}")
     return 0
 
 

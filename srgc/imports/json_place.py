@@ -114,20 +114,20 @@ class Place:
 
     # --- What it holds ----------------------------------------------------------------------------
 
-    def entries(self) -> Sequence[Place]:
-        """The entries of a list."""
+    def entries(self, most: int = MOST_ENTRIES) -> Sequence[Place]:
+        """The entries of a list, which are not more than ``most``."""
         if not isinstance(self.value, list):
             raise self._wrong("a list")
-        if len(self.value) > MOST_ENTRIES:
-            raise self.fault(f"{len(self.value)} entries; at most {MOST_ENTRIES} are read")
+        if len(self.value) > most:
+            raise self.fault(f"{len(self.value):,} entries; at most {most:,} are read")
         return [
             Place(self.file, f"{self.path}[{number}]", value, self.unread)
             for number, value in enumerate(self.value)
         ]
 
-    def one_or_more(self) -> Sequence[Place]:
+    def one_or_more(self, most: int = MOST_ENTRIES) -> Sequence[Place]:
         """The entries of a list, or the value itself, which Timor takes for a list of one."""
-        return self.entries() if isinstance(self.value, list) else [self]
+        return self.entries(most) if isinstance(self.value, list) else [self]
 
     def keys(self, known: Sequence[str]) -> None:
         """Note which keys of an object are none of those that are read."""

@@ -166,7 +166,8 @@ def test_a_port_that_is_taken(srgc: View, turner: Path) -> None:
 @pytest.mark.skipif(os.name == "nt", reason="interrupts are others on Windows")
 def test_it_serves_this_computer_until_it_is_interrupted(turner: Path, tmp_path: Path) -> None:
     pytest.importorskip("viser", reason="the extra view is not installed")
-    process = srgc_process(["view", turner, "--no-browser", "--no-tube"], tmp_path)
+    (tmp_path / "work").mkdir()
+    process = srgc_process(["view", turner, "--no-browser", "--no-tube"], tmp_path / "work")
     assert process.stdout is not None
     line = process.stdout.readline().decode()
     found = re.fullmatch(r"(http://127\.0\.0\.1:(\d+))  \(Ctrl-C ends it\)\n", line)
@@ -183,3 +184,4 @@ def test_it_serves_this_computer_until_it_is_interrupted(turner: Path, tmp_path:
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=60)
     assert (process.returncode, out, err) == (130, b"", b"interrupted\n")
+    assert list((tmp_path / "work").iterdir()) == []

@@ -18,6 +18,7 @@ from srgc.exports.ros.ros_yaml import yaml_text
 from srgc.exports.ros.show_robot import display_launch, display_rviz
 from srgc.exports.ros.srdf import planning_groups
 from srgc.exports.urdf import urdf_text
+from srgc.exports.visual_meshes import visual_files, visual_names
 from srgc.exports.xml_lines import XmlLines
 from srgc.version import VERSION
 
@@ -36,11 +37,19 @@ def ros_package(robot: ExportedRobot, motion: ExportedMotion) -> dict[str, bytes
     name = package_name(robot.name)
     meshes = hull_files(robot)
     places = dict(zip(meshes, _mesh_names(), strict=False))
-    urdf = urdf_text(robot, {hull: f"package://{name}/{place}" for hull, place in places.items()})
+    visuals = {
+        digest: f"meshes/{file.removeprefix('.')}"
+        for digest, file in visual_names(robot.visuals, "").items()
+    }
+    urdf = urdf_text(
+        robot,
+        {hull: f"package://{name}/{place}" for hull, place in places.items()},
+        {digest: f"package://{name}/{place}" for digest, place in visuals.items()},
+    )
     joints = [motor.name for motor in robot.motors()]
     texts = {
         "package.xml": _manifest(name, robot.remarks),
-        "CMakeLists.txt": _cmake(name, has_meshes=bool(meshes)),
+        "CMakeLists.txt": _cmake(name, has_meshes=bool(meshes or visuals)),
         f"urdf/{name}.urdf": urdf,
         f"urdf/{name}.urdf.xacro": _xacro(name, robot, urdf),
         "launch/display.launch.py": display_launch(name),
@@ -50,7 +59,8 @@ def ros_package(robot: ExportedRobot, motion: ExportedMotion) -> dict[str, bytes
         **moveit_files(name, robot, planning_groups(robot)),
     }
     found = {path: text.encode() for path, text in texts.items()}
-    return found | {places[hull]: content for hull, content in meshes.items()}
+    found |= {places[hull]: content for hull, content in meshes.items()}
+    return found | visual_files(robot.visuals, visuals)
 
 
 def _mesh_names() -> Iterator[str]:

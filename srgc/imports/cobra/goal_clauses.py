@@ -10,11 +10,13 @@ import numpy as np
 from srgc.imports.cobra.pose_data import ToleratedPose
 from srgc.imports.cobra.region_sets import RegionSets, is_turned
 from srgc.imports.cobra.task_data import Goal, TaskData
+from srgc.imports.json_place import Place
 from srgc.imports.names import Names
 from srgc.imports.quantities import decimal_text
 
 MOST_POSES = 12
 """Of a path with more poses evenly chosen ones are passed."""
+MOST_STOPS = 40
 
 
 @dataclass(slots=True)
@@ -24,9 +26,14 @@ class Stop:
     region: str
     turned: str
     rests: bool
+    place: Place
     hold: float = 0.0
     after: float | None = None
-    where: str = ""
+
+    @property
+    def where(self) -> str:
+        """Where its goal stands."""
+        return self.place.path
 
     @property
     def atom(self) -> str:
@@ -54,6 +61,10 @@ def goal_clauses(task: TaskData, sets: RegionSets, names: Names, *, any_order: b
     goals = _in_order(task, sets.remarks, any_order=any_order)
     stops = _Stops(goals, sets, names, found, any_order=any_order).all()
     found.stops = len(stops)
+    if len(stops) > MOST_STOPS:
+        raise stops[-1].place.fault(
+            f"{len(stops)} poses one after the other; at most {MOST_STOPS} are passed"
+        )
     if not stops:
         sets.remarks.append("no goal has a pose: the task asks for nothing")
         return found
@@ -125,7 +136,7 @@ class _Stops:
                     f"{where}: a return to the region of a goal, not to its joint angles"
                 )
                 seen = target[0]
-                stops.append(Stop(seen.region, seen.turned, rests=last and seen.rests, where=where))
+                stops.append(Stop(seen.region, seen.turned, last and seen.rests, goal.place))
                 self.known[goal.id] = stops[-1:]
             case "follow":
                 self._follow(goal, stops)
@@ -164,7 +175,7 @@ class _Stops:
             region = self.names.name(wanted)
             self.found.regions[region] = text
         turned = self.sets.turned(pose)
-        return Stop(region, turned, rests=goal.kind == "reach", where=goal.place.path)
+        return Stop(region, turned, goal.kind == "reach", goal.place)
 
 
 def _ordered(stops: Sequence[Stop], found: Clauses, sets: RegionSets) -> None:

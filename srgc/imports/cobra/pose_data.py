@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from srgc.imports.json_place import Place
 from srgc.imports.timor.geometry_data import IDENTITY
 
+MOST_FRAMES = 1000
 WORLD, NOMINAL = "world", "nominal"
 
 
@@ -47,6 +48,8 @@ class Frames:
         if place.value == []:
             return
         waiting: Mapping[str, Place] = dict(place.items())
+        if len(waiting) > MOST_FRAMES:
+            raise place.fault(f"{len(waiting):,} frames; at most {MOST_FRAMES:,} are read")
         while waiting:
             left = dict[str, Place]()
             for name, entry in waiting.items():

@@ -19,6 +19,8 @@ CONSTRAINTS = (
     *("goalsBySameRobot", "joint", "selfCollisionFree", "validAssembly", "basePlacement"),
     "endEffector",
 )
+MOST_GOALS, MOST_OBSTACLES = 30, 2000
+"""Goals in a row are formulas within each other, of which there are not endlessly many."""
 PARTS = ("q", "dq", "ddq", "tau")
 
 
@@ -113,10 +115,10 @@ def read_task(place: Place) -> TaskData:
     )
 
 
-def _with_ids(place: Place) -> Sequence[Place]:
+def _with_ids(place: Place, most: int = MOST_OBSTACLES) -> Sequence[Place]:
     """The entries of a list, whose IDs differ."""
     seen = dict[str, Place]()
-    for entry in place.one_or_more():
+    for entry in place.one_or_more(most):
         name = entry["ID"].text()
         if name in seen:
             raise entry["ID"].fault(f"{name[:40]!r} is at {seen[name].path} already")
@@ -133,7 +135,7 @@ def _obstacle(place: Place) -> Obstacle:
 
 def _goals(place: Place, frames: Frames, remarks: list[str]) -> list[Goal]:
     found = list[Goal]()
-    for entry in _with_ids(place):
+    for entry in _with_ids(place, MOST_GOALS):
         kind = entry["type"].text()
         kind = kind[:1].lower() + kind[1:]
         if kind in DRAFTS:

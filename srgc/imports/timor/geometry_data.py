@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from srgc.imports.json_place import Place
 
 GeometryKind: TypeAlias = Literal["box", "cylinder", "sphere", "mesh"]
+DEEPEST = 8
 IDENTITY = np.eye(4).tolist()
 
 
@@ -30,8 +31,10 @@ class Geometry:
     place: Place
 
 
-def read_geometries(place: Place) -> list[Geometry]:
+def read_geometries(place: Place, depth: int = 0) -> list[Geometry]:
     """The shapes of a list, or of one shape that stands without a list; ``empty`` is none.
+
+    ``depth`` is how many composed shapes it is in.
 
     Raises:
         UsageFault: one is no geometry of CoBRA's schema.
@@ -41,7 +44,9 @@ def read_geometries(place: Place) -> list[Geometry]:
         kind = entry["type"].text().lower()
         entry.keys(("type", "parameters", "pose"))
         if kind == "composed":
-            found += read_geometries(entry["geometries"])
+            if depth == DEEPEST:
+                raise entry.fault(f"shapes are composed {DEEPEST} times at most")
+            found += read_geometries(entry["geometries"], depth + 1)
         elif kind in get_args(GeometryKind):
             found.append(_read(kind, entry))  # type: ignore[arg-type]
         elif kind != "empty":

@@ -202,8 +202,9 @@ class _Mounted:
         parent: it turns about -z.
         """
         forward = joint.parent == body
-        first = joint.to_joint if forward else np.linalg.inv(joint.to_child)
-        second = joint.to_child if forward else np.linalg.inv(joint.to_joint)
+        first, second = joint.to_joint, joint.to_child
+        if not forward:
+            first, second = _inverse(joint.to_child), _inverse(joint.to_joint)
         if joint.kind == "fixed":
             return steps_of(first @ second)
         dof = self._dof(joint, where, names, forward=forward)
@@ -271,9 +272,7 @@ class _Mounted:
         if geometry.kind == "mesh":
             yield from self.meshes.shapes(geometry, self.at[body])
             return
-        pose: Pose = geometry.pose
-        if geometry.kind == "cylinder":
-            pose = _from_its_end(geometry)
+        pose = _from_its_end(geometry) if geometry.kind == "cylinder" else geometry.pose
         yield Shape(geometry.kind, Placement(self.at[body], _some_steps(pose)), geometry.size)
 
 
@@ -281,12 +280,17 @@ def _from_its_end(geometry: Geometry) -> Pose:
     """The pose of a cylinder at the end where its axis begins; turned only if that counts."""
     pose, down = geometry.pose, np.eye(4)
     down[2, 3] = -geometry.size[1] / 2
-    if abs(abs(pose[2, 2]) - 1) > NOTHING:
-        found: Pose = pose @ down
-        return found
-    upright = np.eye(4)
-    upright[:3, 3] = pose[:3, 3]
-    return np.asarray(upright @ down)
+    if abs(abs(pose[2, 2]) - 1) <= NOTHING:
+        upright = np.eye(4)
+        upright[:3, 3] = pose[:3, 3]
+        pose = upright
+    found: Pose = np.matmul(pose, down, dtype=np.float64)
+    return found
+
+
+def _inverse(pose: Pose) -> Pose:
+    found: Pose = np.linalg.inv(pose).astype(np.float64)
+    return found
 
 
 def _some_steps(pose: Pose) -> Steps:

@@ -41,6 +41,8 @@ JOINT_KEYS = (
     *("ID", "type", "passive", "parent", "child", "poseParent", "poseChild", "limits"),
     *("gearRatio", "motorInertia", "frictionCoulomb", "frictionViscous"),
 )
+MOST_MODULES, MOST_BODIES = 2000, 500
+"""A set has no more modules, a module no more bodies and joints."""
 BASE, EFFECTOR = "base", "eef"
 """Types of connectors that stand on the world, and that are where the robot works."""
 
@@ -132,7 +134,7 @@ def read_set(place: Place) -> SetData:
         place.keys(("modules", "ignore_collisions", "name"))
         listed = place["modules"]
         collisions = place.get("ignore_collisions", "via_joint").text()
-    modules = [_module(entry) for entry in listed.entries()]
+    modules = [_module(entry) for entry in listed.entries(MOST_MODULES)]
     if not modules:
         raise listed.fault("expected at least one module")
     for what in ("ID", "name"):
@@ -146,7 +148,7 @@ def _module(place: Place) -> ModuleData:
     place.keys(("header", "bodies", "joints"))
     header = place["header"]
     header.keys(("ID", "name", "date", "author", "email", "affiliation", "cost"))
-    entries = place["bodies"].one_or_more()
+    entries = place["bodies"].one_or_more(MOST_BODIES)
     _different([entry["ID"] for entry in entries])
     bodies = [_body(entry) for entry in entries]
     if not bodies:
@@ -223,7 +225,7 @@ def _connector(place: Place, body: str) -> Connector:
 
 
 def _joints(place: Place, bodies: set[str]) -> list[JointData]:
-    entries = place.get("joints", []).one_or_more()
+    entries = place.get("joints", []).one_or_more(MOST_BODIES)
     _different([entry["ID"] for entry in entries])
     return [_joint(entry, bodies) for entry in entries]
 

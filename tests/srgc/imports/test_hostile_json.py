@@ -175,3 +175,23 @@ def test_nothing_is_read_outside_the_folder(
     ran = srgc("import", kind, file, "-o", "-")
     refused(ran, file, "collision[0].parameters.file")
     assert "secret" not in ran.out
+
+
+def test_more_than_anybody_needs(srgc: Callable[..., Any], tmp_path: Path) -> None:
+    """What would take minutes, or more levels than Python has, is refused at once."""
+    body, goal = SET["modules"][0]["bodies"][0], TASK["goals"][0]
+    nested: Any = {"type": "box"}
+    for _ in range(400):
+        nested = {"type": "composed", "geometries": [nested]}
+    many = [
+        ("timor", changed(SET, ("modules", 0, "bodies"), [body] * 501), "501 entries"),
+        ("timor", changed(SET, ("modules",), SET["modules"][:1] * 2001), "2,001 entries"),
+        ("timor", changed(SET, ("modules", 0, "bodies", 0, "collision"), [nested]), "composed"),
+        ("timor", changed(SET, ("modules", 0, "bodies", 0, "r_com"), [0] * 20_001), "20,001"),
+        ("cobra", changed(TASK, ("goals",), [goal] * 31), "31 entries"),
+        ("cobra", changed(TASK, ("frames",), {str(i): {} for i in range(1001)}), "1,001 frames"),
+    ]
+    file = tmp_path / "given.json"
+    for kind, document, said in many:
+        file.write_text(json.dumps(document), encoding="utf-8")
+        refused(srgc("import", kind, file, "-o", "-"), file, said)

@@ -187,3 +187,20 @@ def test_xacro_with_arguments_and_includes(tmp_path):
     assert "mass: 1.5 kg" in urdf_import(tmp_path / "r.urdf.xacro").text
     with_four = urdf_import(tmp_path / "r.urdf.xacro", arguments=["mass:=4"])
     assert "mass: 6 kg" in with_four.text
+
+
+def test_a_library_that_is_missing(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("r.urdf").write_text(robot(A))
+    monkeypatch.setitem(sys.modules, "yourdfpy", None)
+    assert run(["import", "urdf", "r.urdf"]) == 2
+    assert capsys.readouterr().err == (
+        'error: an import needs the library yourdfpy: pip install "srgc[import]"\n'
+    )
+
+
+def test_an_option_of_another_kind(tmp_path, capsys):
+    file = tmp_path / "modules.json"
+    file.write_text("[]")
+    assert run(["import", "timor", str(file), "--effector", "tip"]) == 2
+    assert "--effector does not go with `srgc import timor`" in capsys.readouterr().err
