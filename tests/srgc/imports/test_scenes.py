@@ -332,11 +332,12 @@ def test_worlds_with_faults(tmp_path, text, said):
         scene_import(path)
 
 
+CORNERS = "".join(f"<point>{place}</point>" for place in ("0 0", "0.4 0", "0 0.3"))
 ROUND = (
     "<ellipsoid><radii>0.1 0.2 0.3</radii></ellipsoid>",
     "<cone><radius>0.1</radius><length>0.3</length></cone>",
     "<capsule><radius>0.1</radius><length>0.3</length></capsule>",
-    "<polyline><point>0 0</point><point>.4 0</point><point>0 .3</point><height>.2</height></polyline>",
+    f"<polyline>{CORNERS}<height>0.2</height></polyline>",
 )
 
 
