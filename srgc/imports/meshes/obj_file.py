@@ -34,6 +34,7 @@ class _Lines:
         match words[0]:
             case "v":
                 self.vertices.append(self.vertex(number, words[1:4]))
+                too_many(len(self.vertices) // 3, self.path)
             case "f":
                 self.face(number, words[1:])
             case "o" | "g" if self.by_object == (words[0] == "o"):
