@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import combinations
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -55,7 +56,7 @@ def uncovered(
     meetings = _meetings(vertices[triangles[across]], heights)
     missing = list[Uncovered]()
     for number, crossings in zip(across.tolist(), meetings, strict=True):
-        if crossings and _surely_covered(crossings):
+        if _surely_in_two(crossings) or _surely_covered(crossings):
             continue
         left = [polygon_of(vertices[triangles[number]])]
         for crossing in crossings:
@@ -142,6 +143,37 @@ class _Heights:
             planes = tuple(self.piece.planes[i] for i in chosen.tolist())
             crossing = _Crossing(planes, unit, found[row][:, chosen], doubt[row][chosen])
             yield int(numbers[row]), crossing
+
+
+TRIED = 3
+"""Two of so many pieces are tried that hold the most corners of a triangle."""
+
+
+def _surely_in_two(crossings: Sequence[_Crossing]) -> bool:
+    """Whether two pieces are found in doubles whose union holds a triangle; False says nothing.
+
+    A point is in neither piece if and only if it is beyond a plane of either.  By the minimax
+    theorem no point of the triangle is beyond both planes if and only if a mean of their heights is
+    at most zero at all three corners.
+    """
+    inside = [-int((each.heights <= -each.doubt).all(axis=1).sum()) for each in crossings]
+    likely = [crossings[i] for i in np.argsort(inside, kind="stable")[:TRIED]]
+    return any(_union_holds(one, other) for one, other in combinations(likely, 2))
+
+
+def _union_holds(one: _Crossing, other: _Crossing) -> bool:
+    a, b = one.heights[:, :, None], other.heights[:, None, :]
+    doubt = one.doubt[:, None] + other.doubt[None, :]
+    doubt = doubt + ROUNDING * (np.abs(a).max(axis=0) + np.abs(b).max(axis=0))
+    # The share s of the first that makes s a + (1 - s) b least at the worst corner lies between
+    # bounds that the corners give; any is sound, since the mean is looked at again.
+    slope, rest = a - b, -b - doubt
+    with np.errstate(divide="ignore", invalid="ignore"):
+        limit = rest / slope
+    most = np.where(slope > 0, limit, 1.0).min(axis=0)
+    least = np.where(slope < 0, limit, 0.0).max(axis=0)
+    share = np.clip((np.clip(least, 0.0, 1.0) + np.clip(most, 0.0, 1.0)) / 2, 0.0, 1.0)
+    return bool((share * a + (1 - share) * b <= -doubt).all())
 
 
 MOST_PARTS = 64

@@ -31,6 +31,8 @@ DETAIL = 0.1
 MOST_PIECES = 1500
 """No more are made, whatever the detail."""
 
+TRIALS, LESS = 4, 0.85
+"""Where pieces that grow add too much, so often and so much less is tried."""
 ROUNDS = 40
 """Pieces grow so often at most; in the second half what is missing becomes pieces."""
 
@@ -68,10 +70,16 @@ def decomposed(
     reference = reference_volume(parts)
     most = min(pieces or MOST_PIECES, MOST_PIECES)
     regions = regions_of(parts, vertices, triangles, detail * reference, most)
-    regions = refined(regions, detail * reference, most)
-    found, thickened = covering(vertices, triangles, parts, regions)
+    allowed, trials = detail * reference, 0
+    while True:
+        regions = refined(regions, allowed, most)
+        found, thickened = covering(vertices, triangles, parts, regions)
+        measures = measured(parts, reference, found, vertices, triangles)
+        trials += 1
+        if measures.added <= detail or len(regions) >= most or trials == TRIALS:
+            break
+        allowed *= LESS  # pieces have grown
     order = sorted(range(len(found)), key=lambda i: found[i].corners)
-    measures = measured(parts, reference, found, vertices, triangles)
     notes = list(parts.notes)
     if measures.added > detail:
         notes.append(f"more volume than {100 * detail:g} %: more pieces would add less")

@@ -36,16 +36,15 @@ def open_mesh(seed: int) -> tuple[Vertices, Triangles]:
 
 
 def bumpy_ball(triangles: int, seed: int = 0) -> tuple[Vertices, Triangles]:
-    """A ball with dents, of at least so many triangles."""
+    """A ball with dents, of at least so many triangles, and not many more."""
     import trimesh
 
-    ball = trimesh.creation.icosphere(subdivisions=1)
-    while len(ball.faces) < triangles:
-        ball = ball.subdivide()
+    steps = int(np.ceil(np.sqrt(triangles / 4))) + 1
+    ball = trimesh.creation.uv_sphere(count=[steps, steps])
     directions = ball.vertices / np.linalg.norm(ball.vertices, axis=1)[:, None]
     rng = np.random.default_rng(seed)
-    waves = rng.normal(scale=2.0, size=(4, 3))
-    radius = 0.15 * (1 + 0.12 * np.sin(directions @ waves.T + rng.normal(size=4)).sum(axis=1))
+    waves = rng.normal(scale=6.0, size=(4, 3))
+    radius = 0.15 * (1 + 0.08 * np.sin(directions @ waves.T + rng.normal(size=4)).sum(axis=1))
     return directions * radius[:, None], np.asarray(ball.faces, dtype=np.int64)
 
 
