@@ -168,7 +168,7 @@ def _union_holds(one: _Crossing, other: _Crossing) -> bool:
     # The share s of the first that makes s a + (1 - s) b least at the worst corner lies between
     # bounds that the corners give; any is sound, since the mean is looked at again.
     slope, rest = a - b, -b - doubt
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         limit = rest / slope
     most = np.where(slope > 0, limit, 1.0).min(axis=0)
     least = np.where(slope < 0, limit, 0.0).max(axis=0)

@@ -11,6 +11,7 @@ from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
 from compiler.workspaces.hull import hull_rows
+from srgc.imports.meshes import containment
 from srgc.imports.meshes.containment import uncovered
 from srgc.imports.meshes.convex_piece import convex_piece
 
@@ -146,3 +147,27 @@ def test_a_thin_gap_far_from_the_origin_is_found():
     assert [each.triangle for each in uncovered(far, ONE, pieces)] == [0]
     pieces.append(block((10004999999, -wide, -wide), (10005000002, wide, wide), 7))
     assert uncovered(far, ONE, pieces) == ()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_doubles_never_contradict_integers(seed, monkeypatch):
+    """Corners on the planes of pieces that touch, and a last place beside them."""
+    rng = np.random.default_rng([seed, 3])
+    # A box in eight that touch, two of which are left out, and pieces at random.
+    cells = list(product((-4, 0), repeat=3))
+    pieces = [block(low, [x + 4 for x in low]) for low in cells[: 8 - seed % 3]]
+    found = (convex_piece(map(tuple, rng.integers(-5, 5, size=(5, 3)).tolist()), 1) for _ in "abc")
+    pieces += [piece for piece in found if piece is not None]
+    vertices = rng.integers(-4, 5, size=(120, 3)) / 10
+    vertices += rng.integers(-1, 2, size=(120, 3)) / rng.choice([20.0, 32.0, 40.0])
+    moved = rng.random(vertices.shape) < 0.2
+    vertices[moved] = np.nextafter(vertices[moved], rng.choice([-9.0, 9.0]))
+    triangles = rng.integers(0, 120, size=(60, 3))
+    quick = [each.triangle for each in uncovered(vertices, triangles, pieces)]
+    assert 0 < len(quick) < 60
+    monkeypatch.setattr(containment, "_surely_in_two", lambda _: False)
+    monkeypatch.setattr(containment, "_surely_covered", lambda _: False)
+    nothing = staticmethod(lambda points: np.zeros(len(points), dtype=bool))
+    monkeypatch.setattr(containment._Heights, "surely_hold", nothing)
+    whole = [each.triangle for each in uncovered(vertices, triangles, pieces)]
+    assert quick == whole
