@@ -4,7 +4,7 @@ CoACD and V-HACD give hulls; these are made pieces as those of ``srgc`` are (32 
 grown until they hold every triangle, which is checked exactly), so that all three keep the same
 promise.  Run each in turn, one mesh after another:
 
-    python benchmarks/convex_pieces.py --packages DIR [--meshes 50] [--way cuts] [--out FILE]
+    python benchmarks/convex_pieces.py --packages DIR [--way cuts] [--part 1/2] [--out FILE]
 
 ``DIR`` is the ``site-packages`` of an environment with ``pybullet`` and ``example-robot-data``,
 whose meshes are not copied here: their licences differ.  Without it, only random meshes are taken.
@@ -101,7 +101,9 @@ def main() -> None:
     parser.add_argument("--way", choices=WAYS, action="append")
     parser.add_argument("--large", action="store_true", help="a mesh of 100,000 triangles, too")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--part", default="1/1", help="1/2 takes every second mesh")
     asked = parser.parse_args()
+    part, parts = map(int, asked.part.split("/"))
     done = {}
     if asked.out and asked.out.exists():
         for line in asked.out.read_text().splitlines():
@@ -112,6 +114,7 @@ def main() -> None:
         meshes = [*package_meshes(asked.packages, asked.meshes), *meshes]
     if asked.large:
         meshes.append(("bumpy ball", bumpy_ball(LARGEST)))
+    meshes = meshes[part - 1 :: parts]
     rows = []
     for name, (vertices, triangles) in meshes:
         for way in asked.way or WAYS:
