@@ -19,6 +19,7 @@ import casadi as ca
 from compiler.dynamics.energy_graph import ldl_solve
 from compiler.dynamics.kinematics import (
     Coordinates,
+    Kinematics,
     generalised_forces,
     kinematics,
     own_coordinates,
@@ -63,6 +64,7 @@ class _Expressions:
     derivatives: ca.SX
     conditions: ca.SX
     loads: ca.SX
+    at: Kinematics
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,7 @@ class RobotGraph:
         held, added = (ca.SX.sym(name, p.u.numel()) for name in ("held", "added"))
         read = [p.mass, p.regular_mass, p.gravitational, p.forces, p.derivatives, p.conditions]
         found = ca.substitute([*read, p.loads], [p.u], [held + added])
-        parts = _Expressions(p.q, p.w, added, p.theta, p.k, p.half, p.points, *found)
+        parts = _Expressions(p.q, p.w, added, p.theta, p.k, p.half, p.points, *found, at=p.at)
         return replace(self, parts=_with_still(parts, held))
 
     def weighed(self, groups: Sequence[Sequence[int]]) -> RobotGraph:
@@ -372,7 +374,7 @@ def robot_graph(
     forces = generalised_forces(coordinates, driven.forces)
     parts = _Expressions(
         q, w, u, theta, constants.vector(), half, points, mass, regular, pull, forces,
-        driven.derivatives, constants.conditions.vector(), loads,
+        driven.derivatives, constants.conditions.vector(), loads, body,
     )  # fmt: skip
     divisors = len(constants.conditions.divisors)
     symbols = tuple(constants.symbols)
