@@ -9,6 +9,8 @@ direction.  Floats: what is found guides a search.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,8 +23,35 @@ KEPT = 16
 """Differences per pair: twice as many as make rows of a convex step."""
 LOWEST = 4
 """So many points of either body are looked at for these."""
-FAR = 0.5
+FAR = 1.0
 """Bodies whose boxes are farther apart than this part of their extent: the boxes tell whence."""
+
+
+def near_differences_of_pairs(
+    pairs: Sequence[tuple[Array, Array]],
+) -> list[tuple[Indices, Indices]]:
+    """The same of many pairs in K poses each, of as many points as they have."""
+    count = len(pairs[0][0])
+    ones, twos = (_stacked([pair[i] for pair in pairs]) for i in range(2))
+    low, high = near_differences(ones, twos)
+    # Points were repeated so that all bodies have as many.
+    return [
+        (
+            np.minimum(low[place : place + count], one.shape[1] - 1),
+            np.minimum(high[place : place + count], two.shape[1] - 1),
+        )
+        for place, (one, two) in zip(range(0, len(low), count), pairs, strict=True)
+    ]
+
+
+def _stacked(bodies: Sequence[Array]) -> Array:
+    """The points (K, w, d) of bodies one behind the other, the last one repeated where fewer."""
+    most = max(each.shape[1] for each in bodies)
+    filled = (
+        np.concatenate([each, np.repeat(each[:, -1:], most - each.shape[1], axis=1)], axis=1)
+        for each in bodies
+    )
+    return np.concatenate(list(filled))
 
 
 def near_differences(one: Array, two: Array) -> tuple[Indices, Indices]:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
-from compiler.discretisation.near_differences import KEPT, near_differences
+from compiler.discretisation.near_differences import KEPT, near_differences_of_pairs
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.robots.hull_corners import corners_from_middle
 from compiler.robots.robot import Collider, RobotModel, Shape
@@ -36,6 +36,8 @@ OFF = (1 - cos(pi / SIDES)) / (1 + cos(pi / SIDES))
 
 MOST_DIFFERENCES = 256
 """Of a pair with more differences a few are taken, which are others from pose to pose."""
+MOST_AT_ONCE = 1 << 13
+"""More pairs, in each pose, go in blocks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,21 +146,18 @@ class _NearGroup(_Group):
         """How many points it has in a pose."""
         return KEPT
 
-    def chosen(self, given: Array, offsets: Sequence[Array]) -> Choice:
-        """The points of the first body and of the second between which they are, (K, count)."""
-        return near_differences(*self._bodies(given, offsets))
-
     def of(self, given: Array, offsets: Sequence[Array], choice: Choice) -> Array:
         """What is chosen, (K, count, …), of points or of their derivatives."""
-        one, two = self._bodies(given, offsets)
+        one, two = self.bodies(given, offsets)
         row = np.arange(len(given))[:, None]
         found: Array = one[row, choice[0]] - two[row, choice[1]]
         return found
 
-    def _bodies(self, given: Array, offsets: Sequence[Array]) -> tuple[Array, Array]:
+    def bodies(self, given: Array, offsets: Sequence[Array]) -> tuple[Array, Array]:
         """The points of both bodies, from where the second one is."""
         first = given[:, self.bases][:, :, None] + offsets[0][:, None]
-        return first.reshape(len(given), -1, *given.shape[2:]), offsets[1]
+        count = first.shape[1] * first.shape[2]
+        return first.reshape(len(given), count, *given.shape[2:]), offsets[1]
 
 
 class SpanningPoints:
@@ -262,10 +261,14 @@ class SpanningPoints:
 
     def _choices(self, given: Array, sizes: Array) -> list[Choice]:
         """What is chosen of each pair with a great many differences."""
-        found = []
-        for group, _ in self._near:
+        found, most = list[Choice](), max(1, MOST_AT_ONCE // len(given))
+        for start in range(0, len(self._near), most):
             check_time()
-            found.append(group.chosen(given, [each.of(given, sizes) for each in group.offsets]))
+            pairs = [
+                group.bodies(given, [each.of(given, sizes) for each in group.offsets])
+                for group, _ in self._near[start : start + most]
+            ]
+            found += near_differences_of_pairs(pairs)
         return found
 
     def _sizes_at(self, theta: Array, constants: Array) -> tuple[Array, Array]:
