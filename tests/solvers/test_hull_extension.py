@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, arb_mat
 from scipy.optimize import linprog
 
 from compiler.expressions.evaluators.balls import ball
@@ -141,6 +141,38 @@ def test_corners_that_are_left_out_count(seed: int) -> None:
     for value, _ in lowest(moving.over, [ball(x) for x in moving.normal], (0,), moving.extensions):
         lower = lower.min(value)
     assert not bool(lower.lower() > ball(min(moving.least(share) for share in INSTANTS)))
+
+
+@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("size", [1, 100])
+def test_no_corner_is_lower_in_any_state_of_a_wide_tube(seed: int, size: int) -> None:
+    """Points and axes that are off a path by columns times the same shares between -1 and 1."""
+    moving = Moving(seed, 2 + seed % 2, Fraction(0))
+    rng = np.random.default_rng(seed)
+    path, d = moving.coefficients[:, :, 0], moving.size
+    spread = fractions(rng, (len(path), d, 5)) * Fraction(size, 300)
+    ranges = np.abs(spread).sum(axis=2)
+    none = arb(0)
+    over = Slice(
+        none, none,
+        tuple(
+            tuple((ball(x) + ball(r) * arb(0, 1), none, none) for x, r in zip(*each, strict=True))
+            for each in zip(path, ranges, strict=True)
+        ),
+        tuple(tuple(map(ball, each)) for each in path),
+        tuple(arb_mat([[ball(x) for x in axis] for axis in each]) for each in spread),
+    )  # fmt: skip
+    lower = arb("inf")
+    for value, _ in lowest(over, [ball(x) for x in moving.normal], (0,), moving.extensions):
+        lower = lower.min(value)
+    true = []
+    for number in range(60):
+        shares = fractions(rng, (5,)) if number % 2 else fractions(rng, (5,), 1)
+        moving.coefficients = (path + spread @ shares)[:, :, None] * np.array([1, 0, 0])
+        true.append(moving.least(Fraction(0)))
+    assert not bool(lower.lower() > ball(min(true)))
+    if size == 1:
+        assert float(lower.lower()) > float(min(true)) - 0.3
 
 
 class Pair:
