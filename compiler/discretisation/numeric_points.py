@@ -52,6 +52,11 @@ class NumericPoints:
         return self._in_batches(_with_jacobians(self.graph.effectors, (0, 1)))
 
     @cached_property
+    def _places_in_batches(self) -> BatchedFunction:
+        """Positions of the effectors alone."""
+        return self._in_batches(self.graph.effectors)
+
+    @cached_property
     def _positions_in_batches(self) -> BatchedFunction:
         """Positions alone, a row per coordinate of a point."""
         return self._in_batches(self.graph.points)
@@ -65,9 +70,12 @@ class NumericPoints:
     @cached_property
     def _points_of_designs(self) -> BatchedFunction:
         """The same with parameters of its own for every sample."""
-        q, theta, k = (ca.SX.sym(f"i{i}", self._points.size1_in(i)) for i in range(3))
-        rows = ca.densify(ca.horzcat(*self._points(q, theta, k)))
-        return BatchedFunction.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))
+        return _of_designs(self._points)
+
+    @cached_property
+    def _effectors_of_designs(self) -> BatchedFunction:
+        """The same of the effectors alone."""
+        return _of_designs(_with_jacobians(self.graph.effectors, (0, 1)))
 
     def track(
         self, first: Array, theta: Array, point: int, waypoints: Array, box: tuple[Array, Array]
@@ -81,7 +89,10 @@ class NumericPoints:
             return first[None, :]
         key = len(waypoints) - 1, point
         if key not in self._trackers:
-            self._trackers[key] = _tracker(self._points, self.n, self.d, point, len(waypoints) - 1)
+            points = self._points
+            if self.spanning.changing and point < len(self.graph.model.effectors):
+                points = _with_jacobians(self.graph.effectors, (0, 1))
+            self._trackers[key] = _tracker(points, self.n, self.d, point, len(waypoints) - 1)
         tail = np.concatenate([*box, theta, self.constants])
         columns = np.tile(tail[:, None], (1, len(waypoints) - 1))
         found = self._trackers[key](first, np.concatenate([waypoints[1:].T, columns]))
@@ -96,8 +107,21 @@ class NumericPoints:
         return self.spanning.of(self._read(found), theta, self.constants)
 
     def effectors(self, q: Array, theta: Array) -> Points:
-        """The effectors alone at K samples; q (K, n), theta (p,)."""
-        return self._read(self._effectors_in_batches((q,), np.concatenate([theta, self.constants])))
+        """The effectors alone at K samples; q (K, n), theta (p,) or (K, p)."""
+        if theta.ndim == 1:
+            found = self._effectors_in_batches((q,), np.concatenate([theta, self.constants]))
+        else:
+            found = self._effectors_of_designs((q, theta), self.constants)
+        return self._read(found)
+
+    def leading(self, q: Array, theta: Array) -> Points:
+        """Points at K samples, the effectors at least; all of them where they are not many."""
+        return (self.effectors if self.spanning.changing else self.points)(q, theta)
+
+    def places(self, q: Array, theta: Array) -> Array:
+        """Where the effectors are at K samples, (K, e, d) in m; q (K, n), theta (p,)."""
+        found = self._places_in_batches((q,), np.concatenate([theta, self.constants]))
+        return found.reshape(len(q), found.shape[1] // self.d, self.d)
 
     def _read(self, found: Array) -> Points:
         """Points from rows (K, m d, 1 + n + p)."""
@@ -121,6 +145,13 @@ def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Functi
     value = function(*symbols)
     jacobians = [ca.densify(ca.jacobian(value, symbols[i])) for i in inputs]
     return ca.Function("points", symbols, ca.cse([ca.densify(value), *jacobians]))
+
+
+def _of_designs(points: ca.Function) -> BatchedFunction:
+    """Rows of values and Jacobians with parameters of its own for every sample."""
+    q, theta, k = (ca.SX.sym(f"i{i}", points.size1_in(i)) for i in range(3))
+    rows = ca.densify(ca.horzcat(*points(q, theta, k)))
+    return BatchedFunction.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))
 
 
 def _tracker(points: ca.Function, n: int, d: int, point: int, steps: int) -> ca.Function:

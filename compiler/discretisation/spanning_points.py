@@ -1,44 +1,80 @@
 """The corners of what collides, from the points and directions of a robot's graph, in doubles.
 
-Bodies and shapes become hulls of points.  Those of boxes are exact; a cylinder becomes a prism
-whose edges are as far outside as its faces are inside.  Proofs read cylinders as they are, and ask
-for more room where a face was too near.
+Bodies and shapes become hulls of points.  Those of boxes and hulls are exact; a cylinder becomes a
+prism whose edges are as far outside as its faces are inside.  Proofs read cylinders as they are,
+and ask for more room where a face was too near.  Of pairs with a great many differences, those are
+taken in each pose that lie where the bodies are nearest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate, pairwise, product
 from math import cos, pi, prod
+from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
+from compiler.discretisation.near_differences import KEPT, near_differences_of_pairs
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.robots.robot import Collider, Shape
+from compiler.robots.hull_corners import corners_from_middle
+from compiler.robots.robot import Collider, RobotModel, Shape
+from compiler.time_limits.time_limit import check_time
 
 Indices = NDArray[np.int64]
+Choice: TypeAlias = tuple[Indices, Indices]
 
 SIDES = 8
 """Of the prism for a cylinder."""
 OFF = (1 - cos(pi / SIDES)) / (1 + cos(pi / SIDES))
 """The part of the radius, 4 %, by which edges are outside of the cylinder, and faces inside."""
 
+MOST_DIFFERENCES = 256
+"""Of a pair with more differences a few are taken, which are others from pose to pose."""
+MOST_AT_ONCE = 1 << 13
+"""More pairs, in each pose, go in blocks."""
+
 
 @dataclass(frozen=True, slots=True)
 class Points:
     """Positions of m points at K samples, in metres, and their derivatives.
 
-    Shapes: value (K, m, d), by_q (K, m, d, n), by_theta (K, m, d, p).
+    Shapes: value (K, m, d), by_q (K, m, d, n), by_theta (K, m, d, p).  ``changing`` are those that
+    are others from sample to sample, where there are some.
     """
 
     value: Array
     by_q: Array
     by_theta: Array
+    changing: ChangingPoints | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ChangingPoints:
+    """What is chosen of pairs at K samples, to follow it from one to the next.
+
+    ``by_q`` (K, t, d, n) are derivatives of the points of the graph, ``sizes`` (1 or K, s).
+    """
+
+    groups: tuple[tuple[_NearGroup, int, Choice], ...]
+    by_q: Array
+    sizes: Array
+
+    def bends(self, rates: Array, dt: float) -> Iterator[tuple[slice, Array]]:
+        """Their numbers, and how far each is from its chord half way through the steps (k, …, d).
+
+        Those of a step are the ones at its beginning; ``rates`` are (k + 1, n).
+        """
+        velocities = np.einsum("ktdn,kn->ktd", self.by_q, rates)
+        given = dt / 8 * (velocities[:-1] - velocities[1:])
+        for group, start, (one, two) in self.groups:
+            offsets = [each.of(given, self.sizes[: len(given)]) for each in group.offsets]
+            yield slice(start, start + group.count), group.of(given, offsets, (one[:-1], two[:-1]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +82,7 @@ class _Offsets:
     """What leads from a base of a collider to its w corners: sums of c directions with weights.
 
     ``columns`` (c,) are directions by number; weights are ``parts`` (w, c) of the ``sizes`` (w, c),
-    by number.
+    by number; behind these there is one more, which is 1.
     """
 
     columns: Indices
@@ -101,21 +137,47 @@ class _Group:
         return found.reshape(len(given), self.count, *given.shape[2:])
 
 
+@dataclass(frozen=True, slots=True)
+class _NearGroup(_Group):
+    """The same of a pair with a great many differences: in every pose the few that are chosen."""
+
+    @property
+    def count(self) -> int:
+        """How many points it has in a pose."""
+        return KEPT
+
+    def of(self, given: Array, offsets: Sequence[Array], choice: Choice) -> Array:
+        """What is chosen, (K, count, …), of points or of their derivatives."""
+        one, two = self.bodies(given, offsets)
+        row = np.arange(len(given))[:, None]
+        found: Array = one[row, choice[0]] - two[row, choice[1]]
+        return found
+
+    def bodies(self, given: Array, offsets: Sequence[Array]) -> tuple[Array, Array]:
+        """The points of both bodies, from where the second one is."""
+        first = given[:, self.bases][:, :, None] + offsets[0][:, None]
+        count = first.shape[1] * first.shape[2]
+        return first.reshape(len(given), count, *given.shape[2:]), offsets[1]
+
+
 class SpanningPoints:
     """Effectors, the corners of all colliders, the differences of those of pairs, and axes.
 
     ``hulls`` are the numbers of the corners of each collider, ``gaps`` those of the differences of
     each pair ``apart``, ``axes`` those of the axes of each effector's frame, from the first point
-    behind the effectors.
+    behind the effectors.  ``lasting`` are the numbers of the points that are the same from pose to
+    pose, effectors included.
     """
 
     def __init__(self, graph: RobotGraph) -> None:
         self._graph = graph
         first, colliders = len(graph.model.effectors), graph.model.colliders
-        starts = accumulate((len(_sizes(each)) for each in colliders), initial=0)
+        *starts, one = accumulate((len(_sizes(each)) for each in colliders), initial=0)
         offsets = [
-            _offsets(each, start, graph.model.dimension)
-            for each, start in zip(colliders, starts, strict=False)
+            _hull_offsets(each, one, graph.model)
+            if isinstance(each, Shape) and each.corners
+            else _offsets(each, start, graph.model.dimension)
+            for each, start in zip(colliders, starts, strict=True)
         ]
 
         def behind(numbers: Sequence[int]) -> Indices:
@@ -128,7 +190,9 @@ class SpanningPoints:
         for pair, gap in zip(graph.model.apart, graph.numbering.gaps, strict=True):
             both = zip(pair, gap.columns, strict=True)
             seen = tuple(offsets[each].seen_along(behind(columns)) for each, columns in both)
-            groups.append(_Group(behind(gap.bases), seen))
+            group = _Group(behind(gap.bases), seen)
+            many = group.count > MOST_DIFFERENCES
+            groups.append(_NearGroup(group.bases, seen) if many else group)
         groups += [_Group(behind(axes), ()) for axes in graph.numbering.axes]
         ends = accumulate((group.count for group in groups), initial=0)
         numbers = [tuple(range(start, end)) for start, end in pairwise(ends)]
@@ -139,6 +203,24 @@ class SpanningPoints:
         self.plain = not any(own.parts.size for own in offsets)
         """Whether they are the points of the graph as they are."""
         self._groups = [_Group(np.arange(first), ()), *groups]
+        self.lasting: Indices = np.concatenate(
+            [np.arange(first)]
+            + [
+                first + np.array(each, dtype=np.int64)
+                for group, each in zip(groups, numbers, strict=True)
+                if not isinstance(group, _NearGroup)
+            ]
+        )
+        self._near = [
+            (group, first + each[0])
+            for group, each in zip(groups, numbers, strict=True)
+            if isinstance(group, _NearGroup)
+        ]
+
+    @property
+    def changing(self) -> bool:
+        """Whether some points are others from pose to pose."""
+        return bool(self._near)
 
     @cached_property
     def _sizes(self) -> ca.Function:
@@ -154,7 +236,8 @@ class SpanningPoints:
         if self.plain:
             return points
         sizes, _ = self._sizes_at(theta, constants)
-        return self._spanned(points, lambda offsets: offsets.of(points, sizes))
+        choices = self._choices(points, sizes)
+        return self._spanned(points, lambda offsets: offsets.of(points, sizes), choices)
 
     def of(self, points: Points, theta: Array, constants: Array) -> Points:
         """The same with derivatives; ``theta`` is (p,) or, for each sample, (K, p)."""
@@ -162,27 +245,55 @@ class SpanningPoints:
             return points
         sizes, slopes = self._sizes_at(theta, constants)
         value, by_q, by_theta = points.value, points.by_q, points.by_theta
+        choices = self._choices(value, sizes)
+        changing = tuple(
+            (group, start, choice)
+            for (group, start), choice in zip(self._near, choices, strict=True)
+        )
         return Points(
-            self._spanned(value, lambda offsets: offsets.of(value, sizes)),
-            self._spanned(by_q, lambda offsets: offsets.of(by_q, sizes)),
-            self._spanned(by_theta, lambda offsets: offsets.by_theta(points, sizes, slopes)),
+            self._spanned(value, lambda offsets: offsets.of(value, sizes), choices),
+            self._spanned(by_q, lambda offsets: offsets.of(by_q, sizes), choices),
+            self._spanned(
+                by_theta, lambda offsets: offsets.by_theta(points, sizes, slopes), choices
+            ),
+            ChangingPoints(changing, by_q, sizes) if changing else None,
         )
 
+    def _choices(self, given: Array, sizes: Array) -> list[Choice]:
+        """What is chosen of each pair with a great many differences."""
+        found, most = list[Choice](), max(1, MOST_AT_ONCE // len(given))
+        for start in range(0, len(self._near), most):
+            check_time()
+            pairs = [
+                group.bodies(given, [each.of(given, sizes) for each in group.offsets])
+                for group, _ in self._near[start : start + most]
+            ]
+            found += near_differences_of_pairs(pairs)
+        return found
+
     def _sizes_at(self, theta: Array, constants: Array) -> tuple[Array, Array]:
-        """The sizes (1 or K, s) in m, and their derivatives (1 or K, s, p)."""
+        """The sizes (1 or K, s) in m with a 1 behind them, and their derivatives (1 or K, s, p)."""
         designs = np.atleast_2d(theta)
         count, p = designs.shape
         values, slopes = self._sizes.map(count)(
             designs.T, np.repeat(constants[:, None], count, axis=1)
         )
         sizes = np.array(values).T
-        return sizes, np.array(slopes).reshape(sizes.shape[1], count, p).transpose(1, 0, 2)
+        by_theta = np.array(slopes).reshape(sizes.shape[1], count, p).transpose(1, 0, 2)
+        one = np.concatenate([sizes, np.ones((count, 1))], axis=1)
+        return one, np.concatenate([by_theta, np.zeros((count, 1, p))], axis=1)
 
-    def _spanned(self, given: Array, offsets: Callable[[_Offsets], Array]) -> Array:
+    def _spanned(
+        self, given: Array, offsets: Callable[[_Offsets], Array], choices: Sequence[Choice]
+    ) -> Array:
         """All points (K, m, …)."""
-        parts = [
-            group.points(given, [offsets(each) for each in group.offsets]) for group in self._groups
-        ]
+        parts, left = [], iter(choices)
+        for group in self._groups:
+            own = [offsets(each) for each in group.offsets]
+            if isinstance(group, _NearGroup):
+                parts.append(group.of(given, own, next(left)))
+            else:
+                parts.append(group.points(given, own))
         return np.concatenate(parts, axis=1)
 
 
@@ -202,6 +313,13 @@ def _offsets(collider: Collider, first: int, dimension: int) -> _Offsets:
             parts = np.array([[-1.0], [1.0]]) if len(across) == 1 else _around()
             sizes = np.full(parts.shape, first + 1)
     return _Offsets(np.zeros(0, dtype=np.int64), sizes, parts)
+
+
+def _hull_offsets(hull: Shape, one: int, model: RobotModel) -> _Offsets:
+    """The corners of a hull about its middle; ``one`` is the number of the size that is 1."""
+    corners = corners_from_middle(hull, model.scalars)
+    parts = np.array([[float(x) for x in corner[: model.dimension]] for corner in corners])
+    return _Offsets(np.zeros(0, dtype=np.int64), np.full(parts.shape, one), parts)
 
 
 def _around() -> Array:

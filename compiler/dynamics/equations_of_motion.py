@@ -19,6 +19,7 @@ import casadi as ca
 from compiler.dynamics.energy_graph import ldl_solve
 from compiler.dynamics.kinematics import (
     Coordinates,
+    Kinematics,
     generalised_forces,
     kinematics,
     own_coordinates,
@@ -56,6 +57,7 @@ class _Expressions:
     k: ca.SX
     half: ca.SX
     points: RobotPoints
+    at: Kinematics
     mass: ca.SX
     regular_mass: ca.SX
     gravitational: ca.SX
@@ -115,7 +117,7 @@ class RobotGraph:
         held, added = (ca.SX.sym(name, p.u.numel()) for name in ("held", "added"))
         read = [p.mass, p.regular_mass, p.gravitational, p.forces, p.derivatives, p.conditions]
         found = ca.substitute([*read, p.loads], [p.u], [held + added])
-        parts = _Expressions(p.q, p.w, added, p.theta, p.k, p.half, p.points, *found)
+        parts = _Expressions(p.q, p.w, added, p.theta, p.k, p.half, p.points, p.at, *found)
         return replace(self, parts=_with_still(parts, held))
 
     def weighed(self, groups: Sequence[Sequence[int]]) -> RobotGraph:
@@ -371,8 +373,8 @@ def robot_graph(
     points = robot_points(body)
     forces = generalised_forces(coordinates, driven.forces)
     parts = _Expressions(
-        q, w, u, theta, constants.vector(), half, points, mass, regular, pull, forces,
-        driven.derivatives, constants.conditions.vector(), loads,
+        q, w, u, theta, constants.vector(), half, points, body, mass, regular, pull,
+        forces, driven.derivatives, constants.conditions.vector(), loads,
     )  # fmt: skip
     divisors = len(constants.conditions.divisors)
     symbols = tuple(constants.symbols)

@@ -11,6 +11,7 @@ import casadi as ca
 
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import evaluate_scalars
+from compiler.robots.hull_corners import hull_middle
 from compiler.robots.robot import (
     WORLD,
     Collider,
@@ -195,11 +196,10 @@ class Kinematics:
     def bases(self, collider: Collider) -> list[ca.SX]:
         """The points that a body or shape is about.
 
-        Both ends of what has a length, the middle of a box or sphere, the place of a mass, the
-        corners of a hull.
+        Both ends of what has a length, the middle of a box, sphere or hull, the place of a mass.
         """
         if isinstance(collider, Shape) and collider.corners:
-            return [self.point(collider.frame, corner) for corner in collider.corners]
+            return [self._middle(collider)]
         if isinstance(collider, SolidBody):
             return [self.point(collider.frame, collider.com)]
         origin = self.origins[collider.frame]
@@ -207,6 +207,20 @@ class Kinematics:
             return [origin]
         direction = collider.sign * self.axis(collider.frame, collider.axis)
         return [origin, origin + direction * self.scalars[collider.length]]
+
+    def _middle(self, hull: Shape) -> ca.SX:
+        """The place of the middle of a hull, in the world."""
+        constants = self.motion.constants
+        middle = (constants.constant(x) for x in hull_middle(hull, self.model.scalars))
+        return self.origins[hull.frame] + self.orientations[hull.frame].matrix() @ ca.vertcat(
+            *middle
+        )
+
+    def corners(self, collider: Collider) -> list[ca.SX]:
+        """The corners of a hull, and the ``bases`` of what is none."""
+        if isinstance(collider, Shape) and collider.corners:
+            return [self.point(collider.frame, corner) for corner in collider.corners]
+        return self.bases(collider)
 
     def columns(self, collider: Collider) -> list[ca.SX]:
         """The directions of the axes along which a shape extends about its bases, in the world.

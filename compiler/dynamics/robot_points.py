@@ -23,8 +23,8 @@ MADE = "equations of motion were made"
 class Extent:
     """What a collider is by numbers of points, counted from the first one behind the effectors.
 
-    It is the hull of its ``bases``, and what its sizes add to that along its ``columns``, the
-    directions of the axes of its frame.
+    It is the hull of its ``bases``, and what its sizes or corners add to that along its
+    ``columns``, the directions of the axes of its frame.
     """
 
     bases: tuple[int, ...]
@@ -56,7 +56,7 @@ class Numbering:
 
 
 @dataclass(slots=True)
-class _Numbered:
+class Numbered:
     """Expressions (3,) one behind the other, in ``d`` coordinates each."""
 
     d: int
@@ -91,7 +91,7 @@ class RobotPoints:
 def robot_points(at: Kinematics) -> RobotPoints:
     """The points of a robot in a pose."""
     model = at.model
-    found, colliders = _Numbered(model.dimension), model.colliders
+    found, colliders = Numbered(model.dimension), model.colliders
     bases = [found.add(at.bases(each)) for each in colliders]
     count = len(found.points)
     pairs = list[tuple[Kinematics, tuple[int, ...]]]()
@@ -113,7 +113,7 @@ def robot_points(at: Kinematics) -> RobotPoints:
         found.add([at.axis(frame, axis) for axis in range(model.dimension)])
         for frame in (model.effectors if model.posed else ())
     )
-    effectors = _Numbered(model.dimension)
+    effectors = Numbered(model.dimension)
     effectors.add([at.origins[frame] for frame in model.effectors])
     sizes = [at.scalars[size] for shape in model.shapes for size in shape.sizes]
     return RobotPoints(

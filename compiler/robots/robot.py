@@ -269,7 +269,7 @@ class Shape:
 
     def across(self, dimension: int) -> tuple[int, ...]:
         """The axes along which it extends beside its origin or its line, in so many dimensions."""
-        if self.kind == "box":
+        if self.kind in {"box", "hull"}:
             return tuple(range(dimension))
         return tuple(i for i in range(dimension) if self.kind == "cylinder" and i != self.axis)
 

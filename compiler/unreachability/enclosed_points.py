@@ -20,8 +20,8 @@ import numpy as np
 from flint import arb
 
 from compiler.arrays import Array
+from compiler.dynamics.corner_points import corner_points
 from compiler.dynamics.kinematics import kinematics, own_coordinates
-from compiler.dynamics.robot_points import robot_points
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.evaluators.balls import BALLS, ball, constant_ball
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
@@ -58,12 +58,10 @@ class PointTapes:
         n, p = len(model.dofs), len(model.parameters)
         q, theta, constants = ca.SX.sym("q", n), ca.SX.sym("theta", p), SymbolicEvaluator()
         at = kinematics(model, q, theta, constants, own_coordinates(model))
-        points = robot_points(at)
-        # Differences of bodies that have to stay apart, and axes of effectors, are behind bodies.
-        last = points.others if model.apart or model.posed else ca.SX(0, 1)
+        found = corner_points(at)
         first = len(model.effectors)
-        self.axes = tuple(tuple(first + i for i in axes) for axes in points.numbering.axes)
-        value = ca.densify(ca.vertcat(points.effectors, points.bodies, last))
+        self.axes = tuple(tuple(first + i for i in axes) for axes in found.axes)
+        value = ca.densify(found.points)
         inputs = [q, theta, constants.vector()]
         self._numeric = ca.Function("points", inputs, [ca.cse(value)])
         self.values = tape(self._numeric)

@@ -1,6 +1,6 @@
 """What a task asks of the points of a robot at every instant, at the start and on arrival; exact.
 
-Points are numbered as in ``RobotGraph.points``: the effectors, then both ends of all that has a
+Points are numbered as in ``CornerPoints``: the effectors, then both ends of all that has a
 length and the middle of all else that collides.  They lie in what they are of.  Each demand is
 necessary for a motion that does the task: margins, radii and sizes, rates and time are left out,
 but for what bodies of the robot have to keep from each other.
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
+from compiler.dynamics.corner_points import MOST_OF_PAIRS
 from compiler.encodings.pose_questions import PoseQuestion, effector_choices, pose_questions
 from compiler.expressions.scalars import Constant
 from compiler.robots.given_start import given_start
@@ -129,16 +130,16 @@ def _pairs(
 ) -> tuple[Pair, ...]:
     """The pairs of bodies that must not touch; those with a hull of more corners are left out.
 
-    Their differences are behind the points of all bodies, as in ``RobotGraph.points``.
+    Their differences are behind the points of all bodies, as in ``CornerPoints``.
     """
     if task.avoid_self is None:
         return ()
     found, start = list[Pair](), len(model.effectors) + sum(map(len, hulls))
     for one, two in model.apart:
         counts = len(hulls[one]), len(hulls[two])
-        points = tuple(range(start, start + counts[0] * counts[1]))
-        start += len(points)
-        if max(counts) <= 2:
+        if max(counts) <= MOST_OF_PAIRS:
+            points = tuple(range(start, start + counts[0] * counts[1]))
+            start += len(points)
             radii = sum((_radius(model, body) for body in (one, two)), Fraction(0))
             found.append(Pair(points, counts, task.avoid_self.margin + radii))
     return tuple(found)

@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 
 from compiler.arrays import Array
+from compiler.dynamics.corner_points import corner_points
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import closed_ball
 from compiler.expressions.evaluators.intervals import TURN, IntervalBatch
@@ -300,7 +301,7 @@ def _used(demands: MotionConditions, passages: Sequence[Passage], graph: RobotGr
 def _axes(graph: RobotGraph, effector: int) -> list[int]:
     """The numbers of the axes of its frame, directions among the points."""
     first = len(graph.model.effectors)
-    return [first + axis for axis in graph.numbering.axes[effector]]
+    return [first + axis for axis in corner_points(graph.parts.at).axes[effector]]
 
 
 def _turned(goal: PointIn, graph: RobotGraph, place: Mapping[int, int]) -> list[_Turned]:

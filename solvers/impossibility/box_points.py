@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from compiler.arrays import Array
+from compiler.dynamics.corner_points import corner_points
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import constant_ball
 from compiler.expressions.evaluators.intervals import (
@@ -57,7 +58,7 @@ class Placed:
 
 
 class BoxPoints:
-    """Some points of a robot, numbered as in ``RobotGraph.points``, read over boxes of (q, theta).
+    """Some points of a robot, numbered as in ``CornerPoints``, read over boxes of (q, theta).
 
     Raises:
         ValueError: the rules or their derivatives have no exact value.
@@ -66,9 +67,8 @@ class BoxPoints:
     def __init__(self, graph: RobotGraph, points: Sequence[int]) -> None:
         self.d = graph.model.dimension
         n, p = len(graph.model.dofs), len(graph.model.parameters)
-        q, theta, k = (ca.SX.sym(name, size) for name, size in
-                       (("q", n), ("theta", p), ("k", len(graph.constants))))  # fmt: skip
-        everything = ca.densify(graph.points(q, theta, k))
+        q, theta, k = graph.parts.q, graph.parts.theta, graph.parts.k
+        everything = ca.densify(corner_points(graph.parts.at).points)
         entries = [point * self.d + axis for point in points for axis in range(self.d)]
         value = everything[entries] if entries else ca.SX(0, 1)
         self.variables = n + p

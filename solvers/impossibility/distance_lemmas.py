@@ -17,6 +17,7 @@ import numpy as np
 from flint import arb
 
 from compiler.arrays import Array
+from compiler.discretisation.hull_distance import nearest_to_zero
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.expressions.exact_numbers import outward
 from compiler.lemmas.effector_bounds import (
@@ -36,7 +37,6 @@ from compiler.words.finite_automaton import intersection
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.lemma import DistanceLemma
-from solvers.trajectory.hull_distance import nearest_to_zero
 
 MOST_OF_ONE = 100
 """Counts are not raised beyond."""

@@ -155,7 +155,7 @@ def _best_samples(
     """The best of random coordinates for each design and pose, shape (designs, poses, n)."""
     count = len(theta)
     samples = rng.uniform(*box, size=(count * SAMPLES, numeric.n))
-    points = numeric.points(samples, np.repeat(theta, SAMPLES, axis=0)).value
+    points = numeric.effectors(samples, np.repeat(theta, SAMPLES, axis=0)).value
     best = []
     for pose in poses:
         excess = pose.region.excess(points[:, pose.point])
@@ -240,7 +240,7 @@ def _residual(numeric: NumericRobot, poses: list[_Pose], x: Array) -> _Residual:
     """The violations of designs x (R, poses * n + p)."""
     n, width, count = numeric.n, numeric.n * len(poses), len(x)
     q = x[:, :width].reshape(count * len(poses), n)
-    points = numeric.points(q, np.repeat(x[:, width:], len(poses), axis=0))
+    points = numeric.leading(q, np.repeat(x[:, width:], len(poses), axis=0))
     values, rows = [], []
     inside = np.ones(count, dtype=bool)
     for k, (point, region) in enumerate((pose.point, pose.region) for pose in poses):
@@ -333,7 +333,7 @@ class _Search:
         q = poses_in(self.numeric, theta, drawn, self.box, effector, region, POSES, rng)
         if not len(q):
             return False
-        positions = self.numeric.points(q, theta).value
+        positions = self.numeric.positions(q, theta)
         beyond = np.max(positions[:, effector] @ region.normals.T - region.offsets, axis=1)
         return bool(np.any((beyond <= 0) & (self.clearance.of(positions) > STRICT)))
 

@@ -60,7 +60,7 @@ def start_cells(
     found: dict[int, set[int]] = {e: set() for e in range(len(numeric.graph.model.effectors))}
     for theta in space.uniform(rng, START_SAMPLES):
         if values is not None:
-            points = numeric.points(values[None, :], theta).value[0]
+            points = numeric.places(values[None, :], theta)[0]
             for effector, cells in found.items():
                 cell = abstraction.locate(points[effector])
                 if cell is not None:
@@ -80,7 +80,7 @@ def reachable_cells(
     lower, upper = sampled_box(numeric, (limits[:, 0], limits[:, 1]), float(reach))
     for theta in space.samples(REACH_LOG2, seed):
         q = rng.uniform(lower, upper, size=(POSES, numeric.n))
-        points = numeric.points(q, theta).value[:, effector]
+        points = numeric.places(q, theta)[:, effector]
         found |= cells.hit(points)
         missing = np.flatnonzero(~found)
         if not len(missing):
@@ -89,7 +89,7 @@ def reachable_cells(
         nearest = [int(np.argmin(np.sum((points - target) ** 2, axis=1))) for target in targets]
         limited = limits[:, 0], limits[:, 1]
         ends, _ = solve_positions(numeric, q[nearest], theta, effector, targets, limited)
-        found |= cells.hit(numeric.points(ends, theta).value[:, effector])
+        found |= cells.hit(numeric.places(ends, theta)[:, effector])
     return found
 
 
@@ -129,7 +129,7 @@ def effectors_on_bodies(numeric: NumericRobot) -> frozenset[int]:
     count, rng = len(model.effectors), np.random.default_rng(0)
     found = set(range(count))
     for theta in parameter_space(model).uniform(rng, 2):
-        points = numeric.points(rng.uniform(-1.0, 1.0, (POSES_OF_BODIES, n)), theta).value
+        points = numeric.positions(rng.uniform(-1.0, 1.0, (POSES_OF_BODIES, n)), theta)
         near = []
         for hull in (each for each in numeric.spanning.hulls if len(each) <= 2):
             start, end = points[:, count + hull[0]], points[:, count + hull[-1]]
@@ -198,7 +198,7 @@ def standing_configurations(
     }
     found = []
     for theta in parameter_space(model).samples(STANDING_LOG2, seed):
-        points = numeric.points(np.zeros((1, 0)), theta).value[0]
+        points = numeric.positions(np.zeros((1, 0)), theta)[0]
         depths = [_depth(shapes[name], points[point]) for point, name in bound]
         gap = min([*depths, _worth(numeric, shapes, task, points)])
         cell = abstraction.locate(points[effector])

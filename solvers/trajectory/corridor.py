@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
+from compiler.discretisation.batched_function import MOST_IN_BATCH
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.robots.robot import RobotModel
 from compiler.tasks.word_formula import Obligation
@@ -73,8 +74,11 @@ class Corridor:
     def levers(self) -> Array:
         """Metres that a coordinate can move any point per unit, shape (n,), by random poses."""
         drawn = self.drawn(np.random.default_rng(0))
-        moved = np.linalg.norm(self.numeric.points(drawn.q, self.theta).by_q, axis=2)
-        found: Array = np.maximum(np.max(moved, axis=(0, 1)), 1e-6)
+        found: Array = np.full(self.numeric.n, 1e-6)
+        for start in range(0, len(drawn.q), MOST_IN_BATCH):
+            q = drawn.q[start : start + MOST_IN_BATCH]
+            moved = np.linalg.norm(self.numeric.points(q, self.theta).by_q, axis=2)
+            found = np.maximum(found, np.max(moved, axis=(0, 1)))
         return found
 
     def positions(self, q: Array) -> Array:

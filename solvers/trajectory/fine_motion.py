@@ -119,7 +119,8 @@ def _gaps(path_problem: PathProblem, trajectory: Trajectory, substeps: int) -> A
         else:
             first = trajectory.x[0]
             pair = [numeric.simulate(first, u, theta, dt, c * substeps) for c in (1, 2)]
-        points = [numeric.points(states[:, :n], theta).value for states in pair]
+        lasting = numeric.spanning.lasting
+        points = [numeric.positions(states[:, :n], theta)[:, lasting] for states in pair]
     return np.array([_largest_gap(*points), _largest_gap(*pair)])
 
 
@@ -166,7 +167,7 @@ def seems_to_satisfy(path_problem: PathProblem, seen: SimulatedMotion) -> bool:
         return True
     task, workspace, numeric = path_problem.task, path_problem.workspace, path_problem.numeric
     with np.errstate(all="ignore"):
-        places = numeric.points(seen.states[:, : numeric.n], seen.theta).value
+        places = numeric.positions(seen.states[:, : numeric.n], seen.theta)
     word: list[dict[int, frozenset[str]]] = [{} for _ in seen.states]
     inside: dict[int, dict[str, Array]] = {}
     for atom in atoms(*formulas):

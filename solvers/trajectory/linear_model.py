@@ -135,4 +135,8 @@ def bends(points: Points, rates: Array, dt: float) -> Array:
     there; of the true motion it is that to third order.
     """
     velocities = np.einsum("kmdn,kn->kmd", points.by_q, rates)
-    return np.asarray(dt / 8 * (velocities[:-1] - velocities[1:]))
+    found = np.asarray(dt / 8 * (velocities[:-1] - velocities[1:]))
+    if points.changing is not None:
+        for part, bent in points.changing.bends(rates, dt):
+            found[:, part] = bent
+    return found

@@ -63,7 +63,7 @@ def nearest_visits(
     """When a motion comes nearest to the cells at some places (from 0), in turn, by samples."""
     numeric, steps = path_problem.numeric, path_problem.task.steps
     with np.errstate(all="ignore"):
-        points = numeric.points(motion.x[:, : numeric.n], motion.theta).value
+        points = numeric.places(motion.x[:, : numeric.n], motion.theta)
     at, found, first = points[:, path_problem.effector], dict[int, int](), 0
     ends = {0: 0, len(path_problem.cells) - 1: steps}
     for place in places:

@@ -19,8 +19,8 @@ from itertools import combinations
 import numpy as np
 
 from compiler.arrays import Array
+from compiler.discretisation.hull_distance import nearest_to_zero
 from solvers.trajectory.convex_set import ConvexSet
-from solvers.trajectory.hull_distance import nearest_to_zero
 from solvers.trajectory.subproblem import Indices
 
 SHORTEST = 1e-9

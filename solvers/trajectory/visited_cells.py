@@ -18,7 +18,7 @@ def visited_cells(
 ) -> tuple[tuple[int, ...], Entries] | None:
     """The cells a trajectory visits and when it enters them, if that is a path of the task."""
     numeric = path_problem.numeric
-    positions = numeric.points(trajectory.x[:, : numeric.n], trajectory.theta).value
+    positions = numeric.places(trajectory.x[:, : numeric.n], trajectory.theta)
     avoided = {
         name
         for avoid in path_problem.task.avoid
@@ -46,7 +46,7 @@ def visited_cells(
 def depth_in_cells(path_problem: PathProblem, trajectory: Trajectory) -> float:
     """By how much the leader keeps inside the cells that it is in at the samples, in metres."""
     numeric, cells = path_problem.numeric, path_problem.abstraction.cells
-    positions = numeric.points(trajectory.x[:, : numeric.n], trajectory.theta).value
+    positions = numeric.places(trajectory.x[:, : numeric.n], trajectory.theta)
     least = np.inf
     for point in positions[:, path_problem.effector]:
         cell = path_problem.abstraction.locate(point)
@@ -66,7 +66,7 @@ def cell_names(
     """
     cells = path_problem.abstraction.cells
     numeric = path_problem.numeric
-    positions = numeric.points(trajectory.x[:, : numeric.n], trajectory.theta).value
+    positions = numeric.places(trajectory.x[:, : numeric.n], trajectory.theta)
     ends = [*entries[1:], path_problem.task.steps + 1]
     own = [
         cells[cell].name

@@ -122,8 +122,7 @@ class Robot:
     def effectors(self, q: ArrayLike) -> Array:
         """The positions of its e effectors in m, shape (e, d) or (K, e, d); d is 2 or 3."""
         poses, single = self._poses(q, "q")
-        count = len(self.chosen.model.effectors)
-        found = self._numeric.points(poses, self._values).value[:, :count]
+        found = self._numeric.places(poses, self._values)
         return found[0] if single else found
 
     @spoken

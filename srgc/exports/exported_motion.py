@@ -169,7 +169,7 @@ def _integrated(design: FoundDesign) -> ExportedMotion:
     held = moved.u[[*range(count), count - 1]]
     rates = rates_of_change(numeric, moved.x, held, planned.theta)[:, n:]
     q, v = moved.x[:, :n], moved.x[:, n : 2 * n]
-    tips = numeric.points(q, planned.theta).value[:, : len(model.effectors)]
+    tips = numeric.places(q, planned.theta)
     effort = _efforts(design, numeric, moved.x, rates[:, :n], held, planned.theta)
     names = design_names(design, design_tree(design))
     kinds = [dof.kind for dof in model.dofs]

@@ -85,7 +85,7 @@ def module_drawing(
     model = replace(robot.model, shapes=(), shape_owners=(), covered=(), apart=())
     numeric = NumericRobot(robot_graph(model))
     poses = _poses(robot.model.dofs)
-    points = numeric.points(poses, theta).value
+    points = numeric.positions(poses, theta)
     best = points[_clearest(points, robot)]
     hulls = [[len(model.effectors) + i for i in hull] for hull in numeric.spanning.hulls]
     return _drawing(robot, word, modules, best, hulls)

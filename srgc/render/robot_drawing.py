@@ -104,7 +104,7 @@ class DrawnRobot:
 
     def points(self, q: Array) -> Array:
         """All points at coordinates q (K, n), shape (K, points, d), in metres."""
-        return self.numeric.points(q, self.theta).value
+        return self.numeric.positions(q, self.theta)
 
     def own(self, points: Array) -> Array:
         """Of all points (..., points, d) those that are parts of the robot: no tips of axes."""

@@ -73,7 +73,7 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
         states += list(solution.y.T)
     times = [float(i * step / INSTANTS) for i in range(len(states))]
     found = np.array(states)
-    tips = numeric.points(found[:, :n], planned.theta).value[:, : len(design.model.effectors)]
+    tips = numeric.places(found[:, :n], planned.theta)
     return ReplayedMotion(
         "SciPy", scipy.__version__, "DOP853", None, np.array(times), found[:, : 2 * n], tips,
         INSTANTS,

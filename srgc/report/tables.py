@@ -104,7 +104,7 @@ def planned_trajectory(found: FoundDesign) -> Trajectory:
     with np.errstate(all="ignore"):
         moved = planned_motion(found, numeric)
         x = moved.x
-        tips = numeric.points(x[:, :n], planned.theta).value[:, : len(found.model.effectors)]
+        tips = numeric.places(x[:, :n], planned.theta)
     if not (np.isfinite(x).all() and np.isfinite(tips).all()):
         raise UsageFault("the motion of the certificate cannot be simulated in doubles")
     times = np.array([float(i * step) for i in range(len(x))])

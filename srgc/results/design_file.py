@@ -268,7 +268,7 @@ def samples_csv(
     n, d = len(model.dofs), model.dimension
     states, inputs_of = robot_states(model), robot_inputs(model)
     numeric = NumericRobot(robot_graph(model, task.gravity))
-    tips = numeric.points(trajectory.x[:, :n], trajectory.theta).value
+    tips = numeric.places(trajectory.x[:, :n], trajectory.theta)
     effectors = len(model.effectors)
     head = ["t", *(f"q{i + 1}" for i in range(n)), *(f"qd{i + 1}" for i in range(n))]
     head += [f"s{i + 1}" for i in range(len(states))]

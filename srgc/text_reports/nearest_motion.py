@@ -48,7 +48,7 @@ def stuck_at(nearest: NearestMotion, task: ir.Task) -> Stuck | None:
         return None
     trajectory, n = nearest.trajectory, len(nearest.model.dofs)
     numeric = NumericRobot(robot_graph(nearest.model, task.gravity))
-    points = numeric.points(trajectory.x[sample : sample + 1, :n], trajectory.theta).value
+    points = numeric.places(trajectory.x[sample : sample + 1, :n], trajectory.theta)
     place = points[0, nearest.leader].tolist()
     return Stuck(float(sample * task.step), tuple(place))
 

@@ -166,3 +166,22 @@ def test_a_robot_without_parameters() -> None:
     tip = np.stack([2 * np.cos(x[:, 0]), 0 * x[:, 0], -2 * np.sin(x[:, 0])], axis=1)
     np.testing.assert_allclose(points.value[:, 0], tip, atol=1e-14)
     assert points.by_theta.shape == (2, 3, 3, 0)
+
+
+@pytest.mark.parametrize("links", [1, 3])
+def test_effectors_alone_are_those_among_all_points(links: int) -> None:
+    """By the closed form of a chain whose joints turn one after the other."""
+    numeric, rng = NumericRobot(robot_graph(rod_chain(links))), np.random.default_rng(links)
+    q, designs = rng.normal(size=(5, links)), rng.uniform(0.5, 2.0, (5, links))
+    angles = np.cumsum(q, axis=1)
+    along = np.stack([np.cos(angles), np.sin(angles)], axis=2)
+    tips = np.sum(designs[:, :, None] * along, axis=1)
+    across = designs[:, :, None] * np.stack([-np.sin(angles), np.cos(angles)], axis=2)
+    by_q = np.flip(np.cumsum(np.flip(across, axis=1), axis=1), axis=1)
+    found = numeric.effectors(q, designs)
+    np.testing.assert_allclose(found.value[:, 0], tips, atol=1e-13)
+    np.testing.assert_allclose(found.by_q[:, 0], by_q.transpose(0, 2, 1), atol=1e-13)
+    np.testing.assert_allclose(found.by_theta[:, 0], along.transpose(0, 2, 1), atol=1e-13)
+    for number in range(5):
+        places = numeric.places(q[number : number + 1], designs[number])
+        np.testing.assert_allclose(places[0, 0], tips[number], atol=1e-13)

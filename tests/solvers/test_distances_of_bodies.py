@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from compiler.arrays import Array
+from compiler.discretisation.hull_distance import nearest_to_zero
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.floats import scalar_floats
 from compiler.robots.bodies_apart import bodies_apart
 from compiler.robots.robot import WORLD, RobotModel
 from grammar_lang import ir
-from solvers.trajectory.hull_distance import nearest_to_zero
 from tests.oracles.robots import Builder
 
 

@@ -16,13 +16,13 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from compiler.arrays import Array
+from compiler.discretisation.hull_distance import nearest_to_zero
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.discretisation.spanning_points import OFF
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.bodies_apart import bodies_apart
 from compiler.robots.robot import WORLD, RobotModel, Shape
 from grammar_lang import ir
-from solvers.trajectory.hull_distance import nearest_to_zero
 from tests.oracles.robots import Builder
 
 KINDS: list[ir.ShapeKind] = ["sphere", "capsule", "box", "cylinder"]

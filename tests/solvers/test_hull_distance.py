@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from compiler.arrays import Array
+from compiler.discretisation.hull_distance import nearest_to_zero
 from solvers.trajectory.convex_set import point_set
-from solvers.trajectory.hull_distance import nearest_to_zero
 from solvers.trajectory.separating_planes import Obstacles, separating_planes
 
 

@@ -7,7 +7,7 @@ is found in floats; what it shows is computed in balls.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import TypeAlias
 
@@ -16,6 +16,7 @@ from flint import arb
 
 from compiler.arrays import Array
 from solvers.verifier.proofs.extension import Corner, Extension, Rim, corner_at, corners, lowest
+from solvers.verifier.proofs.hull_extension import ManyCorners, has_hull
 from solvers.verifier.proofs.point_map import Slice
 from solvers.verifier.proofs.tube_checks import Constraint, Row
 
@@ -23,6 +24,8 @@ Point: TypeAlias = Sequence[arb]
 
 RIM_ROUNDS = 3
 """So often the points of rims that are lowest in a direction are added, and it is found anew."""
+LOWEST = 8
+"""In so many directions the corners of hulls are looked at that may be around zero."""
 GLANCE = 0.5
 """A direction is renewed where it shows less than this part of what it did."""
 
@@ -97,10 +100,16 @@ class Apart(Constraint):
         """
         obstacle = [[float(x) for x in vertex] for vertex in self.vertices]
         rims = [list[Rim]() for _ in self.extensions]
+        many = has_hull(self.extensions)
         while True:
-            tried = corners(self.points, self.extensions, rims)
-            places = [[float(x.mid()) for x in corner_at(over, corner)] for corner in tried]
-            found = nearest_points(places, obstacle)
+            if many:
+                tried, found = _nearest_of_many(
+                    ManyCorners.of(over, self.points, self.extensions, rims), obstacle
+                )
+            else:
+                tried = corners(self.points, self.extensions, rims)
+                places = [[float(x.mid()) for x in corner_at(over, corner)] for corner in tried]
+                found = nearest_points(places, obstacle)
             more = [each.lowest_on_rim(found.difference, over) for each in self.extensions]
             if not any(more) or len(rims[0]) == RIM_ROUNDS:
                 return tried, found
@@ -170,10 +179,21 @@ class BodiesApart(Apart):
         """Whether the bodies are certainly nearer at the middle of the slice, or certainly meet."""
         found, least = self._nearest(over)
         places = [corner_at(over, corner) for corner in found]
-        if len(places[0]) == 2 and _surround_zero(places):
+        if len(places[0]) == 2 and _surround_zero(self._around(over, places)):
             return True
         nearest = _mixed(least.left, places)
         return _nearer(nearest, [arb(0)] * len(nearest), self.distance)
+
+    def _around(self, over: Slice, places: list[list[arb]]) -> list[list[arb]]:
+        """Corners that may surround zero: of hulls those that are lowest all around."""
+        if not has_hull(self.extensions):
+            return places
+        rims = [()] * len(self.extensions)
+        many = ManyCorners.of(over, self.points, self.extensions, rims)
+        angles = 2 * np.pi * np.arange(LOWEST) / LOWEST
+        heights = many.places @ np.array([np.cos(angles), np.sin(angles)])
+        chosen = np.unique(heights.argmin(axis=0)).tolist()
+        return [corner_at(over, many.corner(number)) for number in chosen]
 
     def where(self, over: Slice) -> tuple[float, ...]:
         """The point of the first body that is nearest to the second, at the middle of the slice."""
@@ -190,6 +210,16 @@ class BodiesApart(Apart):
             for point, terms in found
         ]
         return _place(least.left, over, body)
+
+
+def _nearest_of_many(
+    many: ManyCorners, obstacle: Sequence[Sequence[float]]
+) -> tuple[list[Corner], Nearest]:
+    """The corners that the nearest point is between, and where it is."""
+    found = nearest_points(many.places, obstacle)
+    counted = [number for number, share in enumerate(found.left) if share > 0]
+    left = tuple(found.left[number] for number in counted)
+    return [many.corner(number) for number in counted], replace(found, left=left)
 
 
 def _place(shares: Sequence[float], over: Slice, found: Sequence[Corner]) -> tuple[float, ...]:
@@ -260,7 +290,9 @@ class Nearest:
     right: tuple[float, ...]
 
 
-def nearest_points(left: Sequence[Sequence[float]], right: Sequence[Sequence[float]]) -> Nearest:
+def nearest_points(
+    left: Sequence[Sequence[float]] | Array, right: Sequence[Sequence[float]]
+) -> Nearest:
     """The point of the hull of ``left`` nearest to that of ``right``, less the latter's.
 
     The points are (d,) each, and the algorithm is Wolfe's (1976).

@@ -1,8 +1,9 @@
-"""What shapes add to the points that they are about: boxes, and the discs of cylinders.
+"""What shapes add to the points that they are about: boxes, the discs of cylinders, and hulls.
 
 In a direction n a box reaches farther than its middle by the sum of |n . x_i| times half its edges,
 and a disc by its radius times the norm of (n . x_b, n . x_c), where x are the axes of its frame.
-Which corner is the lowest is known as soon as the signs of n . x_i are.
+Which corner is the lowest is known as soon as the signs of n . x_i are.  Of a hull each corner is
+such a sum with weights of its own (``hull_extension.py``).
 """
 
 from __future__ import annotations
@@ -35,12 +36,13 @@ Forms: TypeAlias = Sequence[tuple[arb, arb]]
 
 @dataclass(frozen=True, slots=True)
 class Extension(ABC):
-    """Sums of directions, the ``columns`` by number, with certain weights.
-
-    They are the same when all weights change their signs.
-    """
+    """Sums of directions, the ``columns`` by number, with certain weights."""
 
     columns: tuple[int, ...]
+
+    def opposite(self) -> Extension:
+        """With all weights of the other sign, which makes no difference unless it says so."""
+        return self
 
     @property
     @abstractmethod

@@ -9,10 +9,12 @@ from fractions import Fraction
 from flint import arb
 
 from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
-from compiler.robots.robot import Collider, RodBody, Shape
+from compiler.robots.hull_corners import corners_from_middle
+from compiler.robots.robot import Collider, RobotModel, RodBody, Shape
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart, BodiesApart
 from solvers.verifier.proofs.extension import BoxExtension, DiscExtension, Extension
+from solvers.verifier.proofs.hull_extension import HullExtension
 from solvers.verifier.proofs.scene import Scene
 from solvers.verifier.proofs.state_limits import AccelerationLimit, StateLimit
 from solvers.verifier.proofs.tube_checks import Constraint, Inside, row, rows_of
@@ -60,7 +62,7 @@ def _colliders(scene: Scene, tail: Sequence[arb]) -> list[_Moving]:
             scene.body(number),
             _numbers(first, extent.bases),
             _radius(each, scalars),
-            _extensions(each, _numbers(first, extent.columns), scalars),
+            _extensions(scene.model, each, _numbers(first, extent.columns), scalars),
         )
         for number, (each, extent) in enumerate(
             zip(model.colliders, scene.graph.numbering.extents, strict=True)
@@ -103,10 +105,12 @@ def _apart_from_each_other(
         yield BodiesApart(
             f"clearance of {one.name} to {two.name}",
             _numbers(first, gap.bases),
-            tuple(
-                replace(extension, columns=_numbers(first, columns))
-                for each, columns in zip((one, two), gap.columns, strict=True)
-                for extension in each.extensions
+            (
+                *_along(one.extensions, _numbers(first, gap.columns[0])),
+                *(
+                    each.opposite()
+                    for each in _along(two.extensions, _numbers(first, gap.columns[1]))
+                ),
             ),
             rows=zero,
             vertices=(tuple(arb(0) for _ in axes),),
@@ -114,6 +118,11 @@ def _apart_from_each_other(
             body=one.points,
             shape=one.extensions,
         )
+
+
+def _along(extensions: Sequence[Extension], columns: tuple[int, ...]) -> list[Extension]:
+    """What a body adds along the directions of its axes as these are seen from elsewhere."""
+    return [replace(each, columns=columns) for each in extensions]
 
 
 def _radius(each: Collider, scalars: Sequence[arb]) -> arb:
@@ -124,11 +133,13 @@ def _radius(each: Collider, scalars: Sequence[arb]) -> arb:
 
 
 def _extensions(
-    each: Collider, columns: tuple[int, ...], scalars: Sequence[arb]
+    model: RobotModel, each: Collider, columns: tuple[int, ...], scalars: Sequence[arb]
 ) -> tuple[Extension, ...]:
-    """What a box or a cylinder adds to the points that it is about."""
+    """What a box, a cylinder or a hull adds to the points that it is about."""
     if not isinstance(each, Shape) or not columns:
         return ()
+    if each.corners:
+        return (HullExtension.of(columns, corners_from_middle(each, model.scalars)),)
     sizes = [scalars[size] for size in each.sizes]
     if each.kind == "box":
         return (BoxExtension(columns, tuple(size / 2 for size in sizes)),)

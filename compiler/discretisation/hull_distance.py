@@ -54,11 +54,11 @@ def nearest_to_zero(points: Array) -> Array:
         chosen = simplex[:, todo]
         free = np.argmax(chosen < 0, axis=0)
         chosen[free, np.arange(len(todo))] = best[still]
-        simplex[:, todo], nearest[:, todo] = _reduced(p[:, :, todo], chosen, scale[todo])
+        simplex[:, todo], nearest[:, todo] = reduced(p[:, :, todo], chosen, scale[todo])
     return np.ascontiguousarray(nearest.T)
 
 
-def _reduced(points: Array, chosen: Array, scale: Array) -> tuple[Array, Array]:
+def reduced(points: Array, chosen: Array, scale: Array) -> tuple[Array, Array]:
     """The least face of each simplex with its point nearest to zero, and that point."""
     d, _, k = points.shape
     corners = points[:, np.maximum(chosen, 0), np.arange(k)]

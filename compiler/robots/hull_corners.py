@@ -1,0 +1,51 @@
+"""The corners of a link's hull in its frame, exactly, and from its middle.
+
+A hull is known in a robot's graph by its middle and the directions of the axes of its frame: its
+corners are sums of these with constant weights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TypeAlias
+
+from compiler.expressions.scalars import Constant, ScalarNode
+from compiler.robots.robot import Shape
+
+Place: TypeAlias = tuple[Fraction, Fraction, Fraction]
+"""In the frame of a hull, in metres."""
+
+
+def hull_middle(shape: Shape, scalars: Sequence[ScalarNode]) -> Place:
+    """The middle of the box about a hull along the axes of its frame.
+
+    ``scalars`` are those of the robot.
+
+    Raises:
+        ValueError: a corner is no number.
+    """
+    x, y, z = ((min(axis) + max(axis)) / 2 for axis in zip(*_corners(shape, scalars), strict=True))
+    return x, y, z
+
+
+def corners_from_middle(shape: Shape, scalars: Sequence[ScalarNode]) -> tuple[Place, ...]:
+    """What leads from the middle of a hull to each of its corners, along the axes of its frame.
+
+    Raises:
+        ValueError: a corner is no number.
+    """
+    a, b, c = hull_middle(shape, scalars)
+    return tuple((x - a, y - b, z - c) for x, y, z in _corners(shape, scalars))
+
+
+def _corners(shape: Shape, scalars: Sequence[ScalarNode]) -> list[Place]:
+    return [
+        (_number(scalars[x]), _number(scalars[y]), _number(scalars[z])) for x, y, z in shape.corners
+    ]
+
+
+def _number(scalar: ScalarNode) -> Fraction:
+    if not isinstance(scalar, Constant):
+        raise ValueError("a corner of a hull is no number")  # noqa: TRY004
+    return scalar.value
