@@ -45,7 +45,7 @@ LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", 
     "import",
     cls=DocumentedCommand,
     examples=[
-        "srgc import urdf robots/scara.urdf -o out/scara.srg",
+        "srgc import urdf specs/robots/scara.urdf -o out/scara.srg",
         "srgc import timor specs/imports/scara_modules -o out/kit.srg",
         "srgc import cobra specs/imports/sort_parts.json -o out/sort.srg",
         "srgc import scene specs/imports/bench.scene -o out/bench.srg",
@@ -68,8 +68,8 @@ LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", 
     "--port",
     "ports",
     multiple=True,
-    metavar="LINK=TYPE",
-    help="urdf --module: a link that is a port, its type and, if any, `male` or `female`.",
+    metavar="NAME=LINK:TYPE",
+    help="urdf --module: a port, with `:male` or `:female` behind it if it has a gender.",
 )
 @click.option("--effector", "effectors", multiple=True, metavar="LINK", help="urdf: an effector.")
 @click.option(
@@ -119,10 +119,10 @@ def import_(
 ) -> int:
     """Write what another tool describes as a spec: a robot, modules, a task or a scene.
 
-    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module; `timor` a set of
-    modules, or its folder; `cobra` a task.  What cannot be carried over is listed, and stands as a
-    comment at the top of what is written.  No file is read outside the folder of FILE but below
-    those that --package and --modules name.
+    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module; `timor` a set
+    of modules, or its folder; `cobra` a task; `scene` obstacles.  What cannot be carried over is
+    listed, and stands as a comment at the top of what is written.  No file is read outside the
+    folder of FILE but below those that --package and --modules name.
     """
     place, known = KINDS[kind]
     given = {name: value for name, value in options.items() if value not in (None, (), False)}

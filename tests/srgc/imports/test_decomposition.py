@@ -14,6 +14,7 @@ from srgc.faults import UsageFault
 from srgc.imports.meshes.containment import uncovered
 from srgc.imports.meshes.convex_piece import MOST_CORNERS
 from srgc.imports.meshes.decomposition import decomposed
+from srgc.imports.meshes.mesh_file import read_mesh
 from srgc.imports.meshes.piece_files import pieces_text, written_pieces
 from tests.conftest import ROOT
 from tests.srgc.imports.random_meshes import open_mesh, random_mesh
@@ -233,6 +234,7 @@ SCRIPT = """
 import sys
 from tests.srgc.imports.random_meshes import random_mesh
 from srgc.imports.meshes.decomposition import decomposed
+from srgc.imports.meshes.mesh_file import read_mesh
 from srgc.imports.meshes.piece_files import pieces_text
 pieces = decomposed(*random_mesh(5)).pieces
 sys.stdout.write(pieces_text(pieces, [str(i) for i in range(len(pieces))], []))
@@ -253,3 +255,11 @@ def test_the_same_bytes_whatever_the_hash_seed():
         for seed, threads in (("1", "1"), ("2", "2"))
     }
     assert len(digests) == 1
+
+
+def test_a_housing_with_walls_along_its_cuts() -> None:
+    """A machine tool, whose faces lie in many common planes: few pieces, and little is added."""
+    mesh = read_mesh(ROOT / "specs" / "imports" / "machine.stl", 0.001)
+    found = decomposed(mesh.vertices, mesh.triangles)
+    assert found.measures.added <= 0.1
+    assert len(found.pieces) <= 30
