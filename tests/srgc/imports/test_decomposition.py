@@ -143,6 +143,14 @@ def test_a_crack_is_closed_and_a_hole_is_not():
     assert holed.measures.volume == 0
 
 
+def test_a_part_that_is_a_speck_beside_the_rest():
+    vertices, triangles = of(box((0, 0, 0), (1, 1, 1)))
+    speck = np.array([[2.0, 0, 0], [2.0 + 1e-9, 0, 0], [2.0, 1e-9, 0]])
+    found = decomposed(np.concatenate([vertices, speck]), np.concatenate([triangles, [[8, 9, 10]]]))
+    assert found.measures.volume == pytest.approx(1)
+    assert contained(speck, found.pieces).all()
+
+
 def test_vertices_of_corners_of_their_own_are_one():
     corners = box((0, 0, 0), (1, 1, 1)).triangles.reshape(-1, 3)
     found = decomposed(np.asarray(corners), np.arange(36).reshape(-1, 3))
