@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from srgc.imports.meshes.few_corners import hull_volume
+from srgc.imports.meshes.few_corners import hull_volume, sphere_directions
 from srgc.imports.meshes.mesh import Bools, Floats, Ints
 
 COUNT = 60
@@ -16,13 +16,7 @@ COUNT = 60
 @cache
 def directions() -> Floats:
     """Unit vectors (d, 3): a spiral over the sphere, and the axes."""
-    turns = np.arange(COUNT) + 0.5
-    height = 1 - 2 * turns / COUNT
-    angle = np.pi * (1 + 5**0.5) * turns
-    width = np.sqrt(1 - height**2)
-    spiral = np.column_stack([width * np.cos(angle), width * np.sin(angle), height])
-    found: Floats = np.concatenate([spiral, np.eye(3), -np.eye(3)])
-    return found
+    return np.concatenate([sphere_directions(COUNT), np.eye(3), -np.eye(3)])
 
 
 def estimated_volume(points: Floats) -> float:
@@ -38,6 +32,7 @@ class Estimates:
         self.points, self.edges = points, edges
         self.directions = directions()
         self.along = points @ self.directions.T
+        self.near = 1e-9 * float(np.ptp(points, axis=0).max())
 
     def both_sides(self, normal: Floats, offset: float) -> float:
         """The volumes of the hulls of what is below and above a plane, added; inf of nothing."""
@@ -54,13 +49,23 @@ class Estimates:
         return sum(map(hull_volume, sides)) if below.any() and above.any() else float("inf")
 
     def _cut(self, normal: Floats, offset: float) -> tuple[Bools, Bools, Floats]:
+        """Which points are below and above, and where edges cross the plane.
+
+        A point on the plane is on the side on which it has a neighbour.
+        """
         heights = self.points @ normal - offset
+        heights[np.abs(heights) <= self.near] = 0.0
         first, last = self.edges.T
-        crossing = heights[first] * heights[last] < 0
+        over, under = heights > 0, heights < 0
+        above, below = over.copy(), under.copy()
+        for one, other in ((first, last), (last, first)):
+            above[one[over[other] & ~under[one]]] = True
+            below[one[under[other] & ~over[one]]] = True
+        crossing = (over[first] & under[last]) | (under[first] & over[last])
         one, other = first[crossing], last[crossing]
         share = heights[one] / (heights[one] - heights[other])
         between = self.points[one] + share[:, None] * (self.points[other] - self.points[one])
-        return heights <= 0, heights >= 0, between
+        return below, above, between
 
     def _side(self, side: Bools, between: Floats, cut: Floats) -> float:
         numbers = np.flatnonzero(side)

@@ -49,7 +49,7 @@ class Region(ABC):
 
     @abstractmethod
     def split(self) -> list[Region]:
-        """Two or more regions instead of this one; only itself where it cannot be split."""
+        """Regions instead of this one; only itself where it cannot be split."""
 
 
 class MergedRegion(Region):
@@ -107,6 +107,9 @@ class SolidRegion(Region):
             found = [part for part in parts if part.volume() > 1e-9 * self.volume]
             if len(found) >= 2:
                 return [SolidRegion(part) for part in found]
+            # A cut along a flat side may have left a flap without volume, which goes here.
+            if found and found[0].hull().volume() < (1 - GAIN) * self.hull_volume:
+                return [SolidRegion(found[0])]
         return [self]
 
     def _planes(self) -> list[tuple[Floats, float]]:

@@ -81,7 +81,7 @@ def _closed(
         counts["turned"] += 1
         return corners, turned
     for one, other in ((joined_corners, joined_faces), (corners, turned)):
-        filled = filled_holes(one, other)
+        filled = filled_holes(one, other) if len(other) else None
         if filled is not None:
             counts["filled"] += 1
             return filled

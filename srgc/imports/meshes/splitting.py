@@ -48,7 +48,7 @@ def _split_up(regions: list[Region], budget: float, most: int) -> list[Region]:
     while heap and total > budget and len(heap) + len(done) < most:
         _, _, worst = heapq.heappop(heap)
         parts = worst.split()
-        if len(parts) == 1:
+        if parts == [worst]:
             done.append(worst)
             continue
         total += sum(part.excess for part in parts) - worst.excess
@@ -92,8 +92,10 @@ def refined(regions: list[Region], budget: float, most: int) -> list[Region]:
                 break
         _, _, worst = heapq.heappop(heap)
         parts = worst.split()
-        if len(parts) == 1 or len(heap) + len(done) + len(parts) > most:
+        if parts == [worst] or len(heap) + len(done) + len(parts) > most:
             done.append(worst)
+            if sum(each.piece_volume - each.volume for each in done) > budget:
+                break  # splitting the others does not help
             continue
         for part in parts:
             count += 1
