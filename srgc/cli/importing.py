@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -39,6 +40,15 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
 """By kind where the function is that imports it, and the options that it takes."""
 LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", "yourdfpy")
 """Those of the extra ``import``, each imported only where it is needed."""
+
+
+def _finite(
+    _context: click.Context, parameter: click.Parameter, value: float | None
+) -> float | None:
+    """Refuse nan, which every comparison lets through, and what is infinite."""
+    if value is not None and not math.isfinite(value):
+        raise click.BadParameter("a finite number is due", param=parameter)
+    return value
 
 
 @click.command(
@@ -80,7 +90,8 @@ LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", 
 )
 @click.option(
     "--density",
-    type=float,
+    type=click.FloatRange(0, min_open=True),
+    callback=_finite,
     metavar="KG_PER_M3",
     help="urdf: gives links without inertial that of their shapes.",
 )
@@ -91,6 +102,7 @@ LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", 
 @click.option(
     "--detail",
     type=click.FloatRange(0, 1, min_open=True),
+    callback=_finite,
     help="What convex pieces may add to the volume of a mesh, as a share; default 0.1.",
 )
 @click.option("--any-end", is_flag=True, help="timor: modules may stand on any of their ends.")

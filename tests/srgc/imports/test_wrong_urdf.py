@@ -204,3 +204,13 @@ def test_an_option_of_another_kind(tmp_path, capsys):
     file.write_text("[]")
     assert run(["import", "timor", str(file), "--effector", "tip"]) == 2
     assert "--effector does not go with `srgc import timor`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value", ["-1", "0", "nan", "inf"])
+@pytest.mark.parametrize("option", ["--density", "--detail"])
+def test_numbers_that_are_none_of_a_body(option, value, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("r.urdf").write_text(robot(A, '<link name="b"/>', joint("fixed")))
+    assert run(["import", "urdf", "r.urdf", option, value]) == 2
+    assert option in capsys.readouterr().err
+    assert not Path("r.srg").exists()
