@@ -59,6 +59,11 @@ class UsageFault(SrgcError):
         said = "".join(part.option if isinstance(part, Argument) else part for part in self.args)
         return said if self.hint is None else f"{said}\n  hint: {self.hint}"
 
+    def finding(self, *, colour: bool = False) -> str:
+        """What the command line prints."""
+        code = "" if self.code is None else f"[{self.code.value}]"
+        return f"error{code}: {self}"
+
     def in_python(self) -> str:
         """The message with arguments as functions have them, without the hint."""
         return "".join(part.name if isinstance(part, Argument) else part for part in self.args)

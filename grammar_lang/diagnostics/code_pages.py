@@ -23,7 +23,7 @@ Files: TypeAlias = tuple[tuple[str, str], ...]
 
 _FENCE = re.compile(r"^```(?P<kind>\w+)[ ]*(?P<name>.*)\n(?P<body>(?s:.*?))^```$", re.MULTILINE)
 _BREAK = re.compile(r"^(?:#+ .*|Repaired:)$", re.MULTILINE)
-_COMMAND = re.compile(r"\$ srgc (?:check (?P<file>\S+)|(?P<other>evolve .+))\n")
+_COMMAND = re.compile(r"\$ srgc (?:check (?P<file>\S+)|(?P<other>(?:evolve|import) .+))\n")
 _HEADING = re.compile(r"# (?P<code>SRG\d{4}): (?P<title>.+)\n\n")
 _SEVERITY = re.compile(r"^(?:\S+:\d+:\d+: )?(error|warning|note)\[(SRG\d{4})\]", re.MULTILINE)
 _NUMBER = re.compile(r"(?:SRG)?0*([0-9]{1,4})", re.IGNORECASE)
@@ -31,9 +31,10 @@ _NUMBER = re.compile(r"(?:SRG)?0*([0-9]{1,4})", re.IGNORECASE)
 _INTRODUCTION = """\
 # The codes of `srgc`
 
-Every finding of `srgc check` has a code that never changes its meaning, and so has a result without
-the robot that a command needs. Here each is shown with a small file that gives it and with that
-file repaired; `srgc explain CODE` prints the same page.
+Every finding of `srgc check` has a code that never changes its meaning, and so have a result
+without the robot that a command needs, and what `srgc import` finds wrong in a file. Here each is
+shown with a small file that gives it and with that file repaired; `srgc explain CODE` prints the
+same page.
 This page is generated from `grammar_lang/diagnostics/catalogue` by `make golden`.
 
 """
@@ -45,6 +46,7 @@ _CHAPTERS = {
     "05": "Semantics",
     "06": "Geometry",
     "07": "Tasks",
+    "08": "Files of other tools",
 }
 
 
@@ -54,7 +56,8 @@ class Example:
 
     ``expected`` is None where there is to be no error.  ``place`` holds the offsets of the expected
     text in the page.  ``files`` is empty where a page cannot show them: a missing file, for one.
-    ``command`` is what is run instead, as ``evolve out/a b.srg``, where that is not a check.
+    ``command`` is what is run instead, as ``evolve out/a b.srg``, where that is not a check;
+    ``expected`` is all that it prints then.
     """
 
     files: Files
@@ -99,10 +102,10 @@ def _parts(text: str) -> Iterator[re.Match[str] | None]:
 def examples(text: str) -> tuple[Example, ...]:
     """The examples of a Markdown page, in order.
 
-    Blocks ``srg`` (or ``srg NAME``, for maps and meshes ``json NAME`` and ``text NAME``) make up a
-    program; the ``diagnostics`` block that follows says what it prints.  A program that a heading,
-    ``Repaired:`` or another one follows instead has no error.  A ``console`` block shows the
-    command itself, about files that no page can show, or another command after a program.
+    Blocks ``srg`` (or ``srg NAME``, for other files ``json``, ``text`` or ``xml`` and a name) make
+    up a program; the ``diagnostics`` block that follows says what it prints.  A program that a
+    heading, ``Repaired:`` or another one follows instead has no error.  A ``console`` block shows
+    the command itself, about files that no page can show, or another command after a program.
     """
     found: list[Example] = []
     files: dict[str, str] = {}
@@ -119,7 +122,7 @@ def examples(text: str) -> tuple[Example, ...]:
             continue
         body = fence["body"]
         command = _COMMAND.match(body) if fence["kind"] == "console" else None
-        if fence["kind"] == "srg" or (fence["kind"] in {"json", "text"} and fence["name"]):
+        if fence["kind"] == "srg" or (fence["kind"] in {"json", "text", "xml"} and fence["name"]):
             name = fence["name"] or MAIN
             if name in files:
                 close(None, (0, 0))
@@ -150,7 +153,7 @@ def read_page(text: str) -> CodePage:
     if heading is None or not fails or text.count("\n\nRepaired:\n\n") != 1 or len(shown) != 2:
         raise ValueError("a page has a heading, a why, `Fails:` and `Repaired:`")
     failing, repaired = shown
-    if not failing.findings or repaired.expected is not None:
+    if not failing.findings or repaired.findings:
         raise ValueError("the first example fails and says how, the second does not")
     return CodePage(
         Code(heading["code"]), heading["title"], why[heading.end() :], failing, repaired

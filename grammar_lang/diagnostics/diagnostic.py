@@ -11,7 +11,7 @@ from grammar_lang.source import Span
 # --- Every diagnostic code, in one place ----------------------------------------------------------
 #
 # Ranges: 01xx files and syntax, 02xx names, 03xx sorts, units and numbers, 04xx grammars, 05xx
-# semantics, 06xx geometry, 07xx tasks, missions and their results.
+# semantics, 06xx geometry, 07xx tasks, missions and their results, 08xx files of other tools.
 
 
 class Code(Enum):
@@ -117,6 +117,10 @@ class Code(Enum):
     EMPTY_MISSION = "SRG0733"
     CONTRADICTORY_MISSION = "SRG0734"
     NO_ROBOT = "SRG0735"
+
+    FOREIGN_FILE = "SRG0801"
+    FOREIGN_PATH = "SRG0802"
+    FOREIGN_CONTENT = "SRG0803"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -58,8 +58,7 @@ def _report(error: BaseException) -> tuple[int, Callable[[], None]]:
     """The status of an exception, and what says what happened."""
     match error:
         case UsageFault():
-            code = "" if error.code is None else f"[{error.code.value}]"
-            return USAGE, _message(f"error{code}: {error}")
+            return USAGE, _message(error.finding(colour=colours(sys.stderr)))
         case SolversDisagree():
             return INTERNAL, _message(f"error: {error}")
         case SpecErrors(checked=checked):
@@ -94,7 +93,7 @@ def _fault(error: Exception) -> tuple[int, Callable[[], None]]:
 
 
 def _message(text: str) -> Callable[[], None]:
-    return partial(click.echo, text, err=True)
+    return partial(click.echo, text, err=True, color=colours(sys.stderr))
 
 
 def _no_reader() -> int:

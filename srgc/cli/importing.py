@@ -38,7 +38,7 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
     ),
 }
 """By kind where the function is that imports it, and the options that it takes."""
-LIBRARIES = ("collada", "defusedxml", "lxml", "manifold3d", "trimesh", "xacro", "yourdfpy")
+LIBRARIES = ("collada", "lxml", "manifold3d", "trimesh", "xacro", "yourdfpy")
 """Those of the extra ``import``, each imported only where it is needed."""
 
 

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from srgc.faults import UsageFault
+from grammar_lang.diagnostics.diagnostic import Code
+from grammar_lang.source import Source, Span
+from srgc.imports.source_fault import SourceFault, file_fault
 from srgc.imports.source_files import SourceFiles
 
 MOST_ENTRIES = 20_000
 """A list of more is refused: nothing that is imported needs so many."""
 LARGEST = 1e12
 """No finite number of a file is larger, in SI units."""
+_DECODER, _BLANKS = json.JSONDecoder(), re.compile(r"[ \t\n\r]*")
 _KINDS = {dict: "an object", list: "a list", str: "a text", bool: "true or false"}
 
 
@@ -37,16 +40,23 @@ class Unread:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A value of a JSON file, and where it stands: ``modules[3].bodies[0].mass``."""
+    """A value of a JSON file, and the keys and numbers of entries that lead to it."""
 
-    file: Path
-    path: str
+    source: Source
+    steps: tuple[str | int, ...]
     value: Any
     unread: Unread
 
-    def fault(self, said: str) -> UsageFault:
-        """A fault at this place."""
-        return UsageFault(f"{self.file}: {self.path or 'the file'}: {said}")
+    @property
+    def path(self) -> str:
+        """The steps as one text: ``modules[3].bodies[0].mass``."""
+        return "".join(map(_step, self.steps)).removeprefix(".")
+
+    def fault(self, said: str) -> SourceFault:
+        """A fault at this place, or at the nearest one about it that the file has."""
+        message = f"{self.path}: {said}" if self.steps else said
+        span = _span(self.source.text, self.steps)
+        return SourceFault(Code.FOREIGN_CONTENT, message, self.source, span)
 
     # --- What the value is ------------------------------------------------------------------------
 
@@ -121,7 +131,7 @@ class Place:
         if len(self.value) > most:
             raise self.fault(f"{len(self.value):,} entries; at most {most:,} are read")
         return [
-            Place(self.file, f"{self.path}[{number}]", value, self.unread)
+            Place(self.source, (*self.steps, number), value, self.unread)
             for number, value in enumerate(self.value)
         ]
 
@@ -133,12 +143,12 @@ class Place:
         """Note which keys of an object are none of those that are read."""
         for key in self._object():
             if key not in known:
-                self.unread.places.append(self._of(key))
+                self.unread.places.append(self._of(key, None).path)
 
     def items(self) -> Iterator[tuple[str, Place]]:
         """The keys and values of an object."""
         for key, value in self._object().items():
-            yield key, Place(self.file, self._of(key), value, self.unread)
+            yield key, self._of(key, value)
 
     def __contains__(self, key: str) -> bool:
         return key in self._object() and self.value[key] is not None
@@ -146,12 +156,11 @@ class Place:
     def __getitem__(self, key: str) -> Place:
         if key not in self._object():
             raise self.fault(f"`{key}` is missing")
-        return Place(self.file, self._of(key), self.value[key], self.unread)
+        return self._of(key, self.value[key])
 
     def get(self, key: str, default: Any) -> Place:
         """The value of a key, or of a default where it is missing or null."""
-        value = self.value[key] if key in self else default
-        return Place(self.file, self._of(key), value, self.unread)
+        return self._of(key, self.value[key] if key in self else default)
 
     def _object(self) -> dict[str, Any]:
         if isinstance(self.value, _Repeated):
@@ -160,12 +169,10 @@ class Place:
             raise self._wrong("an object")
         return self.value
 
-    def _of(self, key: str) -> str:
-        shown = key if key.isidentifier() and len(key) <= 80 else f'["{key[:80]}"]'
-        joint = "." if self.path and not shown.startswith("[") else ""
-        return f"{self.path}{joint}{shown}"
+    def _of(self, key: str, value: Any) -> Place:
+        return Place(self.source, (*self.steps, key), value, self.unread)
 
-    def _wrong(self, expected: str) -> UsageFault:
+    def _wrong(self, expected: str) -> SourceFault:
         value = self.value
         found = _KINDS.get(type(value), "nothing" if value is None else "a number")
         if isinstance(value, str):
@@ -179,24 +186,63 @@ def json_file(files: SourceFiles) -> Place:
     ``Infinity`` and numbers such as 1e500 are read, for limits; NaN is a number for nobody.
 
     Raises:
-        UsageFault: it cannot be read, is too large, or is no JSON.
+        SourceFault: it cannot be read, is too large, or is no JSON.
     """
     path, content = files.main, files.main_bytes()
     try:
-        value = json.loads(
-            content.decode("utf-8-sig"), object_pairs_hook=_object, parse_constant=_constant
-        )
+        source = Source(str(path), content.decode("utf-8-sig"))
     except UnicodeDecodeError:
-        raise UsageFault(f"{path} is not UTF-8 text") from None
+        raise file_fault(path, "it is not UTF-8 text") from None
+    try:
+        value = json.loads(source.text, object_pairs_hook=_object, parse_constant=_constant)
     except json.JSONDecodeError as error:
-        raise UsageFault(
-            f"{path}: line {error.lineno}, column {error.colno}: no JSON: {error.msg}"
-        ) from None
+        message, span = f"this is no JSON: {error.msg}", Span(error.pos, error.pos + 1)
+        raise SourceFault(Code.FOREIGN_FILE, message, source, span) from None
     except RecursionError:
-        raise UsageFault(f"{path}: its values are nested too deeply") from None
+        raise file_fault(path, "its values are nested too deeply") from None
     except ValueError as error:  # a whole number of thousands of digits
-        raise UsageFault(f"{path}: {' '.join(str(error).split())[:120]}") from None
-    return Place(path, "", value, Unread())
+        raise file_fault(path, " ".join(str(error).split())[:120]) from None
+    return Place(source, (), value, Unread())
+
+
+# --- Where values stand ---------------------------------------------------------------------------
+
+
+def _step(key: str | int) -> str:
+    if isinstance(key, int):
+        return f"[{key}]"
+    return f".{key}" if key.isidentifier() and len(key) <= 80 else f'["{key[:80]}"]'
+
+
+def _span(text: str, steps: Sequence[str | int]) -> Span:
+    """Where the value at the end of steps stands, or what holds it where the text has none."""
+    start = _after_blanks(text, 0)
+    for step in steps:
+        inner = next((at for found, at in _children(text, start) if found == step), None)
+        if inner is None:
+            break
+        start = inner
+    if text[start : start + 1] in "[{":
+        return Span(start, start + 1)
+    return Span(start, _DECODER.raw_decode(text, start)[1])
+
+
+def _children(text: str, start: int) -> Iterator[tuple[str | int, int]]:
+    """The keys or numbers of the values in an object or list, and where these begin."""
+    opened = text[start : start + 1]
+    at, number = _after_blanks(text, start + 1), 0
+    while opened in "[{" and text[at] not in "]}":
+        key: str | int = number
+        if opened == "{":
+            key, at = _DECODER.raw_decode(text, at)
+            at = _after_blanks(text, _after_blanks(text, at) + 1)
+        yield key, at
+        at = _after_blanks(text, _DECODER.raw_decode(text, at)[1])
+        at, number = _after_blanks(text, at + (text[at] == ",")), number + 1
+
+
+def _after_blanks(text: str, at: int) -> int:
+    return _BLANKS.match(text, at).end()  # type: ignore[union-attr]  # it matches nothing, too
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

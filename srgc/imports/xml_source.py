@@ -2,22 +2,58 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from srgc.faults import UsageFault
+from grammar_lang.diagnostics.diagnostic import Code
+from grammar_lang.source import Source, Span
+from srgc.imports.source_fault import WHOLE, SourceFault
 
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
 Element: TypeAlias = "_Element"
 
+_TAG = re.compile(r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|(?P<start><[^\s/>!?]+)", re.DOTALL)
+"""Start tags, and what may hold text that looks like one; no attribute value has a `<`."""
 
-def xml_root(data: bytes, path: Path) -> Element:
-    """The root of an XML document; comments and processing instructions are left out.
+
+@dataclass(frozen=True, slots=True)
+class XmlFile:
+    """A document: its text, for messages, and the root of its elements."""
+
+    source: Source
+    root: Element
+
+    def fault(
+        self, element: Element, message: str, hint: str | None = None, attribute: str | None = None
+    ) -> SourceFault:
+        """A fault of an element, which is one of those that were read, or of its attribute."""
+        span, text = self._span(element), self.source.text
+        if attribute is not None:
+            written = re.compile(rf"(?<=\s){re.escape(attribute)}\s*=\s*(\"[^\"]*\"|'[^']*')")
+            place = written.search(text, span.end, max(text.find(">", span.end), span.end))
+            span = Span(*place.span()) if place else span
+        return SourceFault(Code.FOREIGN_CONTENT, message, self.source, span, hint)
+
+    def line(self, element: Element) -> int:
+        """The line on which an element begins."""
+        return self.source.position(self._span(element).start)[0]
+
+    def _span(self, element: Element) -> Span:
+        """The beginning of the start tag: elements are counted, as lxml knows but their lines."""
+        number = next(count for count, each in enumerate(self.root.iter()) if each is element)
+        starts = (each.span() for each in _TAG.finditer(self.source.text) if each["start"])
+        return next((Span(*span) for count, span in enumerate(starts) if count == number), WHOLE)
+
+
+def xml_file(data: bytes, path: Path | str) -> XmlFile:
+    """An XML document; comments and processing instructions are left out.
 
     Raises:
-        UsageFault: it is not well-formed, or has a document type, whose entities could stand for
+        SourceFault: it is not well-formed, or has a document type, whose entities could stand for
             other files or for endless text.
     """
     from lxml import etree
@@ -33,21 +69,38 @@ def xml_root(data: bytes, path: Path) -> Element:
     try:
         root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
-        line, column = error.position
-        said = (error.msg or "not well-formed").partition(", line ")[0]
-        raise UsageFault(f"{path}:{line}:{column}: this is no XML: {said}") from None
+        said = (error.msg or "not well-formed").partition(", line ")[0].partition(", use ")[0]
+        source = Source(str(path), _text(data, "utf-8"))
+        span = _offset(source.text, *error.position)
+        raise SourceFault(Code.FOREIGN_FILE, f"this is no XML: {said}", source, span) from None
     except ValueError as error:
-        raise UsageFault(f"{path}: this is no XML: {error}") from None
-    if root is None:
-        raise UsageFault(f"{path}: this is no XML: it is empty")
-    if root.getroottree().docinfo.doctype:
-        raise UsageFault(
-            f"{path}:1: it declares a document type, which robots need not: remove <!DOCTYPE ...>"
+        source = Source(str(path), "")
+        raise SourceFault(Code.FOREIGN_FILE, f"this is no XML: {error}", source) from None
+    described = root.getroottree().docinfo
+    source = Source(str(path), _text(data, described.encoding or "utf-8"))
+    if described.doctype:
+        start = max(0, source.text.find("<!DOCTYPE"))
+        raise SourceFault(
+            Code.FOREIGN_FILE,
+            "it declares a document type, whose entities are never expanded",
+            source,
+            Span(start, start + len("<!DOCTYPE")),
+            "remove <!DOCTYPE ...>",
         )
-    return root
+    return XmlFile(source, root)
 
 
-def fault_at(path: Path, element: Element, message: str, hint: str = "") -> UsageFault:
-    """A fault of an element: file and line, what is wrong, and what to do."""
-    where = f"{path}:{element.sourceline or 1}"
-    return UsageFault(f"{where}: {message}" + (f"; {hint}" if hint else ""))
+def _text(data: bytes, encoding: str) -> str:
+    try:
+        return data.decode(encoding, errors="replace")
+    except LookupError:
+        return data.decode("utf-8", errors="replace")
+
+
+def _offset(text: str, line: int, column: int) -> Span:
+    """A place that libxml2 tells; it may count bytes, and lines behind the last one."""
+    lines = text.split("\n")
+    number = min(max(line, 1), len(lines))
+    start = sum(len(each) + 1 for each in lines[: number - 1])
+    at = start + min(max(column - 1, 0), len(lines[number - 1]))
+    return Span(at, at + 1)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from srgc.faults import UsageFault
 from srgc.imports.cobra.task_data import Obstacle
 from srgc.imports.module_set import Move, Turn, steps_of
 from srgc.imports.names import Names
@@ -50,7 +49,7 @@ class MeshObstacles:
         """For each mesh its name, its ``obstacles from`` and its corners (n, 3) in the world.
 
         Raises:
-            UsageFault: a mesh cannot be read.
+            SourceFault: a mesh cannot be read.
         """
         for geometry in obstacle.shapes:
             if geometry.kind == "mesh":
@@ -82,11 +81,7 @@ class MeshObstacles:
         from srgc.imports.meshes.mesh_file import read_mesh
         from srgc.imports.meshes.piece_files import pieces_text
 
-        place = geometry.place["parameters"]["file"]
-        try:
-            mesh = read_mesh(self.files.path_of(geometry.file), geometry.size[0])
-        except UsageFault as fault:
-            raise place.fault(str(fault).removeprefix(f"{place.file}: ")) from None
+        mesh = read_mesh(self.files.path_of(geometry.file), geometry.size[0])
         vertices = mesh.vertices * (np.array(geometry.size) / geometry.size[0])
         found = decomposed(
             vertices, mesh.triangles, detail=self.detail or DETAIL, pieces=self.pieces

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srgc.faults import UsageFault
-from srgc.imports.limited_files import MOST_XML_BYTES, limited_bytes
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
 from srgc.imports.meshes.mesh_limits import LARGEST, too_many
+from srgc.imports.source_fault import SourceFault, file_fault
+from srgc.imports.source_files import LIMIT, XML_LIMIT, source_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,22 +35,20 @@ def read_mesh(path: Path, unit: float | None = None) -> Mesh:
             metres of the others.
 
     Raises:
-        UsageFault: it is no such file, is cut off, has too many triangles, or corners that are not
+        SourceFault: it is no such file, is cut off, has too many triangles, or corners that are not
             finite or too far off.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise UsageFault(
-            f"{path} is no mesh that is read here, by the end of its name; known: "
-            "STL (.stl), OBJ (.obj), COLLADA (.dae)"
-        )
-    content = limited_bytes(path, *([MOST_XML_BYTES] if suffix == ".dae" else []))
+        message = "by the end of its name it is no mesh that is read here"
+        raise file_fault(path, message, "known: STL (.stl), OBJ (.obj), COLLADA (.dae)")
+    content = source_bytes(path, XML_LIMIT if suffix == ".dae" else LIMIT)
     try:
         # What libraries warn of concerns those who maintain them.
         with warnings.catch_warnings(action="ignore"):
             mesh = _read(content, path, own_unit=unit is None)
     except (MemoryError, RecursionError):
-        raise UsageFault(f"{path}: it is too large or too deeply nested") from None
+        raise file_fault(path, "it is too large or too deeply nested") from None
     return _checked(mesh, 1.0 if unit is None else unit, path)
 
 
@@ -71,20 +69,18 @@ def _read(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
 def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
     """The mesh scaled; vertices that equal others become one, and triangles of a point are left."""
     if not 0 < unit < LARGEST:
-        raise UsageFault(f"{path}: a unit of {unit} m is none")
+        raise file_fault(path, f"a unit of {unit} m is none")
     if len(mesh.triangles) == 0:
-        raise UsageFault(f"{path} has no triangle")
+        raise file_fault(path, "it has no triangle")
     too_many(len(mesh.triangles), path)
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
     if not np.isfinite(vertices).all():
         bad = int(np.argmin(np.isfinite(vertices).all(axis=1)))
-        raise UsageFault(f"{path}: vertex {bad + 1} has a coordinate that is no finite number")
+        raise file_fault(path, f"vertex {bad + 1} has a coordinate that is no finite number")
     vertices = vertices * unit
     if np.abs(vertices).max(initial=0.0) >= LARGEST:
-        raise UsageFault(
-            f"{path}: a vertex is {LARGEST:g} m away or farther; is the unit right? "
-            "(--unit mm reads millimetres)"
-        )
+        hint = "is the unit right? --unit mm reads millimetres"
+        raise file_fault(path, f"a vertex is {LARGEST:g} m away or farther", hint)
     return Mesh(vertices, np.asarray(mesh.triangles, dtype=np.int64), mesh.objects, mesh.notes)
 
 
@@ -101,14 +97,14 @@ def _stl(content: bytes, path: Path) -> Mesh:
             too_many(count, path)
             return joined([(path.stem, _vertices(load_stl_binary(io.BytesIO(content)), path))])
     if not content.lstrip().lower().startswith(b"solid") or b"\0" in content:
-        raise UsageFault(f"{path} is no STL file, or was cut off: its size is not what it says")
+        raise file_fault(path, "it is no STL file, or was cut off: its size is not what it says")
     lowered = content.lower()
     facets, corners = lowered.count(b"endfacet"), len(re.findall(rb"\bvertex\b", lowered))
     too_many(facets, path)
     if corners != 3 * facets or not lowered.rstrip().rpartition(b"\n")[2].lstrip().startswith(
         b"endsolid"
     ):
-        raise UsageFault(f"{path} was cut off: it has {corners} corners of {facets} triangles")
+        raise file_fault(path, f"it was cut off: it has {corners} corners of {facets} triangles")
     try:
         loaded = load_stl_ascii(io.BytesIO(content))
     except Exception as error:
@@ -116,7 +112,7 @@ def _stl(content: bytes, path: Path) -> Mesh:
     parts = list(loaded["geometry"].values()) if "geometry" in loaded else [loaded]
     mesh = joined([(path.stem, _vertices(part, path)) for part in parts])
     if len(mesh.triangles) != facets:
-        raise UsageFault(f"{path}: {facets} triangles are begun and {len(mesh.triangles)} are read")
+        raise file_fault(path, f"{facets} triangles are begun and {len(mesh.triangles)} are read")
     return mesh
 
 
@@ -127,12 +123,12 @@ def _vertices(loaded: Mapping[str, Any], path: Path) -> tuple[Floats, Ints]:
     vertices = np.asarray(loaded.get("vertices", ()), dtype=np.float64)
     triangles = np.asarray(loaded.get("faces", ()), dtype=np.int64)
     if vertices.ndim != 2 or triangles.ndim != 2 or triangles.shape[1] != 3:
-        raise UsageFault(f"{path} has no triangle")
+        raise file_fault(path, "it has no triangle")
     if triangles.min() < 0 or triangles.max() >= len(vertices):
-        raise UsageFault(f"{path}: a triangle names a vertex that is not there")
+        raise file_fault(path, "a triangle names a vertex that is not there")
     return vertices[:, :3], triangles
 
 
-def _broken(path: Path, kind: str, error: Exception) -> UsageFault:
+def _broken(path: Path, kind: str, error: Exception) -> SourceFault:
     said = " ".join(str(error).split())[:120]
-    return UsageFault(f"{path} cannot be read as {kind}: {said or type(error).__name__}")
+    return file_fault(path, f"it cannot be read as {kind}: {said or type(error).__name__}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from srgc.faults import UsageFault
+from srgc.imports.source_fault import file_fault
 
 MOST_TRIANGLES = 1_000_000
 LARGEST = 1e6
@@ -15,9 +15,8 @@ def too_many(count: int, path: Path) -> None:
     """Refuse more triangles than are read.
 
     Raises:
-        UsageFault: there are more.
+        SourceFault: there are more.
     """
     if count > MOST_TRIANGLES:
-        raise UsageFault(
-            f"{path} has {count:,} triangles, and may have {MOST_TRIANGLES:,}; simplify it first"
-        )
+        message = f"it has {count:,} triangles, and may have {MOST_TRIANGLES:,}"
+        raise file_fault(path, message, "simplify it first")

@@ -12,9 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from srgc.faults import UsageFault
+from grammar_lang.diagnostics.diagnostic import Code
+from grammar_lang.source import Source
 from srgc.imports.meshes.mesh import Ints, Mesh, MeshObject
 from srgc.imports.meshes.mesh_limits import too_many
+from srgc.imports.source_fault import SourceFault, file_fault, line_span
 
 Corners = list[tuple[float, float, float]]
 
@@ -24,6 +26,7 @@ class _Lines:
     """What has been read; ``starts`` are the names of objects and their first triangles."""
 
     path: Path
+    text: str
     by_object: bool
     vertices: Corners = field(default_factory=Corners)
     triangles: list[tuple[int, int, int]] = field(default_factory=list)
@@ -63,30 +66,36 @@ class _Lines:
         self.triangles += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
         too_many(len(self.triangles), self.path)
 
-    def fault(self, number: int, said: str) -> UsageFault:
-        return UsageFault(f"{self.path}:{number}: {said}; was the file cut off?")
+    def fault(self, number: int, said: str) -> SourceFault:
+        source, span = Source(str(self.path), self.text), line_span(self.text, number)
+        return SourceFault(Code.FOREIGN_FILE, said, source, span, "was the file cut off?")
 
 
 def obj_mesh(content: bytes, path: Path) -> Mesh:
     """The mesh of an OBJ file; each ``o``, or without any each ``g``, is an object.
 
     Raises:
-        UsageFault: it is not text, has no face or too many, or a line that was cut off.
+        SourceFault: it is not text, has no face or too many, or a line that was cut off.
     """
     if b"\0" in content:
-        raise UsageFault(f"{path} is no OBJ file: it is not text")
+        raise file_fault(path, "it is no OBJ file: it is not text")
     # Comments may be in any encoding.
-    rows = content.decode("utf-8-sig", errors="replace").replace("\\\n", " ").split("\n")
-    lines = _Lines(path, any(row.split()[:1] == ["o"] for row in rows))
+    text = content.decode("utf-8-sig", errors="replace").replace("\r\n", "\n")
+    rows = text.split("\n")
+    lines = _Lines(path, text, any(row.split()[:1] == ["o"] for row in rows))
+    held = list[str]()
     for number, row in enumerate(rows, 1):
-        words = row.split()
-        if words:
-            lines.read(number, words)
+        held += row.split()
+        if held and held[-1].endswith("\\") and number < len(rows):  # the next line goes on
+            held[-1:] = filter(None, [held[-1][:-1]])
+        elif held:
+            lines.read(number, held)
+            held = []
     if not lines.triangles:
-        raise UsageFault(f"{path} has no triangle: no line begins with `f` and has three corners")
+        raise file_fault(path, "it has no triangle: no line is `f` with three corners")
     triangles: Ints = np.array(lines.triangles, dtype=np.int64)
     if triangles.max() >= len(lines.vertices):
-        raise UsageFault(f"{path}: a face names a vertex that is not there; was the file cut off?")
+        raise file_fault(path, "a face names a vertex that is not there", "was the file cut off?")
     notes: tuple[str, ...] = ()
     if lines.left_out:
         notes = (f"{path.name}: {lines.left_out} faces of one or two corners: left out",)

@@ -11,13 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from srgc.faults import UsageFault
-from srgc.imports.limited_files import limited_bytes
+from grammar_lang.diagnostics.diagnostic import Code
+from grammar_lang.source import Source
 from srgc.imports.meshes.mesh import Mesh
 from srgc.imports.meshes.mesh_limits import LARGEST, too_many
 from srgc.imports.scenes.scene import (
     BallShape,
     BoxShape,
+    Fault,
     MeshShape,
     PointsShape,
     Pose,
@@ -29,6 +30,8 @@ from srgc.imports.scenes.scene import (
     positive,
     quaternion_pose,
 )
+from srgc.imports.source_fault import SourceFault, line_span
+from srgc.imports.source_files import source_bytes
 
 MOST_SHAPES = 10_000
 
@@ -37,11 +40,18 @@ class _Lines:
     """The lines of a file, and the number of the next."""
 
     def __init__(self, path: Path) -> None:
-        text = limited_bytes(path).decode("utf-8-sig", errors="replace")
-        self.path, self.rows, self.at = path, text.splitlines(), 0
+        text = source_bytes(path).decode("utf-8-sig", errors="replace")
+        text = text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n")
+        self.path, self.source = path, Source(str(path), text)
+        self.rows, self.at = text.split("\n"), 0
 
-    def fault(self, said: str) -> UsageFault:
-        return UsageFault(f"{self.path}:{min(self.at, len(self.rows)) or 1}: {said}")
+    def fault(self, said: str) -> SourceFault:
+        span = line_span(self.source.text, min(self.at, len(self.rows)) or 1)
+        return SourceFault(Code.FOREIGN_CONTENT, said, self.source, span)
+
+    def fault_of(self, what: str) -> Fault:
+        """Faults of something that the line read last is about."""
+        return lambda said: self.fault(f"{what}: {said}")
 
     def line(self, due: str) -> str:
         if self.at >= len(self.rows):
@@ -76,14 +86,14 @@ class _Lines:
         turn = self.numbers(4, f"the quaternion of {what}")
         if max(map(abs, shift)) >= LARGEST:
             raise self.fault(f"{what} is {LARGEST:g} m away or farther")
-        return quaternion_pose(shift, turn, f"{self.path}:{self.at}: {what}")
+        return quaternion_pose(shift, turn, self.fault_of(what))
 
 
 def moveit_scene(path: Path) -> Scene:
     """The objects of a ``.scene`` file.
 
     Raises:
-        UsageFault: it is no such file or was cut off, with the line.
+        SourceFault: it is no such file or was cut off, with the line.
     """
     lines = _Lines(path)
     scene = Scene(lines.line("the name of the scene") or path.stem)
@@ -126,18 +136,18 @@ def _object(lines: _Lines, scene: Scene, name: str, *, own_pose: bool) -> None:
 
 def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | list[float]:
     """A shape and what is to be said of it, or the a, b, c, d of a plane ax + by + cz + d = 0."""
-    where = f"{lines.path}:{lines.at}: {what}"
+    fault = lines.fault_of(what)
     if kind == "box":
         x, y, z = lines.numbers(3, f"the edges of {what}")
-        positive((x, y, z), where)
+        positive((x, y, z), fault)
         return BoxShape((x, y, z)), ""
     if kind == "sphere":
         (radius,) = lines.numbers(1, f"the radius of {what}")
-        positive((radius,), where)
+        positive((radius,), fault)
         return BallShape(radius), ""
     if kind in {"cylinder", "cone"}:
         radius, length = lines.numbers(2, f"the radius and length of {what}")
-        positive((radius, length), where)
+        positive((radius, length), fault)
         if kind == "cylinder":
             return RodShape("cylinder", radius, length), ""
         return PointsShape(cone_points(radius, length)), "a cone: a pyramid about it"

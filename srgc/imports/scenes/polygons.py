@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from srgc.faults import UsageFault
 from srgc.imports.meshes.mesh import Floats, Ints
+from srgc.imports.scenes.scene import Fault
 
 
-def triangulated(points: Sequence[Sequence[float]], name: str) -> tuple[Floats, Ints]:
+def triangulated(points: Sequence[Sequence[float]], fault: Fault) -> tuple[Floats, Ints]:
     """The corners (n, 2) of a simple polygon, and triangles (m, 3) that are it.
 
     Raises:
-        UsageFault: it has fewer than three corners or no area.
+        SourceFault: it has fewer than three corners or no area.
     """
     from manifold3d import triangulate
 
@@ -25,7 +25,7 @@ def triangulated(points: Sequence[Sequence[float]], name: str) -> tuple[Floats, 
     following = np.roll(corners, -1, axis=0)
     area = float((corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]).sum()) / 2
     if len(corners) < 3 or area == 0:
-        raise UsageFault(f"{name}: its polyline encloses nothing")
+        raise fault("its polyline encloses nothing")
     if area < 0:
         corners = corners[::-1].copy()
     triangles = np.asarray(triangulate([corners]), dtype=np.int64)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
 
-from srgc.faults import UsageFault
 from srgc.imports.meshes.mesh import Floats, Mesh
+from srgc.imports.source_fault import SourceFault
 
+Fault: TypeAlias = Callable[[str], SourceFault]
+"""What makes a fault at some place of a file of what is said."""
 ALIGNED = 1e-6
 """A turn that differs by less from one by right angles is that one: it was written as decimals."""
 
@@ -121,15 +123,15 @@ def _aligned(turn: Floats) -> Floats:
     return near + 0.0 if close else turn
 
 
-def quaternion_pose(shift: Sequence[float], turn: Sequence[float], what: str) -> Pose:
+def quaternion_pose(shift: Sequence[float], turn: Sequence[float], fault: Fault) -> Pose:
     """The pose of a place and a quaternion (x, y, z, w), which need not be a unit one.
 
     Raises:
-        UsageFault: a number is not finite, or the quaternion is zero.
+        SourceFault: a number is not finite, or the quaternion is zero.
     """
     size = math.hypot(*turn)
     if not all(map(math.isfinite, (*shift, size))) or size < 1e-9:
-        raise UsageFault(f"{what}: its pose has a number that is not finite, or a zero quaternion")
+        raise fault("its pose has a number that is not finite, or a zero quaternion")
     x, y, z, w = (part / size for part in turn)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -139,14 +141,14 @@ def quaternion_pose(shift: Sequence[float], turn: Sequence[float], what: str) ->
     return Pose(_aligned(np.array(rows)), np.array(shift, dtype=np.float64))
 
 
-def angle_pose(shift: Sequence[float], angles: Sequence[float], what: str) -> Pose:
+def angle_pose(shift: Sequence[float], angles: Sequence[float], fault: Fault) -> Pose:
     """The pose of a place and of turns about the fixed axes x, y, z in this order, in radians.
 
     Raises:
-        UsageFault: a number is not finite.
+        SourceFault: a number is not finite.
     """
     if not all(map(math.isfinite, (*shift, *angles))):
-        raise UsageFault(f"{what}: its pose has a number that is not finite")
+        raise fault("its pose has a number that is not finite")
     (ca, sa), (cb, sb), (cc, sc) = ((math.cos(angle), math.sin(angle)) for angle in angles)
     rows = [
         [cc * cb, cc * sb * sa - sc * ca, cc * sb * ca + sc * sa],
@@ -156,15 +158,15 @@ def angle_pose(shift: Sequence[float], angles: Sequence[float], what: str) -> Po
     return Pose(_aligned(np.array(rows)), np.array(shift, dtype=np.float64))
 
 
-def positive(values: Sequence[float], what: str) -> None:
+def positive(values: Sequence[float], fault: Fault) -> None:
     """Refuse sizes that are none.
 
     Raises:
-        UsageFault: one is not finite or not positive.
+        SourceFault: one is not finite or not positive.
     """
     if not all(math.isfinite(value) and value > 0 for value in values):
         shown = ", ".join(f"{value:g}" for value in values)
-        raise UsageFault(f"{what}: a size is not positive: {shown}")
+        raise fault(f"a size is not positive: {shown}")
 
 
 def cone_points(radius: float, length: float) -> Floats:

@@ -15,6 +15,7 @@ from srgc.imports.scenes.moveit_scene import moveit_scene
 from srgc.imports.scenes.scene import MeshShape, Pose, Scene, SceneObject
 from srgc.imports.scenes.scene_text import Wanted, scene_spec
 from srgc.imports.scenes.sdf_world import sdf_scene
+from srgc.imports.source_fault import file_fault
 from srgc.imports.source_files import source_files
 from srgc.imports.written_import import Imported
 from srgc.paths import refuse_impossible
@@ -80,7 +81,7 @@ def read_scene(
         scene = moveit_scene(path) if suffix == SCENE else sdf_scene(source_files(path, packages))
     else:
         known = ", ".join((*SUFFIXES, SCENE, *WORLDS))
-        raise UsageFault(f"{path} is no scene, by the end of its name; known: {known}")
+        raise file_fault(path, "by the end of its name it is no scene", f"known: {known}")
     scene.objects = [
         SceneObject(each.name, each.shape, place.then(each.pose), each.note)
         for each in scene.objects

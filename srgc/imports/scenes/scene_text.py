@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.names.declarations import map_name
-from srgc.faults import UsageFault
 from srgc.imports.meshes.convex_piece import decimal_text
 from srgc.imports.meshes.decomposition import DETAIL, Pieces, decomposed
 from srgc.imports.meshes.enclosing import enclosing
@@ -24,6 +24,7 @@ from srgc.imports.scenes.scene import (
     Scene,
     SceneObject,
 )
+from srgc.imports.source_fault import file_fault
 from srgc.imports.spec_text import canonical_text, comment_lines
 from srgc.imports.written_import import Imported
 from srgc.version import VERSION
@@ -61,11 +62,11 @@ def scene_spec(scene: Scene, source: str, wanted: Wanted) -> Imported:
     """The workspace of a scene that was read from ``source``, with the files of its meshes.
 
     Raises:
-        UsageFault: there is nothing in it.
+        SourceFault: there is nothing in it.
     """
     if not scene.objects:
-        dropped = "".join(f"\n  {line}" for line in scene.dropped[:20])
-        raise UsageFault(f"{source} has nothing that collides{dropped and ':' + dropped}")
+        hint = "; ".join(scene.dropped[:20]) or None
+        raise file_fault(source, "nothing in it collides", hint, Code.FOREIGN_CONTENT)
     writer = _Writer(wanted)
     for item in scene.objects:
         writer.add(item)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from srgc.faults import UsageFault
 from srgc.imports.meshes.mesh import Mesh
 from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
 from srgc.imports.scenes.scene import (
     BallShape,
     BoxShape,
+    Fault,
     MeshShape,
     PointsShape,
     Pose,
@@ -23,8 +24,9 @@ from srgc.imports.scenes.scene import (
     ellipsoid_points,
     positive,
 )
+from srgc.imports.source_fault import SourceFault
 from srgc.imports.source_files import SourceFiles
-from srgc.imports.xml_source import Element
+from srgc.imports.xml_source import Element, XmlFile
 
 
 class Geometries:
@@ -34,38 +36,39 @@ class Geometries:
         self.scene, self.files, self.folder = scene, files, files.folder
 
     def of(
-        self, geometry: Element | None, name: str, pose: Pose
+        self, geometry: Element | None, name: str, pose: Pose, file: XmlFile
     ) -> Iterator[tuple[Shape, Pose, str]]:
-        """The shapes of a geometry, where they are in it, and what is to be said of them.
+        """The shapes of a geometry of ``file``, where they are in it, and what is to be said.
 
         Raises:
-            UsageFault: a number is missing or not positive, or a mesh cannot be read.
+            SourceFault: a number is missing or not positive, or a mesh cannot be read.
         """
         kinds = [] if geometry is None else [each for each in geometry if isinstance(each.tag, str)]
         if not kinds or kinds[0].tag == "empty":
             self.scene.dropped.append(f"{name}: an empty geometry")
             return
         element = kinds[0]
+        fault = partial(_fault, file, element, name)
         if element.tag == "mesh":
-            yield from self._mesh(element, name)
+            yield from self._mesh(element, name, fault)
         elif element.tag == "plane":
-            self._plane(element, name, pose)
+            self._plane(element, name, pose, fault)
         elif element.tag == "polyline":
-            yield _polyline(element, name), Pose(), ""
+            yield _polyline(element, fault), Pose(), ""
         else:
-            found = _simple(element, name)
+            found = _simple(element, fault)
             if found is None:
                 self.scene.dropped.append(f"{name}: a {element.tag} is no shape that is known")
             else:
                 yield found[0], Pose(), found[1]
 
-    def _plane(self, element: Element, name: str, pose: Pose) -> None:
-        normal = pose.turn @ np.array(_numbers(element, "normal", 3, name, "0 0 1"))
+    def _plane(self, element: Element, name: str, pose: Pose, fault: Fault) -> None:
+        normal = pose.turn @ np.array(_numbers(element, "normal", 3, fault, "0 0 1"))
         self.scene.plane(name, normal, pose.shift)
 
-    def _mesh(self, element: Element, name: str) -> Iterator[tuple[Shape, Pose, str]]:
+    def _mesh(self, element: Element, name: str, fault: Fault) -> Iterator[tuple[Shape, Pose, str]]:
         uri = (element.findtext("uri") or "").strip()
-        scale = np.array(_numbers(element, "scale", 3, name, "1 1 1"))
+        scale = np.array(_numbers(element, "scale", 3, fault, "1 1 1"))
         if Path(uri).suffix.lower() not in SUFFIXES:
             self.scene.dropped.append(f"{name}: its mesh {uri or '(without an address)'}")
             return
@@ -81,39 +84,41 @@ class Geometries:
             mesh = mesh.part(objects[0])
         self.scene.dropped += mesh.notes
         if not np.isfinite(scale).all() or (scale == 0).any():
-            raise UsageFault(f"{name}: a scale of its mesh is zero or not finite")
+            raise fault("a scale of its mesh is zero or not finite")
         triangles = mesh.triangles[:, ::-1] if np.prod(scale) < 0 else mesh.triangles
         yield MeshShape(Mesh(mesh.vertices * scale, triangles), path.name), Pose(), ""
 
 
-def _simple(element: Element, name: str) -> tuple[Shape, str] | None:
+def _fault(file: XmlFile, element: Element, name: str, said: str) -> SourceFault:
+    return file.fault(element, f"{name}: {said}")
+
+
+def _simple(element: Element, fault: Fault) -> tuple[Shape, str] | None:
     if element.tag == "box":
-        x, y, z = _sizes(element, "size", 3, name)
+        x, y, z = _sizes(element, "size", 3, fault)
         return BoxShape((x, y, z)), ""
     if element.tag == "sphere":
-        return BallShape(_sizes(element, "radius", 1, name)[0]), ""
+        return BallShape(_sizes(element, "radius", 1, fault)[0]), ""
     if element.tag in {"cylinder", "capsule", "cone"}:
-        radius, length = (_sizes(element, tag, 1, name)[0] for tag in ("radius", "length"))
+        radius, length = (_sizes(element, tag, 1, fault)[0] for tag in ("radius", "length"))
         if element.tag == "cone":
             return PointsShape(cone_points(radius, length)), "a cone: a pyramid about it"
         return RodShape(element.tag, radius, length), ""
     if element.tag == "ellipsoid":
-        radii = _sizes(element, "radii", 3, name)
+        radii = _sizes(element, "radii", 3, fault)
         return PointsShape(ellipsoid_points(radii)), "an ellipsoid: a polytope about it"
     return None
 
 
-def _polyline(element: Element, name: str) -> Shape:
+def _polyline(element: Element, fault: Fault) -> Shape:
     """A polygon that is extruded upwards from its plane."""
     from trimesh.creation import extrude_triangulation
 
     from srgc.imports.scenes.polygons import triangulated
 
-    (height,) = _sizes(element, "height", 1, name)
-    points = [
-        _parsed(point.text or "", 2, f"{name}: a point") for point in element.findall("point")
-    ]
-    corners, triangles = triangulated(points, name)
+    (height,) = _sizes(element, "height", 1, fault)
+    points = [_parsed(point.text or "", 2, "a point", fault) for point in element.findall("point")]
+    corners, triangles = triangulated(points, fault)
     solid = extrude_triangulation(corners, triangles, height)
     return MeshShape(
         Mesh(np.asarray(solid.vertices, dtype=np.float64), np.asarray(solid.faces, dtype=np.int64)),
@@ -121,22 +126,24 @@ def _polyline(element: Element, name: str) -> Shape:
     )
 
 
-def _sizes(element: Element, tag: str, count: int, name: str) -> list[float]:
-    found = _numbers(element, tag, count, name)
-    positive(found, f"{name}: the {tag} of its {element.tag}")
+def _sizes(element: Element, tag: str, count: int, fault: Fault) -> list[float]:
+    found = _numbers(element, tag, count, fault)
+    positive(found, fault)
     return found
 
 
-def _numbers(element: Element, tag: str, count: int, name: str, default: str = "") -> list[float]:
+def _numbers(
+    element: Element, tag: str, count: int, fault: Fault, default: str = ""
+) -> list[float]:
     text = element.findtext(tag) or default
-    return _parsed(text, count, f"{name}: the {tag} of its {element.tag}")
+    return _parsed(text, count, f"the {tag} of its {element.tag}", fault)
 
 
-def _parsed(text: str, count: int, what: str) -> list[float]:
+def _parsed(text: str, count: int, what: str, fault: Fault) -> list[float]:
     try:
         found = [float(word) for word in text.split()]
     except ValueError:
         found = []
     if len(found) != count or not np.isfinite(found).all():
-        raise UsageFault(f"{what} is no list of {count} finite numbers: `{text.strip()[:40]}`")
+        raise fault(f"{what} is no list of {count} finite numbers: `{text.strip()[:40]}`")
     return found

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
-from srgc.faults import UsageFault
 from srgc.imports.scenes.scene import (
     Pose,
     Scene,
@@ -20,8 +20,9 @@ from srgc.imports.scenes.scene import (
     quaternion_pose,
 )
 from srgc.imports.scenes.sdf_geometry import Geometries
-from srgc.imports.source_files import SourceFiles
-from srgc.imports.xml_source import Element, xml_root
+from srgc.imports.source_fault import SourceFault
+from srgc.imports.source_files import SourceFiles, source_bytes
+from srgc.imports.xml_source import Element, XmlFile, xml_file
 
 PASSED = frozenset(
     {"pose", "static", "link", "model", "include", "frame", "name", "self_collide", "enable_wind"}
@@ -46,13 +47,10 @@ class _Place:
 
 
 class _Reader:
-    def __init__(self, scene: Scene, files: SourceFiles) -> None:
-        self.scene, self.files, self.path = scene, files, files.main
+    def __init__(self, scene: Scene, files: SourceFiles, file: XmlFile) -> None:
+        self.scene, self.files, self.file = scene, files, file
         self.geometries = Geometries(scene, files)
         self.includes = 0
-
-    def fault(self, said: str) -> UsageFault:
-        return UsageFault(f"{self.path}: {said}")
 
     def world(self, world: Element) -> None:
         place = _Place("", Pose())
@@ -72,7 +70,7 @@ class _Reader:
     def models(self, parent: Element, place: _Place, depth: int) -> None:
         """The models and includes of a world or model; frames first, since these refer to them."""
         if depth > DEEPEST:
-            raise self.fault(f"models are nested more than {DEEPEST} deep")
+            raise self.file.fault(parent, f"models are nested more than {DEEPEST} deep")
         models = parent.findall("model")
         place.declare(parent.findall("frame"), "attached_to")
         place.declare(models)
@@ -123,31 +121,34 @@ class _Reader:
             name = called if len(collisions) == 1 else f"{called}_{own}"
             inner = _Place(place.prefix, base, place.frames, place.pending)
             pose = self.placed(collision, inner)
-            for shape, shift, note in self.geometries.of(collision.find("geometry"), name, pose):
+            shapes = self.geometries.of(collision.find("geometry"), name, pose, self.file)
+            for shape, shift, note in shapes:
                 self.scene.objects.append(SceneObject(name, shape, pose.then(shift), note))
 
     def include(self, include: Element, place: _Place, depth: int) -> None:
         uri = (include.findtext("uri") or "").strip()
         self.includes += 1
         if self.includes > MOST_INCLUDES:
-            raise self.fault(f"there are more than {MOST_INCLUDES} includes")
+            raise self.file.fault(include, f"there are more than {MOST_INCLUDES} includes")
         try:
             path = self.files.path_of(uri if Path(uri).suffix else f"{uri.rstrip('/')}/model.sdf")
-        except UsageFault as fault:
-            said = str(fault).removeprefix(f"{self.path}: ")
+        except SourceFault as fault:
+            said = "; ".join(filter(None, (fault.message, fault.hint)))
             self.scene.dropped.append(f"include {uri or '(without an address)'}: {said}")
             return
-        model = xml_root(self.files.bytes_of(str(path)), path).find("model")
+        file = xml_file(source_bytes(path), path)
+        model = file.root.find("model")
         if model is None:
             self.scene.dropped.append(f"include {uri}: {path.name} has no model")
             return
         within = place if include.find("pose") is not None else None
-        pose = self.placed(include, place) if within else self.placed(model, place)
+        pose = self.placed(include, place) if within else None
         called = (include.findtext("name") or "").strip()
-        outer = self.geometries.folder
-        self.geometries.folder = path.parent
+        outer = self.geometries.folder, self.file
+        self.geometries.folder, self.file = path.parent, file
+        pose = self.placed(model, place) if pose is None else pose
         self.model(model, place, pose, depth + 1, called)
-        self.geometries.folder = outer
+        self.geometries.folder, self.file = outer
 
     def placed(self, element: Element, place: _Place, attribute: str = "") -> Pose:
         """The pose in the world of an element of a scope."""
@@ -166,7 +167,7 @@ class _Reader:
             base = found or base
         elif relative == "world":
             base = Pose()
-        return base if pose is None else base.then(self.pose(pose, element))
+        return base if pose is None else base.then(self.pose(pose))
 
     def frame(self, name: str, place: _Place) -> Pose | None:
         """The pose in the world of a frame of a scope; None where there is none, or a circle."""
@@ -175,22 +176,22 @@ class _Reader:
             place.frames[name] = self.placed(element, place, attribute)
         return place.frames.get(name)
 
-    def pose(self, pose: Element, element: Element) -> Pose:
-        what = f"{self.path}: {_tag(element)} `{element.get('name', '')}`"
+    def pose(self, pose: Element) -> Pose:
+        fault = partial(self.file.fault, pose)
         try:
             numbers = [float(word) for word in (pose.text or "").split()]
         except ValueError:
-            raise UsageFault(f"{what}: its pose is no list of numbers") from None
+            raise fault("its pose is no list of numbers") from None
         if not numbers:
             return Pose()
         if pose.get("rotation_format") == "quat_xyzw" and len(numbers) == 7:
-            return quaternion_pose(numbers[:3], numbers[3:], what)
+            return quaternion_pose(numbers[:3], numbers[3:], fault)
         if len(numbers) != 6:
-            raise UsageFault(f"{what}: its pose has {len(numbers)} numbers, and 6 are due")
+            raise fault(f"its pose has {len(numbers)} numbers, and 6 are due")
         angles = numbers[3:]
         if (pose.get("degrees") or "").strip().lower() in {"true", "1"}:
             angles = [math.radians(angle) for angle in angles]
-        return angle_pose(numbers[:3], angles, what)
+        return angle_pose(numbers[:3], angles, fault)
 
 
 def _tag(element: Element) -> str:
@@ -201,14 +202,15 @@ def sdf_scene(files: SourceFiles) -> Scene:
     """What collides in the first world of a file, or in its models.
 
     Raises:
-        UsageFault: it is no SDF file, or a number or a mesh of it cannot be read.
+        SourceFault: it is no SDF file, or a number or a mesh of it cannot be read.
     """
-    root = xml_root(files.main_bytes(), files.main)
+    file = xml_file(files.main_bytes(), files.main)
+    root = file.root
     if root.tag != "sdf":
-        raise UsageFault(f"{files.main} is no SDF file: its root is `{root.tag}`")
+        raise file.fault(root, f"it is no SDF file: its root is `{_tag(root)}`")
     worlds = root.findall("world")
     scene = Scene((worlds[0].get("name") if worlds else None) or files.main.stem)
-    reader = _Reader(scene, files)
+    reader = _Reader(scene, files, file)
     for other in worlds[1:]:
         scene.dropped.append(f"world {other.get('name', '')}: a file is one scene, of its first")
     if worlds:

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from srgc.faults import UsageFault
 from srgc.imports.body_meshes import BodyMeshes
 from srgc.imports.module_set import Placement, Shape, steps_of
+from srgc.imports.source_files import source_bytes
 from srgc.imports.timor.geometry_data import Geometry
 from srgc.imports.timor.vrml_file import vrml_pieces
 
@@ -25,27 +25,20 @@ class MeshHulls:
         """The hulls of a mesh that is fixed to the frame ``body``.
 
         Raises:
-            UsageFault: the file is not below the folder of the set, or is no mesh that is known.
+            SourceFault: the file is not below the folder of the set, or is no mesh that is known.
         """
         place = Placement(body, steps_of(geometry.pose))
-        owner = geometry.place.path
-        try:
-            if geometry.file.lower().endswith(".wrl"):
-                yield from self._vrml(geometry, place)
-            else:
-                yield from self.meshes.hulls(owner, geometry.file, geometry.size, place)
-        except UsageFault as fault:
-            raise _at(geometry, fault) from None
+        if geometry.file.lower().endswith(".wrl"):
+            yield from self._vrml(geometry, place)
+        else:
+            yield from self.meshes.hulls(geometry.place.path, geometry.file, geometry.size, place)
 
     def visuals(self, geometry: Geometry, body: str) -> Iterator[Shape]:
         """A mesh for pictures alone; nothing for other shapes."""
         if geometry.kind != "mesh":
             return
         place = Placement(body, steps_of(geometry.pose))
-        try:
-            yield from self.meshes.visual(geometry.place.path, geometry.file, geometry.size, place)
-        except UsageFault as fault:
-            raise _at(geometry, fault) from None
+        yield from self.meshes.visual(geometry.place.path, geometry.file, geometry.size, place)
 
     def _vrml(self, geometry: Geometry, place: Placement) -> Iterator[Shape]:
         """A hull for each shape of a VRML file, which is one point set each."""
@@ -53,7 +46,8 @@ class MeshHulls:
         if key not in self._pieces:
             stem = self.meshes.names.name(posixpath.basename(geometry.file).split(".")[0])
             self._pieces[key] = []
-            pieces = vrml_pieces(self.meshes.files.bytes_of(geometry.file))
+            path = self.meshes.files.path_of(geometry.file)
+            pieces = vrml_pieces(source_bytes(path), path)
             for number, points in enumerate(pieces):
                 end = f"_{number + 1}" if len(pieces) > 1 else ""
                 name = f"{self.meshes.folder}/{stem}{end}.obj"
@@ -61,12 +55,6 @@ class MeshHulls:
                 self._pieces[key].append(name)
         for name in self._pieces[key]:
             yield Shape("hull", place, (1.0,), name)
-
-
-def _at(geometry: Geometry, fault: UsageFault) -> UsageFault:
-    """A fault of a mesh, with where its file is named."""
-    place = geometry.place["parameters"]["file"]
-    return place.fault(str(fault).removeprefix(f"{place.file}: "))
 
 
 def _points_file(points: np.ndarray) -> bytes:

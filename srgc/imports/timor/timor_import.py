@@ -6,11 +6,11 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from srgc.faults import UsageFault
 from srgc.imports.body_meshes import BodyMeshes
 from srgc.imports.json_place import json_file
 from srgc.imports.module_set import ModuleSet
 from srgc.imports.names import Names
+from srgc.imports.source_fault import file_fault
 from srgc.imports.source_files import source_files
 from srgc.imports.spec_text import spec_text
 from srgc.imports.timor.mesh_hulls import MeshHulls
@@ -94,7 +94,7 @@ def read_modules(file: Path, options: SetOptions) -> ReadSet:
     """The modules of a set, before they are text."""
     path = file / FILE if file.is_dir() else file
     if file.is_dir() and not path.is_file():
-        raise UsageFault(f"{file} has no {FILE}")
+        raise file_fault(file, f"there is no {FILE} in it")
     files = source_files(path)
     place = json_file(files)
     data = read_set(place)

@@ -5,41 +5,43 @@ Only the lists of points count: a piece is their hull.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
-from srgc.faults import UsageFault
+from srgc.imports.source_fault import file_fault
 
 START = b"#VRML V2.0 utf8"
 MOST_PIECES = 500
 
 
-def vrml_pieces(content: bytes) -> list[NDArray[np.float64]]:
+def vrml_pieces(content: bytes, path: Path) -> list[NDArray[np.float64]]:
     """The points (n, 3) of each shape of the content of a file.
 
     Raises:
-        UsageFault: it is no such file, or a list of points is broken.
+        SourceFault: it is no such file, or a list of points is broken.
     """
     if not content.startswith(START):
-        raise UsageFault(f"it is no VRML 2.0 file: it does not begin with {START.decode()}")
+        raise file_fault(path, f"it is no VRML 2.0 file: it does not begin with {START.decode()}")
     lines = (line.split(b"#")[0] for line in content.split(b"\n"))
     words = b" ".join(lines).replace(b",", b" ").replace(b"[", b" [ ").replace(b"]", b" ] ").split()
     found = list[NDArray[np.float64]]()
     for number, word in enumerate(words):
         if word != b"point" or words[number + 1 : number + 2] != [b"["]:
             continue
-        found.append(_points(words, number + 2))
+        found.append(_points(words, number + 2, path))
     if not found or len(found) > MOST_PIECES:
-        raise UsageFault(f"it has {len(found)} shapes; 1 to {MOST_PIECES} are read")
+        raise file_fault(path, f"it has {len(found)} shapes; 1 to {MOST_PIECES} are read")
     return found
 
 
-def _points(words: list[bytes], start: int) -> NDArray[np.float64]:
+def _points(words: list[bytes], start: int, path: Path) -> NDArray[np.float64]:
     try:
         stop = words.index(b"]", start)
         points = np.array([float(word) for word in words[start:stop]]).reshape(-1, 3)
     except ValueError:
-        raise UsageFault("a list of points is broken") from None
+        raise file_fault(path, "a list of points is broken") from None
     if len(points) < 4 or not np.all(np.isfinite(points)) or np.abs(points).max() > 1e6:
-        raise UsageFault("a shape has at least 4 points, all of them finite")
+        raise file_fault(path, "a shape has at least 4 points, all of them finite")
     return points

@@ -78,7 +78,7 @@ class JointMotions:
         name, leader = joint.name, joint.mimic.joint
         if leader not in self.robot.joints:
             near = nearest(leader, list(self.robot.joints))
-            hint = "" if near is None else f"did you mean `{near}`?"
+            hint = None if near is None else f"did you mean `{near}`?"
             message = f"joint `{visible(name)}` mimics `{visible(leader)}`, which is no joint"
             raise self.robot.fault("joint", name, message, hint)
         leading = self.held.get(leader, 0.0)

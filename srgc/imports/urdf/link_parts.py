@@ -64,13 +64,11 @@ class LinkParts:
     def _check(self, name: str, mass: float, tensor: np.ndarray) -> None:
         said = f"link `{visible(name)}`"
         if mass < 0:
-            raise self.robot.fault(
-                "link", name, f"{said} has the mass {mass:g} kg", "it is negative"
-            )
+            raise self.robot.fault("link", name, f"{said} has the mass {mass:g} kg, below 0")
         moments = np.linalg.eigvalsh(tensor)
         if moments[0] < -1e-12 * max(1.0, abs(moments[2])):
-            message = f"{said} has the principal moment {moments[0]:.3g} kg*m^2, which is negative"
-            raise self.robot.fault("link", name, message, "no body has that")
+            message = f"{said} has the principal moment {moments[0]:.3g} kg*m^2, which no body has"
+            raise self.robot.fault("link", name, message)
         if moments[0] + moments[1] < moments[2] * (1 - 1e-9):
             self.remarks.append(
                 f"{said}: no body has such moments of inertia (the two smaller principal ones are "

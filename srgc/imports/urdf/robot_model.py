@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import visible
-from srgc.faults import UsageFault
 from srgc.imports.module_set import Move, Steps, Turn, Vector
-from srgc.imports.xml_source import Element, fault_at, xml_root
+from srgc.imports.source_fault import SourceFault, file_fault
+from srgc.imports.xml_source import Element, XmlFile, xml_file
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Joint, Link
@@ -55,7 +55,7 @@ class UrdfRobot:
     """A robot.
 
     Attributes:
-        path: the file.
+        file: its text.
         name: as the file has it.
         links: by name.
         joints: by name, in the order of the file.
@@ -66,7 +66,7 @@ class UrdfRobot:
         others: how many elements there are that say nothing of a robot's body, by their names.
     """
 
-    path: Path
+    file: XmlFile
     name: str
     links: Mapping[str, Link]
     joints: Mapping[str, Joint]
@@ -76,9 +76,9 @@ class UrdfRobot:
     gears: Mapping[str, float]
     others: Mapping[str, int] = field(default_factory=dict)
 
-    def fault(self, kind: str, name: str, message: str, hint: str = "") -> UsageFault:
+    def fault(self, kind: str, name: str, message: str, hint: str | None = None) -> SourceFault:
         """A fault of a link or joint."""
-        return fault_at(self.path, self.elements[kind, name], message, hint)
+        return self.file.fault(self.elements[kind, name], message, hint)
 
     def steps(self, element: Element) -> Steps:
         """The ``origin`` of a joint, inertial, visual or collision, as shift and turns."""
@@ -90,19 +90,25 @@ class UrdfRobot:
         return (Move(xyz), Turn("z", yaw), Turn("y", pitch), Turn("x", roll))
 
 
-def robot_model(data: bytes, path: Path) -> UrdfRobot:
+def robot_model(data: bytes, path: Path, *, expanded: bool = False) -> UrdfRobot:
     """The robot of a URDF.
 
+    Args:
+        data: its text.
+        path: the file.
+        expanded: whether the text is what a xacro file became, which is another than in the file.
+
     Raises:
-        UsageFault: it is no robot; the message names the line.
+        SourceFault: it is no robot.
     """
-    root = xml_root(data, path)
+    file = xml_file(data, f"{path} (expanded)" if expanded else path)
+    root = file.root
     if root.tag != "robot":
         hint = "srgc reads URDF, whose root is <robot>"
-        raise fault_at(path, root, f"the root is <{visible(str(root.tag))}>", hint)
-    elements = _named(root, path)
-    _check_numbers(root, path)
-    below, top = _tree(root, path, elements)
+        raise file.fault(file.root, f"the root is <{visible(str(root.tag))}>", hint)
+    elements = _named(file)
+    _check_numbers(file)
+    below, top = _tree(file, elements)
     from yourdfpy import URDF
 
     if "name" not in root.attrib:
@@ -115,16 +121,16 @@ def robot_model(data: bytes, path: Path) -> UrdfRobot:
             load_meshes=False,
         ).robot
     except (ValueError, KeyError, AttributeError, IndexError, TypeError) as error:
-        raise UsageFault(f"{path}: yourdfpy cannot read it: {error}") from None
+        raise file_fault(path, f"yourdfpy cannot read it: {error}") from None
     return UrdfRobot(
-        path,
+        file,
         model.name,
         {link.name: link for link in model.links},
         {joint.name: joint for joint in model.joints},
         below,
         top,
         elements,
-        dict(_gears(root, path)),
+        dict(_gears(file)),
         _others(root),
     )
 
@@ -136,78 +142,82 @@ def _plain(root: Element) -> bytes:
     return text
 
 
-def _named(root: Element, path: Path) -> dict[tuple[str, str], Element]:
+def _named(file: XmlFile) -> dict[tuple[str, str], Element]:
     """Links and joints by name; each has one of its own."""
     found = dict[tuple[str, str], Element]()
-    for element in root:
+    for element in file.root:
         kind = str(element.tag)
         if kind not in ("link", "joint"):
             continue
         name = element.get("name")
         if not name:
-            raise fault_at(path, element, f"a {kind} without a name")
+            raise file.fault(element, f"a {kind} without a name")
         if (kind, name) in found:
-            first = found[kind, name].sourceline
-            raise fault_at(
-                path, element, f"a second {kind} `{visible(name)}`, after that of line {first}"
+            first = file.line(found[kind, name])
+            raise file.fault(
+                element, f"a second {kind} `{visible(name)}`, after that of line {first}"
             )
         found[kind, name] = element
     if not any(kind == "link" for kind, _ in found):
-        raise fault_at(path, root, "a robot without links")
+        raise file.fault(file.root, "a robot without links")
     return found
 
 
 # --- Numbers --------------------------------------------------------------------------------------
 
 
-def _check_numbers(root: Element, path: Path) -> None:
-    parts = (each for top in root if top.tag in ("link", "joint") for each in top.iter())
+def _check_numbers(file: XmlFile) -> None:
+    parts = (each for top in file.root if top.tag in ("link", "joint") for each in top.iter())
     for element in parts:
         tag = str(element.tag)
         for name in NEEDED.get(tag, ()):
             if element.get(name) is None:
-                raise fault_at(path, element, f"<{tag}> lacks `{name}`")
+                raise file.fault(element, f"<{tag}> lacks `{name}`")
         for name, count in NUMBERS.get(tag, {}).items():
             if (text := element.get(name)) is not None:
-                _check(path, element, name, text, count)
+                _check(file, element, name, text, count)
         if tag == "geometry":
-            _check_geometry(path, element)
+            _check_geometry(file, element)
         if tag in ("visual", "collision") and element.find("geometry") is None:
-            raise fault_at(path, element, f"<{tag}> lacks a <geometry>")
+            raise file.fault(element, f"<{tag}> lacks a <geometry>")
 
 
-def _check(path: Path, element: Element, name: str, text: str, count: int) -> None:
+def _check(file: XmlFile, element: Element, name: str, text: str, count: int) -> None:
     """Refuse what is not so many finite numbers of a usual size."""
-    said = f"`{visible(text[:60])}`"
+
+    def fault(said: str) -> SourceFault:
+        shown = f"`{name}` is `{visible(text[:60])}`, {said}"
+        return file.fault(element, shown, attribute=name)
+
     try:
         values = [float(part) for part in text.split()]
     except ValueError:
-        raise fault_at(path, element, f"`{name}` is {said}, no number") from None
+        raise fault("no number") from None
     if len(values) != count:
         due = "a number is" if count == 1 else f"{count} numbers are"
-        raise fault_at(path, element, f"`{name}` is {said}, where {due} due")
+        raise fault(f"where {due} due")
     if not all(math.isfinite(value) for value in values):
         if element.tag == "limit":  # some write that for no limit
             element.attrib.pop(name)
             return
-        raise fault_at(path, element, f"`{name}` is {said}, which is not finite")
+        raise fault("which is not finite")
     if element.tag != "limit" and max(map(abs, values)) > LARGEST:
-        raise fault_at(path, element, f"`{name}` is {said}, larger than {LARGEST:g}")
+        raise fault(f"larger than {LARGEST:g}")
     if name in ("radius", "length", "size") and min(values) <= 0:
-        raise fault_at(path, element, f"`{name}` is {said}, and has to be above 0")
+        raise fault("and has to be above 0")
 
 
-def _check_geometry(path: Path, element: Element) -> None:
+def _check_geometry(file: XmlFile, element: Element) -> None:
     kinds = [str(child.tag) for child in element]
     if len(kinds) != 1:
-        raise fault_at(path, element, f"a <geometry> of {len(kinds)} shapes, where one is due")
+        raise file.fault(element, f"a <geometry> of {len(kinds)} shapes, where one is due")
     if kinds[0] not in ("box", "cylinder", "sphere", "mesh"):
         hint = "known: box, cylinder, sphere, mesh"
-        raise fault_at(path, element, f"a <geometry> of <{visible(kinds[0])}>", hint)
+        raise file.fault(element, f"a <geometry> of <{visible(kinds[0])}>", hint)
     scale = element[0].get("scale")
     if kinds[0] == "mesh" and scale is not None:
         parts = scale.replace(",", " ").split()
-        _check(path, element[0], "scale", " ".join(parts), 1 if len(parts) == 1 else 3)
+        _check(file, element[0], "scale", " ".join(parts), 1 if len(parts) == 1 else 3)
 
 
 def _vector(element: Element, name: str) -> Vector:
@@ -219,7 +229,7 @@ def _vector(element: Element, name: str) -> Vector:
 
 
 def _tree(
-    root: Element, path: Path, elements: Mapping[tuple[str, str], Element]
+    file: XmlFile, elements: Mapping[tuple[str, str], Element]
 ) -> tuple[dict[str, tuple[str, ...]], str]:
     """The joints that each link carries, and the link that none carries."""
     links = [name for kind, name in elements if kind == "link"]
@@ -227,10 +237,9 @@ def _tree(
     carrier = dict[str, str]()
     for (kind, name), element in elements.items():
         if kind == "joint":
-            parent, child = _ends(path, name, element, links)
+            parent, child = _ends(file, name, element, links)
             if child in carrier:
-                raise fault_at(
-                    path,
+                raise file.fault(
                     element,
                     f"joint `{visible(name)}` carries link `{visible(child)}`, which joint "
                     f"`{visible(carrier[child])}` carries already: the links form a loop",
@@ -241,33 +250,33 @@ def _tree(
     tops = [link for link in links if link not in carrier]
     if len(tops) != 1:
         said = ", ".join(f"`{visible(link)}`" for link in tops[:4]) or "none"
-        raise fault_at(path, root, f"one link is to be carried by no joint, and here {said}")
+        raise file.fault(file.root, f"one link is to be carried by no joint, and here {said}")
     reached = _reached(tops[0], below, elements)
     for link in links:
         if link not in reached:
             element = elements["link", link]
-            raise fault_at(path, element, f"link `{visible(link)}` is in a loop of joints")
+            raise file.fault(element, f"link `{visible(link)}` is in a loop of joints")
     return below, tops[0]
 
 
-def _ends(path: Path, name: str, element: Element, links: list[str]) -> tuple[str, str]:
+def _ends(file: XmlFile, name: str, element: Element, links: list[str]) -> tuple[str, str]:
     """The links of a joint, its type looked at as well."""
     kind = element.get("type")
     if kind not in TYPES:
         said = "no type" if kind is None else f"the type `{visible(kind)}`"
-        raise fault_at(
-            path, element, f"joint `{visible(name)}` has {said}", f"known: {', '.join(TYPES)}"
+        raise file.fault(
+            element, f"joint `{visible(name)}` has {said}", f"known: {', '.join(TYPES)}"
         )
     ends = []
     for tag in ("parent", "child"):
         end = element.find(tag)
         link = None if end is None else end.get("link")
         if link is None:
-            raise fault_at(path, element, f"joint `{visible(name)}` lacks <{tag} link=...>")
+            raise file.fault(element, f"joint `{visible(name)}` lacks <{tag} link=...>")
         if link not in links:
             near = nearest(link, links)
-            hint = "" if near is None else f"did you mean `{near}`?"
-            raise fault_at(path, element, f"there is no link `{visible(link)}`", hint)
+            hint = None if near is None else f"did you mean `{near}`?"
+            raise file.fault(element, f"there is no link `{visible(link)}`", hint)
         ends.append(link)
     return ends[0], ends[1]
 
@@ -291,13 +300,13 @@ def _reached(
 # --- What stands beside links and joints ----------------------------------------------------------
 
 
-def _gears(root: Element, path: Path) -> Iterator[tuple[str, float]]:
+def _gears(file: XmlFile) -> Iterator[tuple[str, float]]:
     """The reductions of transmissions with one joint; 1 says nothing."""
-    for transmission in root.iter("transmission"):
+    for transmission in file.root.iter("transmission"):
         joints = [str(joint.get("name")) for joint in transmission.findall("joint")]
         for reduction in transmission.iter("mechanicalReduction"):
             text = reduction.text or ""
-            _check(path, reduction, "mechanicalReduction", text, 1)
+            _check(file, reduction, "mechanicalReduction", text, 1)
             value = abs(float(text))
             if len(joints) == 1 and value not in (0.0, 1.0):
                 yield joints[0], value

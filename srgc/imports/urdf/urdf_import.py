@@ -56,7 +56,7 @@ def urdf_import(
     files = source_files(file, packages)
     is_xacro = file.suffix == ".xacro"
     data = expanded_xacro(files, arguments) if is_xacro else files.main_bytes()
-    robot = robot_model(data, file)
+    robot = robot_model(data, file, expanded=is_xacro)
     held = held_values(robot, fixed)
     remarks = list[str]()
     prefix = Names().camel(name or robot.name)

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable
 
 from srgc.faults import UsageFault
+from srgc.imports.source_fault import file_fault
 from srgc.imports.source_files import SourceFiles
 from srgc.imports.urdf.xacro_process import SECONDS
 
@@ -48,4 +49,4 @@ def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
         return done.stdout
     lines = done.stderr.decode(errors="replace").strip().splitlines()
     said = lines[-1] if lines and done.returncode == 1 else f"it takes more than {SECONDS} s"
-    raise UsageFault(f"{files.main}: xacro cannot expand it: {said}")
+    raise file_fault(files.main, f"xacro cannot expand it: {said}")

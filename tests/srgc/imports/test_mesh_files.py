@@ -86,8 +86,8 @@ def test_objects_of_obj_in_their_order(tmp_path, monkeypatch):
     path.write_text(OBJ)
     (tmp_path.parent / "secret.mtl").write_text("newmtl gold\n")
     opened = []
-    real = mesh_file.limited_bytes
-    monkeypatch.setattr(mesh_file, "limited_bytes", lambda p, *a: opened.append(p) or real(p, *a))
+    real = mesh_file.source_bytes
+    monkeypatch.setattr(mesh_file, "source_bytes", lambda p, *a: opened.append(p) or real(p, *a))
     mesh = read_mesh(path)
     assert len(mesh.triangles) == 4
     assert opened == [path]
@@ -188,9 +188,9 @@ FAR = BINARY[:96] + struct.pack("<f", 1e30) + BINARY[100:]
         ("a.stl", "hello", "no STL file"),
         ("a.stl", gzip.compress(BINARY), "packed with gzip"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no triangle"),
-        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 x\n", "a.obj:5"),
-        ("a.obj", "v 0 0 0\nf 1 1 -7\n", "a.obj:2"),
-        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n", "a.obj:3"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 x\n", "a.obj:5:1: "),
+        ("a.obj", "v 0 0 0\nf 1 1 -7\n", "a.obj:2:1: "),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n", "a.obj:3:1: "),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "a.obj"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n", "finite"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n", "finite"),
@@ -206,7 +206,7 @@ FAR = BINARY[:96] + struct.pack("<f", 1e30) + BINARY[100:]
 def test_a_message_each(tmp_path, name, content, said):
     with pytest.raises(UsageFault, match=said) as caught:
         read_mesh(bad(tmp_path, name, content))
-    assert "\n" not in str(caught.value)
+    assert len(str(caught.value).splitlines()) <= 4
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".dae"])
@@ -233,7 +233,7 @@ def test_large_files_are_refused_before_they_are_read(tmp_path, monkeypatch):
     path = tmp_path / "large.stl"
     with path.open("wb") as file:
         file.truncate(mesh_limits.MOST_TRIANGLES * 500)
-    with pytest.raises(UsageFault, match="larger than 200 MB"):
+    with pytest.raises(UsageFault, match="it has 500,000,000 bytes, more than 200,000,000"):
         read_mesh(path)
     monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 10)
     for suffix in (".stl", ".obj", ".dae"):
@@ -244,7 +244,7 @@ def test_large_files_are_refused_before_they_are_read(tmp_path, monkeypatch):
 def test_a_folder_and_nothing(tmp_path):
     (tmp_path / "a.stl").mkdir()
     for name in ("a.stl", "b.stl"):
-        with pytest.raises(UsageFault, match="not a file"):
+        with pytest.raises(UsageFault, match=r"it is a folder|no such file"):
             read_mesh(tmp_path / name)
 
 

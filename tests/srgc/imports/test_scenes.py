@@ -163,7 +163,7 @@ def test_planes_are_listed_and_a_floor_is_a_bound(tmp_path):
         ("cell\n* a\n0 0 0\n0 0 0 1\n1\nmesh\n99999999999 9999999999\n", "may have"),
         ("cell\n* a\n0 0 0\n0 0 0 1\n1\nmesh\n3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 7\n", "not there"),
         ("cell\nbox\n", "is due"),
-        ("cell\n.\n", "nothing that collides"),
+        ("cell\n.\n", "nothing in it collides"),
     ],
 )
 def test_scenes_with_faults(tmp_path, content, said):
@@ -313,7 +313,7 @@ def test_a_model_that_includes_itself(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("<sdf/>", "nothing that collides"),
+        ("<sdf/>", "nothing in it collides"),
         ("<urdf/>", "no SDF file"),
         ("<sdf><world", "no XML"),
         ("<!DOCTYPE a [<!ENTITY b 'c'>]><sdf>&b;</sdf>", "document type"),
@@ -392,7 +392,7 @@ def test_the_command_writes_a_clean_spec(srgc, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["a.txt"], "no scene, by the end"),
+        (["a.txt"], "it is no scene"),
         (["none.scene"], "none.scene"),
         (["b.stl", "--unit", "ft"], "--unit"),
         (["c.scene", "--unit", "mm"], "in metres"),

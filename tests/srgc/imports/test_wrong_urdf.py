@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -24,8 +25,8 @@ WRONG = {
         r":3: .*principal moment -1 kg",
     ),
     "no limits": (robot(A, B, joint("revolute")), r":4: joint `j` lacks <limit"),
-    "floating": (robot(A, B, joint("floating")), r":4: joint `j` is floating.*--fix j"),
-    "no such type": (robot(A, B, joint("ball")), r":4: joint `j` has the type `ball`; known: rev"),
+    "floating": (robot(A, B, joint("floating")), r":4: joint `j` is fl(?s:.*)--fix j"),
+    "no such type": (robot(A, B, joint("ball")), r":4: joint `j` has the type `ball`(?s:.*) rev"),
     "no axis": (robot(A, B, joint("revolute", LIMIT, axis="0 0 0")), r":4: .* the axis 0"),
     "an axis of two": (robot(A, B, joint("revolute", LIMIT, axis="0 1")), r":4: .*3 numbers are"),
     "nan": (robot(A, B, joint("revolute", LIMIT, axis="nan 0 1")), r":4: .*not finite"),
@@ -49,7 +50,7 @@ WRONG = {
     "no mass": (robot(A, '<link name="b"/>', joint("revolute", LIMIT)), r":4: .*without any mass"),
     "mimics nothing": (
         robot(A, B, joint("revolute", LIMIT + '<mimic joint="jj"/>')),
-        r":4: joint `j` mimics `jj`, which is no joint; did you mean `j`",
+        r":4: joint `j` mimics `jj`, which is no joint(?s:.*)did you mean `j`",
     ),
     "twice": (robot(A, A), r":3: a second link `a`, after that of line 2"),
     "no such link": (
@@ -60,8 +61,8 @@ WRONG = {
         r":2: `radius` is `0`, and has to be above 0",
     ),
     "no robot": ('<sdf version="1.6"/>', r":1: the root is <sdf>"),
-    "cut off": (robot(A, B, joint("revolute", LIMIT))[:-60], r":\d+:\d+: this is no XML"),
-    "empty": ("", r"this is no XML"),
+    "cut off": (robot(A, B, joint("revolute", LIMIT))[:-60], r":4:99: .*this is no XML"),
+    "empty": ("", r"it is empty"),
     "entities": (
         '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]><robot name="&b;"/>',
         r"document type|no XML",
@@ -75,16 +76,17 @@ WRONG = {
     "a mesh at the root": (robot(link("a", more=MESH.format("/m.stl"))), r"leads out of the fold"),
     "a package nowhere": (
         robot(link("a", more=MESH.format("package://nope/m.stl"))),
-        r"resolves nowhere: .*--package nope=DIR",
+        r"resolves nowhere(?s:.*)--package nope=DIR",
     ),
-    "a mesh of the net": (robot(link("a", more=MESH.format("http://x.y/m.stl"))), r"only files"),
-    "no such mesh": (robot(link("a", more=MESH.format("m.stl"))), r"`m.stl`: there is no such f"),
+    "a mesh of the net": (robot(link("a", more=MESH.format("http://x.y/m.stl"))), r"is not read"),
+    "no such mesh": (robot(link("a", more=MESH.format("m.stl"))), r"`m.stl` is no file that"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", WRONG)
 def test_one_message(name, tmp_path, capsys, monkeypatch):
     text, says = WRONG[name]
+    says = re.sub(r"^:(\d): ", r":\1:\\d+: error\\[SRG0803\\]: ", says)
     inner = tmp_path / "inner"
     inner.mkdir()
     (tmp_path / "m.stl").write_text("solid\nendsolid\n")
@@ -96,8 +98,8 @@ def test_one_message(name, tmp_path, capsys, monkeypatch):
     assert run(["import", "urdf", "r.urdf"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert err.startswith("error: r.urdf")
-    assert len(err.splitlines()) == 1
+    assert re.match(r"r\.urdf:\d+:\d+: error\[SRG080[123]\]: ", err)
+    assert len(err.splitlines()) <= 4
     assert "SECRET" not in err
     assert sorted(path.name for path in inner.iterdir()) == ["r.urdf", "secret.txt"]
 
