@@ -115,7 +115,8 @@ class BodyMeshes:
 
 def _told(owner: str, file: str, cut: Pieces) -> str:
     """What convex pieces make of a mesh."""
-    count = "1 convex piece" if len(cut.pieces) == 1 else f"{len(cut.pieces)} convex pieces"
+    one = len(cut.pieces) == 1
+    count = "1 convex piece, which adds" if one else f"{len(cut.pieces)} convex pieces, which add"
     notes = "".join(f"; {note}" for note in cut.notes)
     share = 100 * cut.measures.added
-    return f"`{visible(file)}` of {owner}: {count}, which add {share:.1f} % to its volume{notes}"
+    return f"`{visible(file)}` of {owner}: {count} {share:.1f} % to its volume{notes}"
