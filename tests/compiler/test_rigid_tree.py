@@ -6,7 +6,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import trimesh
 
+import srgc
 from compiler.arrays import Array
 from compiler.expressions.evaluators.balls import ball, working_precision
 from compiler.expressions.scalars import Constant
@@ -14,6 +16,7 @@ from compiler.rigid_links.ball_pose import WORLD_POSE, doubles
 from compiler.rigid_links.mass_moments import Inertial, inertial, token
 from compiler.rigid_links.rigid_tree import PRECISION, RigidTreeError, axis_of, rigid_tree
 from compiler.robots.robot import WORLD, RobotModel, SolidBody
+from tests.conftest import ROOT
 from tests.oracles.robots import Builder, interval
 
 TINY = Fraction(1, 10**9)
@@ -223,3 +226,15 @@ def test_a_length_without_a_value_is_refused() -> None:
     builder.rod(builder.joint(WORLD), "x", root)
     with pytest.raises(RigidTreeError, match="no value"):
         rigid_tree(builder.build(), ())
+
+
+def test_the_quill_and_the_flange_of_the_scara_are_cylinders() -> None:
+    """The tensor of a cylinder of so long an axis, from the mesh library trimesh."""
+    program = srgc.load(ROOT / "specs" / "scara_place.srg")
+    (word,) = srgc.words(program, limit=2)
+    model = srgc.robot(program, word).chosen.model
+    last = len(rigid_tree(model, ()).links) - 1
+    for number, mass, radius, length in ((last - 1, 1, 0.01, 0.266), (last, 0.5, 0.025, 0.03)):
+        solid = trimesh.primitives.Cylinder(radius, length)
+        due = mass / solid.volume * solid.moment_inertia
+        np.testing.assert_allclose(tensor(link_inertial(model, number)), due, atol=1e-8)
