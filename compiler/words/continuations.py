@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -48,10 +49,9 @@ def _inside(grammar: BinaryGrammar, mask: int) -> list[int]:
             for symbol in right:
                 if symbol >= first:
                     users[symbol - first][k] = None
-    todo = dict.fromkeys(range(len(rules)))
+    todo = OrderedDict.fromkeys(range(len(rules)))
     while todo:
-        k = next(iter(todo))
-        del todo[k]
+        k, _ = todo.popitem(last=False)
         bits = 0
         for right in rules[k]:
             parts = [2 if s < first else inside[s - first] for s in right]

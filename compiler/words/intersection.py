@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -77,10 +78,9 @@ class BinaryGrammar:
             for symbol in right:
                 if symbol >= self.terminals:
                     users[symbol - self.terminals][k] = None
-        todo = dict.fromkeys(range(len(self.rules)))
+        todo = OrderedDict.fromkeys(range(len(self.rules)))
         while todo:
-            k = next(iter(todo))
-            del todo[k]
+            k, _ = todo.popitem(last=False)
             found = self._least(k, least, weights)
             if found != least[k]:
                 least[k] = found

@@ -172,13 +172,15 @@ def following(edge: Edge, around: Mapping[Ray, Sequence[Edge]]) -> Edge:
 def traced(edges: Sequence[Edge]) -> list[tuple[Ray, ...]]:
     """The cycles of the edges, each with the corners where it turns."""
     around = outgoing(edges)
-    left = dict.fromkeys(edges)
+    left = set(edges)
     cycles: list[tuple[Ray, ...]] = []
-    while left:
-        first = edge = next(iter(left))
+    for first in edges:
+        if first not in left:
+            continue
+        edge = first
         cycle: list[Edge] = []
         while edge in left:
-            del left[edge]
+            left.remove(edge)
             cycle.append(edge)
             edge = following(edge, around)
         if edge != first:
