@@ -16,6 +16,9 @@ NotFound: TypeAlias = Literal["impossible", "unknown"]
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
 """What is said of a task (docs/explanation/guarantees.md): only the first two are proved."""
 
+MISSION = "mission.json"
+"""The file in which a result folder claims something of a mission."""
+
 W_co = TypeVar("W_co", covariant=True)
 C_co = TypeVar("C_co", covariant=True)
 

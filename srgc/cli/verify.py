@@ -79,7 +79,7 @@ def verify(
     certificate about anything else is not judged, and the status is 6.  The report is the same,
     whatever --jobs.
     """
-    from solvers.verifier.claims.mission_claim import MISSION
+    from solvers.verdict import MISSION
     from solvers.verifier.proofs.scene import Watch
     from solvers.verifier.verification import Expected, Outcome, verify_directory
     from srgc.paths import no_folder

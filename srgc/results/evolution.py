@@ -6,8 +6,9 @@ from pathlib import Path
 
 from compiler.missions.module_differences import module_differences
 from grammar_lang import ir
+from solvers.verdict import MISSION
 from solvers.verifier.claims.certificate import FoundClaim
-from solvers.verifier.claims.mission_claim import MISSION, ExistingClaim
+from solvers.verifier.claims.mission_claim import ExistingClaim
 from solvers.verifier.missions.robot_before import parameter_names
 from srgc.faults import Argument, UsageFault
 from srgc.paths import no_folder

@@ -17,8 +17,9 @@ from compiler.missions.parameter_ranges import Range, Ranges, single
 from compiler.missions.robot_changes import Built, Changes, built, built_of, changes
 from compiler.workspaces.map_header import MapFault
 from grammar_lang import ir
+from solvers.verdict import MISSION
 from solvers.verifier.claims.certificate import CertificateError, exact
-from solvers.verifier.claims.mission_claim import MISSION, MissionClaim, mission_from_text
+from solvers.verifier.claims.mission_claim import MissionClaim, mission_from_text
 from solvers.verifier.claims.spec_copy import bounded_text, read_copy
 from solvers.verifier.missions.robot_before import posed_mission
 from srgc.faults import UsageFault

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.files.file_tree import visible
-from solvers.verifier.claims.mission_claim import MISSION
+from solvers.verdict import MISSION
 from srgc.faults import UsageFault
 from srgc.results.result_folder import json_object
 

@@ -21,8 +21,9 @@ from solvers.run_context import EVALUATIONS, PATHS
 from solvers.search.family_search import Proved
 from solvers.search.path_task import Design
 from solvers.search.synthesis import Synthesis
+from solvers.verdict import MISSION
 from solvers.verifier.claims.certificate import exact, spec_digest
-from solvers.verifier.claims.mission_claim import MISSION, ExistingClaim, PosedClaim
+from solvers.verifier.claims.mission_claim import ExistingClaim, PosedClaim
 from srgc.interruption import resumable
 from srgc.results.folder_writer import FolderWriter
 from srgc.results.mission_files import (

@@ -26,7 +26,6 @@ from solvers.verifier.claims.json_fields import expect_keys, number, objects, te
 from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
 from solvers.verifier.claims.structure_claims import StructureClaim, structure_claims
 
-MISSION = "mission.json"
 FORMAT = 1
 MOST_DEPTH = 100
 """Boxes are cut at most so many times in turn; trees that are deeper cost stack to walk through."""

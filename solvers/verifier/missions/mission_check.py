@@ -15,13 +15,12 @@ from compiler.robots.normal_form import family_of
 from compiler.words.structures import InfiniteAmbiguityError
 from compiler.workspaces.map_header import MapFault
 from grammar_lang import ir
-from solvers.verdict import Claimed
+from solvers.verdict import MISSION, Claimed
 from solvers.verifier.claims.certificate import (
     CertificateError,
     FoundClaim,
 )
 from solvers.verifier.claims.mission_claim import (
-    MISSION,
     MissionClaim,
     mission_from_text,
 )

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from lsprotocol import types as lsp
+from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 
 from grammar_lang.diagnostics.diagnostic import Severity
@@ -338,13 +339,13 @@ def kind_of(given: Sequence[str]) -> Kind:
     """What a command is about, by its further arguments: a task, where there are none.
 
     Raises:
-        RequestRefused: there is no such kind.
+        JsonRpcInvalidParams: there is no such kind.
     """
     if given in ((), ("task",)):
         return "task"
     if given == ("mission",):
         return "mission"
-    raise RequestRefused("a command is about a `task` or a `mission`")
+    raise JsonRpcInvalidParams("a command is about a `task` or a `mission`")
 
 
 Running = Mapping[tuple[str, str], str]

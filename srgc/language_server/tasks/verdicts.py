@@ -11,7 +11,7 @@ from typing import Any
 
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.file_tree import decoded
-from solvers.verifier.claims.mission_claim import MISSION
+from solvers.verdict import MISSION
 from srgc.faults import UsageFault
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.projects import bytes_of

@@ -9,8 +9,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from solvers.verdict import MISSION
 from solvers.verifier.claims.lemma_claims import VariantClaim, WeightsClaim
-from solvers.verifier.claims.mission_claim import MISSION, LeafClaim, MissionClaim, TreeClaim
+from solvers.verifier.claims.mission_claim import LeafClaim, MissionClaim, TreeClaim
 from solvers.verifier.claims.spec_copy import bounded_bytes, files_of
 from solvers.verifier.missions.mission_check import MissionReport, verify_mission
 from solvers.verifier.proofs.scene import UNWATCHED, Watch
