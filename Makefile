@@ -138,6 +138,7 @@ TIMOR := timor-python==1.1.1 pygad==3.9.2 ompl==2.0.1 toppra==0.6.10 tqdm==4.67.
 
 lock:
 	$(COMPILE) --extra test -o requirements/dev.lock pyproject.toml
+	$(COMPILE) -c requirements/dev.lock -o requirements/run.lock pyproject.toml
 	$(COMPILE) --extra bench -c requirements/dev.lock -o requirements/bench.lock pyproject.toml
 	$(COMPILE) --extra oracles -c requirements/dev.lock -o requirements/slow.lock pyproject.toml
 	printf '%s\n' $(TIMOR) | $(COMPILE) -o requirements/timor.lock -
