@@ -6,7 +6,7 @@ export OMP_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo quick test timings test-slow coverage docs editor pictures golden grammar fmt lint types
-.PHONY: dist hooks bench lock clean
+.PHONY: dist sbom hooks bench lock clean
 
 KERNEL := compiler/expressions/machine/ball_kernel.c
 
@@ -98,6 +98,7 @@ lint: .venv/installed
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.citation-file-format --default-filetype yaml CITATION.cff
 	$(BIN)/pre-commit validate-config
 
 types: .venv/installed
@@ -109,6 +110,11 @@ dist: .venv/installed
 	rm -rf out/dist
 	$(BIN)/python -m build --no-isolation --outdir out/dist
 	PYTHON=$(PYTHON) bash .ci/try_wheel out/dist/*.whl
+
+# What the lock files bring, for those who have to keep account of it, as out/sbom/run.cdx.json (what
+# srgc needs to run) and out/sbom/dev.cdx.json (with what its tests need).
+sbom: .venv/installed
+	PYTHON=$(BIN)/python bash .ci/sbom out/sbom
 
 # Runs `make lint` and `make quick` at each commit and push.
 hooks: .venv/installed
@@ -138,6 +144,7 @@ TIMOR := timor-python==1.1.1 pygad==3.9.2 ompl==2.0.1 toppra==0.6.10 tqdm==4.67.
 
 lock:
 	$(COMPILE) --extra test -o requirements/dev.lock pyproject.toml
+	$(COMPILE) -c requirements/dev.lock -o requirements/run.lock pyproject.toml
 	$(COMPILE) --extra bench -c requirements/dev.lock -o requirements/bench.lock pyproject.toml
 	$(COMPILE) --extra oracles -c requirements/dev.lock -o requirements/slow.lock pyproject.toml
 	printf '%s\n' $(TIMOR) | $(COMPILE) -o requirements/timor.lock -

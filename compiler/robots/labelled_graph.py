@@ -19,15 +19,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from compiler.robots.frame_parents import frame_parents
 from compiler.robots.frame_paths import BRACKETS, OPENING, bracket_partners, word_neighbours
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
-
-if TYPE_CHECKING:
-    import networkx as nx
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,17 +69,6 @@ class LabelledGraph:
         """The places of the modules that stand on no other."""
         upper = {edge.upper for edge in self.edges}
         return tuple(node.place for node in self.nodes if node.place not in upper)
-
-    def to_networkx(self) -> nx.DiGraph:
-        """Nodes by place with ``module`` (Sigma), edges with ``edge`` (Gamma, joined by blanks)."""
-        import networkx as nx
-
-        graph = nx.DiGraph()
-        for node in self.nodes:
-            graph.add_node(node.place, module=node.module)
-        for edge in self.edges:
-            graph.add_edge(edge.lower, edge.upper, edge=" ".join(edge.label))
-        return graph
 
 
 def labelled_graph(

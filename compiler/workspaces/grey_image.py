@@ -328,15 +328,18 @@ def _plain(body: bytes, count: int) -> Values:
 
 SCALED = {2: 85, 4: 17}
 """Bits of a sample of a PNG, and by what Pillow multiplies samples of so many bits."""
+_INSTALL = 'install it with `pip install "srgc[png]"`, or save the image as PGM'
 
 
 def _png(data: bytes) -> GreyImage:
     import struct
     import zlib
 
-    from PIL.Image import DecompressionBombError
-
     chunks = png_chunks(data)
+    try:
+        from PIL.Image import DecompressionBombError
+    except ModuleNotFoundError:
+        raise MapFault("a map in PNG needs the library Pillow", _INSTALL, None) from None
     try:
         return _opened(chunks)
     except (OSError, SyntaxError, ValueError, EOFError, struct.error, zlib.error) as error:

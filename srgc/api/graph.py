@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # --- Pictures as graphs of networkx (Hagberg, Schult & Swart 2008) --------------------------------
 
+INSTALL = 'this needs the library networkx: pip install "srgc[networkx]"'
+
 
 def to_networkx(picture: Picture) -> nx.MultiDiGraph:
     """The picture's nodes, by key, and edges, each with what is drawn and what it stands for.
@@ -25,8 +27,14 @@ def to_networkx(picture: Picture) -> nx.MultiDiGraph:
     Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data``; edges have
     ``label``, ``highlighted`` and ``data``.  The graph has ``name`` and ``title``.  The edges of a
     picture without directions lead both ways.
+
+    Raises:
+        UsageFault: networkx is not installed.
     """
-    import networkx as nx
+    try:
+        import networkx as nx
+    except ModuleNotFoundError:
+        raise UsageFault(INSTALL) from None
 
     initial = {arrow.head for arrow in picture.initial}
     graph = nx.MultiDiGraph(name=picture.name, title=picture.title)
@@ -77,11 +85,15 @@ class Graph:
 
         return to_dot(self.picture)
 
+    @spoken
     def networkx(self) -> MultiDiGraph:
         """The graph as one of networkx.
 
         Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data`` (what they
         stand for), edges ``label``, ``highlighted`` and ``data``.
+
+        Raises:
+            SrgcError: networkx is not installed.
         """
         return to_networkx(self.picture)
 

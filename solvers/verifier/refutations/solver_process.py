@@ -350,7 +350,7 @@ def smt_solver(name: str) -> SmtSolver:
         if solver.name == name:
             return solver
     listed = ", ".join(f"`{solver.name}`" for solver in here) or "none"
-    hint = "; `pip install srgc[smt]` brings cvc5" if name == "cvc5" else ""
+    hint = '; `pip install "srgc[cvc5]"` brings it' if name == "cvc5" else ""
     raise UnknownSolverError(f"there is no SMT solver `{name}`; here are {listed}{hint}")
 
 
