@@ -29,7 +29,7 @@ from grammar_lang.files.file_tree import IMAGE_LIMIT, LIMIT
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.ir import expressions
 from grammar_lang.parsing import lalr, parse, tree_builder
-from grammar_lang.parsing.lalr import RESERVED
+from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.units import MAX_EXPONENT, UNIT_NAMES, unit
 from solvers.conclusion import DEFAULT_MODULES
 from srgc.session import check_file

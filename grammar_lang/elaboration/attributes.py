@@ -89,7 +89,7 @@ def occurrence_of(owner: s.Ident, info: ProductionInfo, sink: Sink) -> int | Non
         sink.error(Code.AMBIGUOUS_OCCURRENCE, message, owner.span, hint)
         return None
     message = f"no symbol is called `{owner.text}` on the right side of production `{label}`"
-    if owner.text == info.production.left:
+    if owner.text in {info.production.left, "self"}:
         hint = "the left side is called `this`"
     else:
         hint = did_you_mean(owner.text, ("this", *info.names), "symbol", sink)

@@ -124,6 +124,14 @@ def _shift(expr: s.Expr, elaborate: Elaborate, scope: Scope, sink: Sink) -> Type
     return Typed(ir.Shift(vector, scope.mentions([expr])), Sort.FRAME, None)
 
 
+def _misused(call: s.Call, scope: Scope) -> Typed:
+    """No frame; it is no news that the degrees of freedom in the call are used wrongly."""
+    for found in readings(a.value for a in call.arguments):
+        if scope.dof(found) is not None:
+            scope.use_dof(found)
+    return UNKNOWN
+
+
 def frame_call(
     function: Literal["rot", "move"],
     call: s.Call,
@@ -143,10 +151,12 @@ def frame_call(
         )
         message = f"`{function}` does not take these arguments"
         sink.error(Code.SORT_MISMATCH, message, call.span, f"write {form}")
-        for found in readings(a.value for a in call.arguments):
-            if scope.dof(found) is not None:
-                scope.use_dof(found)  # it is no news that this one is used wrongly
-        return UNKNOWN
+        return _misused(call, scope)
+    last = axis_of(arguments[1])
+    if last is not None and axis_of(arguments[0]) is None:
+        message, hint = f"`{function}` takes the axis first", f"write `{function}({last}, …)`"
+        sink.error(Code.SORT_MISMATCH, message, call.span, hint)
+        return _misused(call, scope)
     axis = require_axis(arguments[0], sink)
     before = len(sink.found)
     amount = _amount(function, axis, arguments[1], elaborate, scope, sink)

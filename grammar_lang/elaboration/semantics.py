@@ -125,7 +125,7 @@ def _block(
     meshes: Mapping[Span, ir.Mesh | ir.VisualFile],
     sink: Sink,
 ) -> ir.SemanticBlock:
-    production = scope.info.production
+    production, before = scope.info.production, len(sink.found)
     modules = [scope.modules.get(symbol.name) for symbol in production.right]
     emissions = Emissions(scope, sink, modules, meshes)
     by_place = {placed.span: placed for placed in rules}
@@ -142,7 +142,7 @@ def _block(
                 lowered += frames
                 emitted += bodies
     if not scope.info.broken and production.label not in scope.attributes.failed:
-        if None not in emitted:
+        if None not in emitted and not Sink(sink.found[before:]).has_errors:
             _check_dofs(scope, block, sink)
         _check_mounted(scope, block, sink)
     return ir.semantic_block(lowered, (e for e in emitted if e is not None), block.span)

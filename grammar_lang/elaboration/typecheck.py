@@ -59,6 +59,10 @@ def plain_name(ident: s.Ident, known: tuple[str, ...], sink: Sink) -> Typed:
     if ident.text == "pi":
         return Typed(ir.Pi(), Sort.SCALAR, None)
     hint = did_you_mean(ident.text, (*known, "pi"), "name", sink)
+    if ident.text in UNIT_NAMES:
+        hint = "a unit follows its number without blanks in it, as in `2 kg/m`"
+    elif ident.text.lower() == "world":
+        hint = "did you mean `world`?"
     sink.error(Code.UNKNOWN_NAME, f"unknown name `{ident.text}`", ident.span, hint)
     return UNKNOWN
 
@@ -192,8 +196,11 @@ class Checker:
         hint = did_you_mean(name, (*FUNCTIONS, *self.functions), "function", self.sink)
         self.sink.error(Code.UNKNOWN_NAME, f"unknown function `{name}`", at, hint)
         for argument in call.arguments:
-            if not isinstance(argument.value, s.AxisName):
-                self.elaborate(argument.value)
+            value = argument.value
+            if isinstance(value, s.Member | s.Name) and self.scope.dof(value) is not None:
+                self.scope.use_dof(value)
+            elif not isinstance(value, s.AxisName):
+                self.elaborate(value)
 
     def _function(self, function: ir.Function, call: s.Call) -> Typed:
         if len(call.arguments) != 1 or call.arguments[0].name is not None:

@@ -139,7 +139,8 @@ class _Traversal:
                 continue
             read = read_visual if emission.kind.text == "visual" else read_mesh
             for argument in emission.arguments:
-                if isinstance(argument.value, s.Text):
+                named = argument.name is not None and argument.name.text == "file"
+                if named and isinstance(argument.value, s.Text):
                     found = read(argument.value.ident, base, self.files)
                     if found is not None:
                         self.meshes[argument.value.ident.span] = found

@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 from grammar_lang import syntax as s
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import did_you_mean
-from grammar_lang.parsing.lalr import RESERVED
+from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.source import Span, node
 from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t

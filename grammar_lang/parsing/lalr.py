@@ -1,115 +1,30 @@
-"""The LALR(1) parser and its tables."""
+"""The LALR(1) parser: a stack of its own, values built bottom-up, errors survived.
+
+After an error the statement is repaired, where one token more, less or other does it, or dropped,
+and parsing goes on with the next one.  Missing ``}`` at the end of an item are supplied.
+
+Source: A. V. Aho, M. S. Lam, R. Sethi, J. D. Ullman, *Compilers*, sections 4.7 and 4.8.3 (panic
+mode and phrase-level recovery).
+"""
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
+from grammar_lang.parsing.repair import UNIT, Place, Repair, find, unread
+from grammar_lang.parsing.tables import END, RESERVED, Reduction, Tables
 from grammar_lang.parsing.tokens import SKIPPED, WORD, RawItem, Tokens
 from grammar_lang.source import Span
-from grammar_lang.units import UNIT_NAMES
-
-# --- The tables of the LALR(1) parser, read from ``tables.json`` ----------------------------------
-#
-# Source: A. V. Aho, M. S. Lam, R. Sethi, J. D. Ullman, *Compilers*, section 4.7.
-
-
-END = "$END"
-RESERVED = ("and", "or", "not", "empty", "this", "world", "start", "accept", "x", "y", "z")
-
-
-@dataclass(frozen=True, slots=True)
-class Reduction:
-    """A rule: it replaces ``size`` symbols by ``origin`` and its value is built of its parts.
-
-    ``parts`` are the positions of the symbols kept, -1 for an absent optional one, and whether it
-    is a repetition, whose values are put in its place.  A ``transparent`` rule with one kept value
-    has that value itself; without a ``builder`` the value is the list of what is kept.  A rule that
-    ``passes`` only renames its one symbol.
-    """
-
-    origin: str
-    size: int
-    builder: str
-    parts: tuple[tuple[int, bool], ...]
-    transparent: bool
-    passes: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Tables:
-    """``actions[s]``: per terminal the next state, or ``-1 - k`` for the reduction ``rules[k]``."""
-
-    end: int
-    words: frozenset[str]
-    rules: Sequence[Reduction]
-    actions: Sequence[Mapping[str, int]]
-    gotos: Sequence[Mapping[str, int]]
-
-    def after(self, state: int, terminal: str) -> int | None:
-        """The state to which a state shifts a terminal, if it does."""
-        action = self.actions[state].get(terminal, -1)
-        return action if action >= 0 else None
-
-    def accepts(self, states: Sequence[int], terminal: str) -> bool:
-        """Whether a stack of states will shift a terminal, after some reductions."""
-        stack = list(states)
-        while (action := self.actions[stack[-1]].get(terminal)) is not None:
-            if action >= 0:
-                return True
-            rule = self.rules[-1 - action]
-            del stack[len(stack) - rule.size :]
-            stack.append(self.gotos[stack[-1]][rule.origin])
-            if terminal == END and stack[-1] == self.end:
-                return True
-        return False
-
-    def expected(self, states: Sequence[int]) -> frozenset[str]:
-        """The terminals that may stand next."""
-        return frozenset(t for t in self.actions[states[-1]] if self.accepts(states, t))
-
-
-@cache
-def tables() -> Tables:
-    """The tables of the language."""
-    content = json.loads(Path(__file__).with_name("tables.json").read_text(encoding="utf-8"))
-    rules = [
-        Reduction(
-            rule["origin"],
-            rule["size"],
-            rule["builder"],
-            tuple(zip(rule["keep"], rule["splice"], strict=True)),
-            rule["transparent"],
-            rule["transparent"] and rule["size"] == 1 and rule["splice"] == [False],
-        )
-        for rule in content["rules"]
-    ]
-    return Tables(
-        content["end"], frozenset(content["words"]), rules, content["actions"], content["gotos"]
-    )
-
-
-# --- The parser: LALR(1) with a stack of its own, values built bottom-up, errors survived ---------
-#
-# Source: A. V. Aho, M. S. Lam, R. Sethi, J. D. Ullman, *Compilers*, sections 4.7 and 4.8.3 (panic
-# mode).  After an error the statement is dropped and parsing goes on with the next one; a missing
-# ``;`` at the end of a line and missing ``}`` at the end of an item are supplied.
-
 
 MAX_DEPTH = 100
 TOO_DEEP = frozenset({"less depth"})
 """Stands for the expected terminals where the trouble is the depth."""
 
-_NAMES = "|".join(sorted(UNIT_NAMES, key=lambda name: (-len(name), name)))
-_UNIT = re.compile(
-    rf"(?:{_NAMES})(?:\^-?[0-9]+)?(?:[*/](?:{_NAMES})(?:\^-?[0-9]+)?)*(?![A-Za-z0-9_.(])"
-)
 _RESERVED = frozenset(RESERVED)
+_PATTERNS = frozenset({"NAME", "NUMBER", "STRING", "UNIT"})
+"""The terminals that are not called by their text."""
 
 
 class Token(NamedTuple):
@@ -121,7 +36,7 @@ class Token(NamedTuple):
 
 
 Builder: TypeAlias = Callable[[list[Any], Span], object]
-Complain: TypeAlias = Callable[[int, frozenset[str]], bool]
+Complain: TypeAlias = Callable[[Place, Repair | None], bool]
 
 
 @dataclass(slots=True)
@@ -163,9 +78,9 @@ class _Stack:
 class Parser:
     """Parses items of one text; ``builders`` make the values, ``complain`` reports errors.
 
-    ``complain(i, expected)`` is told the token that does not fit (the one after the last where the
-    item ends too early) and the terminals that would; where it answers False, the rest of the item
-    is not read.  Words of what is dropped go to ``skipped``.
+    ``complain(place, repair)`` is told where a token does not fit (the one after the last where the
+    item ends too early) and what would mend it; where it answers False, the rest of the item is not
+    read.  Words of what is dropped go to ``skipped``.
     """
 
     tables: Tables
@@ -175,10 +90,12 @@ class Parser:
     skipped: set[str] = field(default_factory=set[str])
     _stack: _Stack = field(default_factory=_Stack)
     _failed: bool = False
+    _quiet: int = -1
+    """Up to this token all is told of the statement."""
 
     def item(self, raw: RawItem) -> tuple[object | None, bool]:
         """The value of an item, None if nothing of it can be used, and whether it is sound."""
-        self._stack, self._failed = _Stack(), False
+        self._stack, self._failed, self._quiet = _Stack(), False, -1
         here, stop = raw.first, raw.stop
         while here < stop:
             terminal = self._terminal(here)
@@ -194,7 +111,7 @@ class Parser:
 
     def expected(self, raw: RawItem) -> frozenset[str]:
         """The terminals that may stand after the tokens of an unfinished item."""
-        self._stack, self._failed = _Stack(), False
+        self._stack, self._failed, self._quiet = _Stack(), False, -1
         here: int | None = raw.first
         while here is not None and here < raw.stop:
             found = self._advance(self._terminal(here), here)
@@ -205,7 +122,7 @@ class Parser:
         """The value at the end of an item; braces left open are closed."""
         while (expected := self._advance(END, raw.stop)) is not None:
             told = self._failed and expected is not TOO_DEEP
-            if not told and not self._complain(raw.stop, expected):
+            if not told and not self._complain(self._place(raw.stop, raw.stop, expected), None):
                 self._skip(raw.first, raw.stop)
                 return None, False
             closer = next((c for c in (";", "}") if c in expected), None)
@@ -214,14 +131,14 @@ class Parser:
                 if point is None:
                     self._skip(raw.first, raw.stop)
                     return None, False
-                self._drop(point, raw.stop)
+                self._drop(point, raw.stop, raw.stop)
             if self._advance(closer or "}", raw.stop - 1) is not None:
                 return None, False
         return self._stack.values[0], not self._failed
 
-    def _complain(self, here: int, expected: frozenset[str]) -> bool:
+    def _complain(self, place: Place, repair: Repair | None) -> bool:
         self._failed = True
-        return self.complain(here, expected)
+        return place.here <= self._quiet or self.complain(place, repair)
 
     # --- one token -----------------------------------------------------------------------------
 
@@ -243,7 +160,7 @@ class Parser:
 
     def _unit(self, here: int) -> bool:
         tokens = self.tokens
-        match = _UNIT.match(tokens.text, tokens.starts[here])
+        match = UNIT.match(tokens.text, tokens.starts[here])
         if match is None:
             return False
         end = match.end()
@@ -290,9 +207,9 @@ class Parser:
         for place, splice in rule.parts:
             value: Any = None if place < 0 else values[base + place]
             if type(value) is int:
-                start, end = tokens.starts[value], tokens.ends[value]
-                span = Span(start, end, tokens.file)
-                value = Token(tokens.kinds[value], tokens.text[start:end], span)
+                start, end, kind = tokens.starts[value], tokens.ends[value], tokens.kinds[value]
+                token = tokens.text[start:end] if kind in _PATTERNS else kind
+                value = Token(kind, token, Span(start, end, tokens.file))
             if not splice:
                 children.append(value)
             elif children:
@@ -317,20 +234,63 @@ class Parser:
 
     def _recover(self, here: int, stop: int, expected: frozenset[str]) -> int | None:
         """Report an error and give the token to go on with; None where the item is lost."""
-        tokens = self.tokens
-        if not self._complain(here, expected):
+        self._settle()
+        place = self._place(here, stop, expected)
+        repair = None if expected is TOO_DEEP else find(place)
+        if not self._complain(place, repair):
             self._skip(self._stack.firsts[0] if self._stack.firsts else here, stop)
             return None
-        if ";" in expected and (tokens.on_new_line(here) or tokens.kinds[here] == "}"):
-            self._advance(";", here - 1)
-            if tokens.kinds[here] in {"NAME", tokens.at(here)} and tokens.at(here).isidentifier():
-                tokens.kinds[here] = WORD  # it may be a keyword of the next statement
-            return here
+        if repair is not None and repair.supplied:
+            return self._supply(place, repair)
+        if repair is not None and repair.instead:
+            return self._replace(repair)
         point = self._recovery_point()
         if point is None:
             self._skip(self._stack.firsts[0] if self._stack.firsts else here, stop)
             return None
-        return self._drop(point, self._resume(here, stop, point))
+        return self._drop(point, here, self._resume(here, stop, point))
+
+    def _settle(self) -> None:
+        """Reduce what is complete whatever follows, such as a statement that has ended."""
+        rows, states = self.tables.actions, self._stack.states
+        while len(actions := {*rows[states[-1]].values()}) == 1 and (action := actions.pop()) < 0:
+            rule = self.tables.rules[-1 - action]
+            if rule.passes:
+                states[-1] = self.tables.gotos[states[-2]][rule.origin]
+            elif not self._reduce(rule):
+                return
+
+    def _place(self, here: int, stop: int, expected: frozenset[str]) -> Place:
+        """Where a token does not fit, and the statement it is in; without one, the item."""
+        stack, size = self._stack, self._recovery_point() or 0
+        first = stack.firsts[size] if size < len(stack.firsts) else here
+        states = tuple(stack.states)
+        return Place(
+            self.tables, self.tokens, states[: size + 1], states, first, here, stop, expected
+        )
+
+    def _supply(self, place: Place, repair: Repair) -> int:
+        """Read the statement again as one that ends before the token of the repair."""
+        tokens, line = self.tokens, repair.here
+        if line < place.here:
+            self._stack.cut(len(place.opening) - 1)
+            here = place.first
+            while here < line:
+                self._advance(tokens.kinds[here], here)
+                here = self._after(here)
+        self._advance(repair.missing, line - 1)
+        for index in range(line, self._after(place.here)):
+            tokens.kinds[index], tokens.ends[index] = unread(tokens, index)
+        return line
+
+    def _replace(self, repair: Repair) -> int:
+        """Take tokens for other ones; where that does not mend all, no more is told of it."""
+        for index, terminal in repair.instead.items():
+            self.tokens.kinds[index] = terminal
+        if not repair.whole and not repair.plain:
+            self._quiet = repair.stop
+        here = repair.here
+        return self._after(here) if self.tokens.kinds[here] == SKIPPED else here
 
     def _recovery_point(self) -> int | None:
         """How many values to keep so that a statement may begin after them."""
@@ -372,14 +332,20 @@ class Parser:
         named = self.tables.after(self._stack.states[point], "NAME")
         return named is not None and set(self.tables.actions[named]) == {"{"}
 
-    def _drop(self, point: int, resumed: int) -> int:
-        """Forget the values after a place and note the words from there to ``resumed``."""
+    def _drop(self, point: int, here: int, resumed: int) -> int:
+        """Forget the values after a place and note the words up to ``resumed``."""
         firsts = self._stack.firsts
-        self._skip(firsts[point] if point < len(firsts) else resumed, resumed)
+        self._skip(firsts[point] if point < len(firsts) else here, resumed)
         self._stack.cut(point)
         return resumed
 
     def _skip(self, first: int, stop: int) -> None:
-        for index in range(first, min(stop, len(self.tokens))):
-            if self.tokens.at(index)[:1].isidentifier():
-                self.skipped.add(self.tokens.at(index))
+        """Note the words of what is dropped, but for units."""
+        tokens, unit = self.tokens, 0
+        for index in range(first, min(stop, len(tokens))):
+            text, start = tokens.at(index).strip("'\""), tokens.starts[index]
+            if index > first and tokens.kinds[index - 1] in {"NUMBER", ")", "]", "}"}:
+                found = UNIT.match(tokens.text, start)
+                unit = unit if found is None else found.end()
+            if text[:1].isidentifier() and start >= unit:
+                self.skipped.add(text)

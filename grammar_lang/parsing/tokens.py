@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from grammar_lang.source import Span
 
@@ -15,15 +15,19 @@ from grammar_lang.source import Span
 
 
 WORD, NUMBER, STRING, BAD, SKIPPED = "WORD", "NUMBER", "STRING", "BAD", "SKIPPED"
-_CLASSES = (None, WORD, NUMBER, None, STRING, BAD, BAD)
+_CLASSES = (None, WORD, NUMBER, NUMBER, None, STRING, BAD, BAD, BAD)
+_PLAIN_NUMBER, _HASH = 2, 7
+_SLIPS = frozenset({_PLAIN_NUMBER, _HASH})
 
 _TOKEN = re.compile(
     r"""(?:[ \t\r\n\f\v]+|//[^\n]*|/\*(?:[^*]|\*(?!/))*+\*/)*+
     (?:([A-Za-z_][A-Za-z0-9_]*)
+      |([0-9]+\.(?![0-9A-Za-z_.])|(?<![A-Za-z0-9_.)\]])\.[0-9]+(?:[eE][+-]?[0-9]+)?)
       |([0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
-      |(->|[<>=]=|[-;:,.{}()\[\]=<>|*+?^%]|/(?!\*))
+      |(::=|->|[<>=:!]=|=>|\*\*|&&|\|\||[-;:,.{}()\[\]=<>|*+?^%]|/(?!\*))
       |('[^'\n]*'|"[^"\n]*")
       |(/\*.*)
+      |(\#[^\n]*)
       |(.)
       |\Z)""",
     re.DOTALL | re.VERBOSE,
@@ -36,7 +40,8 @@ class Tokens:
 
     ``kinds[i]`` is a class (WORD, NUMBER, STRING, BAD), the text itself of an operator or bracket,
     or what the parser has found: a terminal of the grammar, or SKIPPED where an earlier token (a
-    unit) covers this one.
+    unit) covers this one.  ``slips`` are comments that begin with ``#``, which are no tokens, and
+    numbers without a digit before or after the point, which are.
     """
 
     text: str
@@ -44,6 +49,7 @@ class Tokens:
     kinds: list[str]
     starts: list[int]
     ends: list[int]
+    slips: list[Span] = field(default_factory=list[Span])
 
     def __len__(self) -> int:
         return len(self.kinds)
@@ -70,14 +76,19 @@ def tokenise(text: str, file: int = 0) -> Tokens:
     kinds: list[str] = []
     starts: list[int] = []
     ends: list[int] = []
+    slips: list[Span] = []
     for match in _TOKEN.finditer(text):
         index = match.lastindex
         if index is None:
             continue
+        if index in _SLIPS:
+            slips.append(Span(match.start(index), match.end(), file))
+            if index == _HASH:
+                continue
         kinds.append(_CLASSES[index] or match[index])
         starts.append(match.start(index))
         ends.append(match.end())
-    return Tokens(text, file, kinds, starts, ends)
+    return Tokens(text, file, kinds, starts, ends, slips)
 
 
 def unclosed_comment(tokens: Tokens) -> Span | None:
@@ -92,8 +103,8 @@ def unclosed_comment(tokens: Tokens) -> Span | None:
 # --- Cuts tokens into top-level items, so that an error in one does not hide those in others ------
 #
 # An item ends with the ``;`` outside all braces or the ``}`` that closes its last brace.  Where a
-# brace is missing, ``KEYWORD NAME {`` at the beginning of a statement starts a new item: no
-# statement of the language looks like that.
+# brace or a ``;`` is missing, what only an item looks like starts a new one: ``KEYWORD NAME {``,
+# and ``edge NAME`` or ``include "FILE"`` on a new line.
 
 
 BLOCK_KEYWORDS = frozenset({"module", "grammar", "semantics", "workspace", "task", "mission"})
@@ -110,16 +121,22 @@ class RawItem:
 
 
 def _starts_item(tokens: Tokens, here: int, *, inside: bool) -> bool:
-    """Whether ``KEYWORD NAME {`` stands here, where a statement may begin."""
-    kinds = tokens.kinds
+    """Whether an item begins here: ``KEYWORD NAME {``, ``edge NAME`` or ``include "…"``.
+
+    Inside braces only where a statement may begin; ``edge`` and ``include`` on a new line only.
+    """
+    kinds, word = tokens.kinds, tokens.at(here)
+    if word not in KEYWORDS or (inside and kinds[here - 1] not in {";", "{", "}"}):
+        return False
+    if word not in BLOCK_KEYWORDS:
+        follows = tokens.at(here + 1) if here + 1 < len(kinds) else ""
+        named = follows[:1] in {"'", '"'} or (word == "edge" and follows.isidentifier())
+        named = named or (word == "include" and follows == "std")
+        return named and kinds[here - 1] != "," and tokens.on_new_line(here)
     brace = here + 2
-    if tokens.at(here) == "grammar" and kinds[brace : brace + 3] == [WORD, WORD, "{"]:
+    if word == "grammar" and kinds[brace : brace + 3] == [WORD, WORD, "{"]:
         brace += 2  # `from ports`
-    if brace >= len(kinds) or kinds[here] != WORD or kinds[brace] != "{":
-        return False
-    if kinds[here + 1] != WORD or tokens.at(here) not in BLOCK_KEYWORDS:
-        return False
-    return not inside or kinds[here - 1] in {";", "{", "}"}
+    return brace < len(kinds) and kinds[brace] == "{" and kinds[here + 1] == WORD
 
 
 def cut(tokens: Tokens) -> Iterator[RawItem]:

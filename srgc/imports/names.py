@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from grammar_lang.parsing.lalr import RESERVED
+from grammar_lang.parsing.tables import RESERVED
 
 
 class Names:

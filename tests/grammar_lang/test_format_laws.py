@@ -16,8 +16,8 @@ from lark.grammar import Rule
 
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.formatting.formatter import canonical
-from grammar_lang.parsing.lalr import tables
 from grammar_lang.parsing.parse import parse
+from grammar_lang.parsing.tables import tables
 from tests.oracles.programs import (
     NAMES,
     grammar,

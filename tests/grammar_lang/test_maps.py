@@ -8,7 +8,7 @@ import pytest
 
 from grammar_lang.load import Loaded, load
 from grammar_lang.names.declarations import map_name
-from grammar_lang.parsing.lalr import RESERVED
+from grammar_lang.parsing.tables import RESERVED
 
 SPEC = """\
 module B {{ role base; }}

@@ -317,18 +317,18 @@ SHARE = "`within` takes a share in percent, as in `within 5 %`"
     [
         (
             "minimize modules, mass;",
-            "expected `(`, `;`, `then` or `within`, found `,`",
-            "write `then` between objectives",
+            "expected `then`, found `,`",
+            "write `then`",
         ),
         (
             "minimize sum(price) and mass;",
-            "expected `;`, `then` or `within`, found `and`",
-            "write `then` between objectives",
+            "expected `then`, found `and`",
+            "write `then`",
         ),
         (
             "minimize modules within 5 % and mass;",
-            "expected `;` or `then`, found `and`",
-            "write `then` between objectives",
+            "expected `then`, found `and`",
+            "write `then`",
         ),
         (
             "minimize modules within 5 then mass;",
@@ -337,9 +337,9 @@ SHARE = "`within` takes a share in percent, as in `within 5 %`"
         ),
         ("minimize modules within 5 kg then mass;", "expected `%`, found `then`", SHARE),
         ("minimize modules within 2 m^2;", "expected `%`, found `;`", SHARE),
-        ("robust effort 5 kg;", "expected `%`, found `;`", "write `%` here"),
-        ("minimize;", "expected a name, found `;`", "write a name here"),
-        ("minimise mass;", None, "did you mean `minimize`?"),
+        ("robust effort 5 kg;", "expected `%`, found `;`", "write it as in `robust effort 5 %;`"),
+        ("minimize;", "expected a name, found `;`", "write it as in `minimize mass then time;`"),
+        ("minimise mass;", None, "did you mean `minimize`?"),  # and all clauses
     ],
 )
 def test_what_cannot_be_read(clause: str, message: str | None, hint: str) -> None:
@@ -347,7 +347,7 @@ def test_what_cannot_be_read(clause: str, message: str | None, hint: str) -> Non
     (error,) = [each for each in found if each.severity is Severity.ERROR]
     assert error.code is Code.SYNTAX
     assert message in {None, error.message}
-    assert error.hint == hint
+    assert (error.hint or "").partition(" a task has ")[0] == hint
 
 
 def test_repeated_objectives_and_clauses() -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.files.file_tree import LIMIT
 from grammar_lang.load import load, load_text
-from grammar_lang.parsing.lalr import Parser, tables
+from grammar_lang.parsing.lalr import Parser
+from grammar_lang.parsing.tables import tables
 from grammar_lang.parsing.tokens import cut, tokenise
 from grammar_lang.parsing.tree_builder import BUILDERS
 

@@ -178,7 +178,7 @@ def test_masses_and_coordinates_of_other_productions() -> None:
 
 def test_every_word_of_the_grammar_is_explained() -> None:
     """The keywords of the parser's tables, each in some item."""
-    from grammar_lang.parsing.lalr import tables
+    from grammar_lang.parsing.tables import tables
 
     words = {word for word in tables().words if word.isidentifier()}
     plain = {"in", "with", "of", "by", "at", "xy", "xyz", "x", "y", "z", "box"}

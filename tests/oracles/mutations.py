@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from grammar_lang.load import load_text
-from grammar_lang.parsing.lalr import RESERVED, tables
+from grammar_lang.parsing.tables import RESERVED, tables
 
 ROOT = Path(__file__).parents[2]
 TOKEN = re.compile(r"\s+|//[^\n]*|[A-Za-z_]\w*|[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?|->|[<>=]=|.", re.S)

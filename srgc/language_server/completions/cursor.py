@@ -10,7 +10,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grammar_lang.parsing.lalr import Parser, tables
+from grammar_lang.parsing.lalr import Parser
+from grammar_lang.parsing.tables import tables
 from grammar_lang.parsing.tokens import BAD, KEYWORDS, WORD, RawItem, Tokens, cut, tokenise
 from grammar_lang.parsing.tree_builder import BUILDERS
 
@@ -70,7 +71,8 @@ def _in_comment(tokens: Tokens, offset: int) -> bool:
     end = tokens.ends[-1] if len(tokens) else 0
     if len(tokens) and tokens.kinds[-1] == BAD and tokens.at(len(tokens) - 1).startswith("/*"):
         return True
-    return "//" in tokens.text[end:offset].rpartition("\n")[2]
+    line = tokens.text[end:offset].rpartition("\n")[2]
+    return "//" in line or "#" in line
 
 
 def _last_item(tokens: Tokens) -> RawItem | None:

@@ -16,7 +16,7 @@ from grammar_lang.diagnostics.diagnostic import Severity
 from grammar_lang.files.file_tree import LIBRARY
 from grammar_lang.names.declarations import MEMBERS, REGIONS, TERMINALS, Entity
 from grammar_lang.names.table import Mention
-from grammar_lang.parsing.lalr import RESERVED
+from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.documents.places import described
