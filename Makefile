@@ -68,7 +68,7 @@ pictures: .venv/installed
 	mkdir -p out
 	sed -n '/^```srg fetch.srg/,/^```$$/{/^```/!p}' README.md > out/fetch.srg
 	$(BIN)/srgc synth out/fetch.srg --force -o out/fetch
-	cp out/fetch/figures/workspace.svg docs/pictures/fetch.svg
+	$(BIN)/srgc export out/fetch --to svg -o docs/pictures/fetch.svg
 	$(BIN)/python docs/_extensions/cheat_sheet.py
 
 # The extension for VS Code, as out/srg-VERSION.vsix, and its tests; needs Node 20 and npm.
