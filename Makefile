@@ -62,12 +62,14 @@ docs: .venv/installed
 	SRGC_DOCS_BUILT=out/docs/html $(BIN)/pytest -n 2 -m site
 	@echo "pages: out/docs/html/index.html"
 
-# The pictures of the pages, drawn again by srgc; the suite compares them with what it draws.
+# The pictures of the pages, drawn again by srgc, and the printed cheat sheet; the suite compares them
+# with what it draws.
 pictures: .venv/installed
 	mkdir -p out
 	sed -n '/^```srg fetch.srg/,/^```$$/{/^```/!p}' README.md > out/fetch.srg
 	$(BIN)/srgc synth out/fetch.srg --force -o out/fetch
-	cp out/fetch/figures/workspace.svg docs/pictures/fetch.svg
+	$(BIN)/srgc export out/fetch --to svg -o docs/pictures/fetch.svg
+	$(BIN)/python docs/_extensions/cheat_sheet.py
 
 # The extension for VS Code, as out/srg-VERSION.vsix, and its tests; needs Node 20 and npm.
 editors/vscode/node_modules/.package-lock.json: editors/vscode/package-lock.json

@@ -10,7 +10,7 @@ import click
 from srgc.cli.arguments import FOLDER, DocumentedCommand, PathOf
 from srgc.faults import UNKNOWN, UsageFault
 
-FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz", "gltf", "mcap")
+FORMS = ("urdf", "mjcf", "csv", "json", "ros2", "npz", "gltf", "mcap", "svg")
 FOLDERS = ("mujoco", "controller", "ros2-package", "all")
 BINARY = ("npz", "gltf", "mcap")
 
@@ -22,6 +22,7 @@ BINARY = ("npz", "gltf", "mcap")
         "srgc export out/demo --to ros2 -o arm.yaml",
         "srgc export out/demo --to ros2-package -o arm_robot",
         "srgc export out/demo --to gltf -o arm.glb",
+        "srgc export out/demo --to svg -o arm.svg",
         "srgc export out/demo --to mujoco -o arm_mujoco",
         "srgc export out/demo --to controller -o arm_controller",
         "srgc export out/demo --to all -o arm_files",
@@ -39,9 +40,9 @@ BINARY = ("npz", "gltf", "mcap")
     metavar="FORM",
     help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
     "(JointTrajectory as YAML), npz (NumPy). Both, with regions: gltf (3-D picture that moves), "
-    "mcap (log for Foxglove). Folders: mujoco (robot, torques and a script that replays them), "
+    "mcap (log for Foxglove), svg (picture that moves). Folders: mujoco (robot, torques and a script that replays them), "
     "controller (C, Python, npz), ros2-package (URDF, launch file, MoveIt), all (all files but "
-    "those of gltf, mcap and ros2-package).",
+    "those of gltf, mcap, svg and ros2-package).",
 )
 @click.option(
     "-o",

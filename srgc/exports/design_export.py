@@ -31,6 +31,7 @@ from srgc.exports.motion_formats import (
     trajectory_json,
     trajectory_table,
 )
+from srgc.exports.motion_picture import motion_picture
 from srgc.exports.ros.ros_package import ros_package
 from srgc.exports.scenes.design_scene import design_scene
 from srgc.exports.scenes.gltf import gltf_bytes
@@ -57,7 +58,7 @@ FILE_NAMES = {
     "ros2": "trajectory.yaml",
     "npz": "trajectory.npz",
 }
-SCENES = {"gltf": "robot.glb", "mcap": "run.mcap"}
+SCENES = {"gltf": "robot.glb", "mcap": "run.mcap", "svg": "motion.svg"}
 """Of a robot in motion among regions; no part of ``all``."""
 FREQUENCY = 30
 """Instants per second at which it is there, at least."""
@@ -65,7 +66,7 @@ JOINTS = f"robot{SUFFIX}"
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
 FORMS = (*ROBOTS, *MOTIONS, *SCENES)
 FOLDERS = ("mujoco", "controller", "ros2-package", "all")
-BINARY = ("npz", *SCENES)
+BINARY = ("npz", "gltf", "mcap")
 REPLAYED = (FILE_NAMES["mjcf"], FILE_NAMES["csv"], TORQUES, GAINS, SCRIPT)
 FOLDER_FILES = {
     "mujoco": REPLAYED,
@@ -152,6 +153,8 @@ def _scene_file(design: FoundDesign, form: str) -> tuple[bytes, tuple[str, ...]]
     Raises:
         UsageFault: the robot is no tree of rigid links, or a library is missing.
     """
+    if form == "svg":
+        return motion_picture(design).encode(), ()
     scene = design_scene(design, FREQUENCY)
     if form == "gltf":
         return gltf_bytes(scene), ()

@@ -1,0 +1,113 @@
+"""A motion as a picture that moves: an SVG that any browser plays, without scripts.
+
+Each instant is a drawing of its own, which SMIL shows while it lasts (W3C, SVG 1.1, chapter 19); so
+what moves is drawn exactly as in pictures that do not.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+
+from compiler.arrays import Array
+from compiler.tasks.obstacle_pieces import expanded
+from compiler.workspaces.map_header import MapFault
+from srgc.exports.scenes.fine_instants import FineInstants, fine_instants
+from srgc.faults import UsageFault
+from srgc.render.html_text import number
+from srgc.render.robot_drawing import DrawnRobot, drawn_robot, pose_marks
+from srgc.render.svg import View, document, fitted, label, line_path, moved
+from srgc.render.workspace_drawing import (
+    AXES_ROOM,
+    plane_axes,
+    shape_marks,
+    shape_names,
+    triad,
+    workspace_shapes,
+)
+from srgc.results.found_design import FoundDesign
+
+PER_SECOND, FEWEST, MOST = 20, 24, 90
+"""Drawings in a second of the motion, and how many there are at least and at most."""
+REST = 1.0
+"""Seconds for which the last one stays before the motion begins again."""
+FINE = 200
+"""Instants of the line of an effector."""
+
+
+def motion_picture(design: FoundDesign) -> str:
+    """The robot of a design on its way among regions, as SVG; space is seen obliquely.
+
+    Raises:
+        UsageFault: a map cannot be read, or numbers are too large.
+    """
+    try:
+        program, task = expanded(design.program, design.task)
+    except (MapFault, ValueError) as error:
+        raise UsageFault(str(error)) from None
+    workspace = program.workspaces[task.workspace]
+    shapes = workspace_shapes(workspace, ())
+    motion = fine_instants(design, PER_SECOND)
+    end = float(motion.times[-1])
+    count = int(np.clip(ceil(end * PER_SECOND), FEWEST, MOST))
+    times = np.linspace(0, end, count + 1)
+    robot = drawn_robot(design.model, design.theta)
+    poses = _points(robot, motion, times)
+    own = robot.own(poses)
+    view = fitted([shapes[0].corners, own.reshape(-1, own.shape[-1])], turning=False)
+    plane = workspace.dimension == 2
+    marks = (plane_axes(view) if plane else triad(view)) + shape_marks(shapes, view)
+    marks += "".join(
+        f'<path class="trace" d="{line_path(view.project(line))}"/>'
+        for line in _lines(robot, motion, end)
+    )
+    marks += _frames(robot, poses, times, view) + shape_names(shapes, view)
+    left, below = AXES_ROOM if plane else (0.0, 0.0)
+    return document(
+        moved(left, 0, marks),
+        (left + view.width, view.height + below),
+        "scene" if plane else "scene space",
+        f"{task.name}: {' '.join(design.derivation.word)}",
+    )
+
+
+def _points(robot: DrawnRobot, motion: FineInstants, times: Array) -> Array:
+    """All points of the robot (K, points, d) at times (K,)."""
+    return robot.points(np.concatenate([motion.at(float(time)) for time in times]))
+
+
+def _lines(robot: DrawnRobot, motion: FineInstants, end: float) -> list[Array]:
+    """The ways of the effectors, each (K, d)."""
+    points = _points(robot, motion, np.linspace(0, end, FINE))
+    return [points[:, effector] for effector in robot.effectors]
+
+
+def _frames(robot: DrawnRobot, poses: Array, times: Array, view: View) -> str:
+    """A drawing for each instant, of which one is shown; the last one stays for a while."""
+    step, whole = float(times[1]), float(times[-1]) + REST
+    found = []
+    for index, (points, time) in enumerate(zip(poses, times, strict=True)):
+        last = index == len(times) - 1
+        begin, stop = index * step / whole, (index + 1) * step / whole
+        says = (
+            "visible;hidden"
+            if index == 0
+            else "hidden;visible"
+            if last
+            else "hidden;visible;hidden"
+        )
+        keys = [0.0, *([begin] if index else []), *([] if last else [stop])]
+        play = (
+            f'<animate attributeName="visibility" values="{says}" calcMode="discrete" '
+            f'keyTimes="{";".join(f"{key:.4f}".rstrip("0").rstrip(".") for key in keys)}" '
+            f'dur="{number(whole)}s" repeatCount="indefinite"/>'
+        )
+        # What plays no animations shows where the motion ends.
+        shown = "visible" if last else "hidden"
+        clock = label(view.width - 8, 16, "end", f"{time:.2f} s")
+        found.append(
+            f'<g class="robot" visibility="{shown}">{play}'
+            f"{pose_marks(robot, points, view)}{clock}</g>"
+        )
+    return "".join(found)
