@@ -31,7 +31,7 @@ from srgc.results.mission_files import (
     existing_claim,
     mission_design_text,
 )
-from srgc.results.progress_display import progress
+from srgc.results.progress_display import progress, tell_kept
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.results.synthesis_run import (
     SynthesisOptions,
@@ -107,9 +107,10 @@ def _run(
         smt=options.smt, mission=mission.name, origin=None if step is None else step.digest,
     )  # fmt: skip
     with (
-        open_folder(options.output, identity, force=options.force) as folder,
+        open_folder(options.output, identity, force=options.force, spec=path.name) as folder,
         resumable(options.output),
     ):
+        tell_kept(folder.kept, quiet=options.quiet)
         _copy(folder.files, files)
         result = _searched(folder, program, mission, options, step, workers, limit)
         searched = clock.passed

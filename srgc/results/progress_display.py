@@ -10,10 +10,13 @@ from statistics import fmean
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+from grammar_lang.files.file_tree import visible
 from srgc.interruption import redrawing
 from srgc.terminal import colours, redraws, silence
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.console import Console
     from rich.constrain import Constrain
     from rich.text import Text
@@ -94,11 +97,22 @@ class PlainProgress(QuietProgress):
             self._line(f"{done} of {count}")
 
     def _line(self, text: str) -> None:
-        try:
-            sys.stderr.write(f"[{time.monotonic() - self._start:7.2f} s] {text}\n")
-            sys.stderr.flush()
-        except OSError:  # nobody reads it, or the disk is full: the work goes on all the same
-            silence(sys.stderr)
+        _say(f"[{time.monotonic() - self._start:7.2f} s] {text}")
+
+
+def tell_kept(kept: Path | None, *, quiet: bool) -> None:
+    """Say where the results of an earlier version of a spec are, if there are any."""
+    if kept is not None and not quiet:
+        _say(visible(f"note: the spec was edited; the results so far are kept in {kept}"))
+
+
+def _say(text: str) -> None:
+    """A line on standard error that stays."""
+    try:
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
+    except OSError:  # nobody reads it, or the disk is full: the work goes on all the same
+        silence(sys.stderr)
 
 
 class LiveProgress(QuietProgress):

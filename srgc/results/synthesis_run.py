@@ -38,7 +38,7 @@ from srgc.results.design_file import (
 )
 from srgc.results.evidence_claims import Evidence, bound_evidence, optimality_files
 from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
-from srgc.results.progress_display import progress
+from srgc.results.progress_display import progress, tell_kept
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.search_options import named_smt_solvers, workers_for
 from srgc.session import UsageFault
@@ -104,9 +104,10 @@ def _run(
         options.front,
     )  # fmt: skip
     with (
-        open_folder(options.output, identity, force=options.force) as folder,
+        open_folder(options.output, identity, force=options.force, spec=path.name) as folder,
         resumable(options.output),
     ):
+        tell_kept(folder.kept, quiet=options.quiet)
         for name, content in files.items():
             folder.files.write(f"spec/{name}", content)
         folder.files.keep_only("spec", files)
