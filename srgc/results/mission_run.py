@@ -11,6 +11,7 @@ from pathlib import Path
 from compiler.missions.module_differences import ModuleDifference
 from compiler.missions.parameter_ranges import Ranges, single
 from compiler.missions.robot_changes import built
+from compiler.robots.state_and_input import family_unit
 from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
@@ -139,7 +140,11 @@ def _searched(
     workers: Workers,
     limit: TimeLimit,
 ) -> MissionResult:
-    with progress(f"mission {mission.name}", quiet=options.quiet, unit="robots") as display:
+    measures = {family_unit(program, program.tasks[name]) for name in mission.tasks}
+    measure = measures.pop() if len(measures) == 1 else ""
+    with progress(
+        f"mission {mission.name}", quiet=options.quiet, unit="robots", measure=measure
+    ) as display:
         context = run_context(options, workers, display, folder, limit)
         with limit.holds():
             return solve(

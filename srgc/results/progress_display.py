@@ -62,10 +62,11 @@ class QuietProgress:
 
 
 class PlainProgress(QuietProgress):
-    """One line per structure, path and improvement."""
+    """One line per structure, path and improvement; ``unit`` is that of robustness."""
 
-    def __init__(self) -> None:
+    def __init__(self, unit: str = "") -> None:
         super().__init__()
+        self._unit = unit
         self._best: float | None = None
         self._told = self._start
 
@@ -83,7 +84,7 @@ class PlainProgress(QuietProgress):
         """A line where it grew."""
         if self._best is None or value > self._best:
             self._best = value
-            self._line(f"best robustness: {value:.4g}")
+            self._line(f"best robustness: {value:.4g} {self._unit}".rstrip())
 
     def note(self, text: str) -> None:
         """A finding worth a line."""
@@ -118,11 +119,15 @@ def _say(text: str) -> None:
 class LiveProgress(QuietProgress):
     """A line that is redrawn in place, and is gone at the end.
 
-    What matters most comes first: a terminal that is too narrow cuts the rest.
+    What matters most comes first: a terminal that is too narrow cuts the rest.  ``measure`` is the
+    unit of robustness.
     """
 
-    def __init__(self, what: str, unit: str, count: Callable[[], int | None]) -> None:
+    def __init__(
+        self, what: str, unit: str, count: Callable[[], int | None], measure: str = ""
+    ) -> None:
         super().__init__()
+        self._measure = measure
         self._what, self._unit, self._count = what, unit, count
         self._total: int | None = None
         self._begun: float | None = None
@@ -189,7 +194,7 @@ class LiveProgress(QuietProgress):
         running = 0.0 if self._begun is None else now - self._begun
         parts += [duration_text(now - self._start), estimate_text(self._durations, running, left)]
         if self._best is not None:
-            parts.append(f"robustness {self._best:.4g}")
+            parts.append(f"robustness {self._best:.4g} {self._measure}".rstrip())
         if self._detail:
             parts.append(self._detail)
         return " · ".join(parts)
@@ -212,6 +217,7 @@ def progress(
     unit: str = "",
     count: Callable[[], int | None] = lambda: None,
     plain: bool = True,
+    measure: str = "",
 ) -> QuietProgress:
     """The display that fits standard error.
 
@@ -221,12 +227,13 @@ def progress(
         unit: what is counted.
         count: how many there are of it, None where that is not known; asked on terminals only.
         plain: where standard error is no terminal, there are lines.
+        measure: the unit of robustness, "" where it has none or several.
     """
     if quiet:
         return QuietProgress()
     if redraws(sys.stderr):
-        return LiveProgress(what, unit, count)
-    return PlainProgress() if plain else QuietProgress()
+        return LiveProgress(what, unit, count, measure)
+    return PlainProgress(measure) if plain else QuietProgress()
 
 
 # --------------------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ import numpy as np
 
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.normal_form import family_of
+from compiler.robots.state_and_input import family_unit
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
@@ -163,6 +164,7 @@ def _searched(
         quiet=options.quiet,
         unit="structures",
         count=lambda: structure_total(program, task),
+        measure=family_unit(program, task),
     ) as display:
         context = run_context(options, workers, display, folder, limit)
         with limit.holds():
