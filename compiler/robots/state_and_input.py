@@ -166,7 +166,7 @@ def family_unit(program: ir.Program, task: ir.Task) -> str:
     modules = [program.modules[name] for name in dict.fromkeys(symbols)]
     units = {EFFORT_UNITS[dof.kind] for module in modules for dof in module.free_dofs}
     units |= {each.unit for module in modules for each in module.inputs}
-    return units.pop().removesuffix("1") if len(units) == 1 else ""
+    return units.pop() if len(units) == 1 and units != {"1"} else ""
 
 
 def _shared(model: RobotModel, inputs: Sequence[RobotInput], effort: ir.Effort) -> tuple[int, ...]:

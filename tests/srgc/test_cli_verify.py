@@ -140,7 +140,7 @@ def test_a_false_claim_is_refuted_with_its_reason(srgc, result):
         b"\xef\xbb\xbf{}",
     ],
 )
-def test_garbage_is_refused_in_one_message(srgc, result, content):
+def test_garbage_is_refused_in_one_line(srgc, result, content):
     folder = result("slider")
     (folder / "certificate.json").write_bytes(content)
     ran = srgc("verify", folder)
