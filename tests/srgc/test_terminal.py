@@ -172,7 +172,7 @@ def test_a_verdict_is_first_and_coloured_and_the_next_step_last(results, case):
     assert f"\nnext:    {step}" in text
     shutil.rmtree(results / "out", ignore_errors=True)
     with srgc_process(arguments, results) as process:
-        out, _ = process.communicate(timeout=120)
+        out, _ = process.communicate(timeout=600)
     plain = text.replace(f"\x1b[1;{colour}m", "").replace("\x1b[0m", "")
     assert ESCAPE not in out.decode()
     if arguments[0] != "plan":
