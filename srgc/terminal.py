@@ -43,6 +43,21 @@ def out_colours() -> bool:
     return colours(sys.stdout)
 
 
+_RESET, _OPEN = "\033[0m", "\033[1;33m"
+_VERDICTS = {
+    **dict.fromkeys(("found", "valid"), "\033[1;32m"),
+    **dict.fromkeys(("impossible", "no path", "refuted", "disagreement"), "\033[1;31m"),
+}
+"""What is proved is green or red; all other verdicts are yellow."""
+
+
+def with_verdict(text: str, verdict: str, stream: TextIO | None = None) -> str:
+    """A text whose first words have a verdict, coloured where the stream (standard output) is."""
+    if not colours(sys.stdout if stream is None else stream):
+        return text
+    return text.replace(verdict, f"{_VERDICTS.get(verdict, _OPEN)}{verdict}{_RESET}", 1)
+
+
 def silence(stream: TextIO | None) -> None:
     """From now on what is written to a stream goes nowhere: its device takes no more.
 

@@ -155,6 +155,20 @@ def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
     return tuple(found)
 
 
+def family_unit(program: ir.Program, task: ir.Task) -> str:
+    """The SI unit of all inputs that robots of a task may have; "" where there are several."""
+    symbols = (
+        symbol.name
+        for production in program.grammars[task.grammar].productions
+        for symbol in production.right
+        if symbol.kind == "module"
+    )
+    modules = [program.modules[name] for name in dict.fromkeys(symbols)]
+    units = {EFFORT_UNITS[dof.kind] for module in modules for dof in module.free_dofs}
+    units |= {each.unit for module in modules for each in module.inputs}
+    return units.pop() if len(units) == 1 and units != {"1"} else ""
+
+
 def _shared(model: RobotModel, inputs: Sequence[RobotInput], effort: ir.Effort) -> tuple[int, ...]:
     """The free inputs that a bound of the task is about.
 

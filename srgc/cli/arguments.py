@@ -67,6 +67,9 @@ OUTPUT = click.option(
     type=PathOf(path_type=Path, allow_dash=True),
     help="Write here, not to stdout (`-`).",
 )
+VERBOSE = click.option(
+    "--verbose", is_flag=True, help="Also what solvers answer, in words and codes of their own."
+)
 QUIET = click.option(
     "-q", "--quiet", is_flag=True, help="Nothing on standard error but errors: no progress."
 )

@@ -12,6 +12,7 @@ from srgc.cli.arguments import (
     FOLDER,
     QUIET,
     TASK,
+    VERBOSE,
     DocumentedCommand,
     PathOf,
     limit_of_time,
@@ -50,8 +51,9 @@ from srgc.time_limit import TimeLimit
 @click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
 @limit_of_time("Seconds.")
 @QUIET
+@VERBOSE
 @click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
-@click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
+@click.option("--force", is_flag=True, help="Replace the results of another file or seed.")
 def evolve(
     folder: Path,
     file: Path,
@@ -66,6 +68,7 @@ def evolve(
     jobs: int | None,
     time_limit: float | None,
     quiet: bool,  # noqa: FBT001
+    verbose: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
     force: bool,  # noqa: FBT001
 ) -> int:
@@ -98,4 +101,6 @@ def evolve(
     options = SynthesisOptions(place, seed, jobs or 1, limit, force, as_json or quiet)
     notes = [difference_text(each, str(folder), str(file)) for each in step.differs]
     mission = asked.mission(chosen_task)
-    return told(file, program, mission, options, step, as_json=as_json, notes=notes)
+    return told(
+        file, program, mission, options, step, as_json=as_json, verbose=verbose, notes=notes
+    )

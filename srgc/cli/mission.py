@@ -24,6 +24,7 @@ def synth_mission(
     refused: Mapping[str, object],
     *,
     as_json: bool,
+    verbose: bool,
     **options: Any,
 ) -> int:
     """Search for the robots of a mission, and write them.
@@ -35,6 +36,7 @@ def synth_mission(
         output: the folder, None: the usual one.
         refused: options that are about one task, with their values.
         as_json: whether ``design.json`` is printed.
+        verbose: whether solvers' own words are.
         options: those of the search, as of ``SynthesisOptions``.
 
     Raises:
@@ -53,7 +55,8 @@ def synth_mission(
     options["solver"] = named_solver(options["solver"])
     options["search"] = named_search(options["search"])
     folder = output or Path("out") / mission.name
-    return told(file, program, mission, SynthesisOptions(folder, **options), as_json=as_json)
+    asked = SynthesisOptions(folder, **options)
+    return told(file, program, mission, asked, as_json=as_json, verbose=verbose)
 
 
 def told(
@@ -64,15 +67,20 @@ def told(
     step: Step | None = None,
     *,
     as_json: bool,
+    verbose: bool,
     notes: Sequence[str] = (),
 ) -> int:
     """Search for the robots of a mission, write them and print what was found, and ``notes``."""
     from srgc.results.mission_run import run_mission
+    from srgc.terminal import with_verdict
     from srgc.text_reports.mission_report import mission_text
+    from srgc.text_reports.solver_words import without_solver_words
 
     result = run_mission(file, program, mission, options, step)
     if as_json:
         click.echo((options.output / "design.json").read_text(encoding="utf-8"), nl=False)
     else:
-        click.echo(mission_text(result, str(options.output), program, notes))
+        text = mission_text(result, str(options.output), program, notes)
+        shown = text if verbose else without_solver_words(text)
+        click.echo(with_verdict(shown, result.verdict))
     return VERDICT_STATUS[result.verdict]

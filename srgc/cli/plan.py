@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from srgc.cli.arguments import FILE, QUIET, TASK, DocumentedCommand, PathOf
 from srgc.faults import FOUND, VERDICT_STATUS, UsageFault
+
+if TYPE_CHECKING:
+    from srgc.text_reports.plan_report import PlanReport
 
 
 @click.command(
@@ -72,7 +77,22 @@ def plan(
         report = plan_report(program, chosen_task, cells)
     if output is not None:
         write_output(output, report.picture(f"{file.name}, task {chosen_task.name}"))
-    click.echo(report.text)
+    _tell(report, file, quiet=quiet)
     if chosen_task.robust is not None and not quiet:
         click.echo("note: a plan is not about motions: `robust` is left out", err=True)
     return VERDICT_STATUS[report.verdict]
+
+
+def _tell(report: PlanReport, file: Path, *, quiet: bool) -> None:
+    """Print a plan: on standard output the path alone, what is about it on a terminal."""
+    from srgc.terminal import redraws, with_verdict
+    from srgc.text_reports.plan_report import after_plan
+
+    shown, text = redraws(sys.stderr) and not quiet, report.text
+    if report.verdict != "found":
+        text = with_verdict(text, text.partition(":")[0])
+    elif shown:
+        click.echo(with_verdict("verdict: found", "found", sys.stderr), err=True)
+    click.echo(text)
+    if shown:
+        click.echo(after_plan(report.verdict, str(file)), err=True)

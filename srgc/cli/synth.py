@@ -7,7 +7,15 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILE, QUIET, TASK, DocumentedCommand, PathOf, limit_of_time
+from srgc.cli.arguments import (
+    FILE,
+    QUIET,
+    TASK,
+    VERBOSE,
+    DocumentedCommand,
+    PathOf,
+    limit_of_time,
+)
 from srgc.cli.completions import complete_name
 from srgc.faults import VERDICT_STATUS, UsageFault
 from srgc.time_limit import TimeLimit
@@ -66,8 +74,9 @@ from srgc.time_limit import TimeLimit
     "--no-lemmas", is_flag=True, help="Refute every structure on its own, by evidence of its own."
 )
 @QUIET
+@VERBOSE
 @click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
-@click.option("--force", is_flag=True, help="Replace the results of another spec or seed.")
+@click.option("--force", is_flag=True, help="Replace the results of another file or seed.")
 def synth(
     file: Path,
     task: str | None,
@@ -88,6 +97,7 @@ def synth(
     smt: str | None,
     no_lemmas: bool,  # noqa: FBT001
     quiet: bool,  # noqa: FBT001
+    verbose: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
     force: bool,  # noqa: FBT001
 ) -> int:
@@ -96,8 +106,10 @@ def synth(
     The verdict and all evidence are written to a folder, which `srgc verify` checks.  The same
     file and seed give the same bytes, whatever --jobs.  The first proved design is in the folder at
     once, and more robust ones replace it.  An interrupted run, or one that the time limit ended, is
-    resumed by the same command.  Of a task with `minimize` the design is the best one by that, and
-    --all and --pareto compare designs by it; else by modules, length and robustness.
+    resumed by the same command.  Once the spec was edited, the same command begins anew, and the
+    results before are kept as FOLDER.1, FOLDER.2 and so on.  Of a task with `minimize` the design
+    is the best one by that, and --all and --pareto compare designs by it; else by modules, length
+    and robustness.
 
     With --mission all tasks of a mission are solved together: by one robot, or by robots that are
     rebuilt between them with the fewest changes.
@@ -123,7 +135,7 @@ def synth(
             "--gap": gap,
         }  # fmt: skip
         return synth_mission(
-            file, program, mission, output, refused, as_json=as_json,
+            file, program, mission, output, refused, as_json=as_json, verbose=verbose,
             seed=seed, jobs=jobs or 1, time_limit=limit, force=force, quiet=as_json or quiet,
             cluster=cluster, solver=solver, search=search, paths=paths,
             evaluations=evaluations, lemmas=not no_lemmas, smt=smt,
@@ -132,6 +144,8 @@ def synth(
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
     from srgc.search_options import asked_gap, named_search, named_smt_solvers, named_solver
+    from srgc.terminal import with_verdict
+    from srgc.text_reports.solver_words import without_solver_words
     from srgc.text_reports.synthesis_report import change_of, synthesis_text
 
     named_smt_solvers(smt)
@@ -151,9 +165,10 @@ def synth(
         click.echo((folder / "design.json").read_text(encoding="utf-8"), nl=False)
     else:
         change = change_of(program, chosen_task, result.design)
-        click.echo(synthesis_text(result, chosen_task, str(folder), table, change))
-        kept = result.verdict == "unknown" and (folder / "certificate.json").exists()
-        if result.design is None and not kept:
+        text = synthesis_text(result, chosen_task, str(folder), table, change)
+        shown = text if verbose else without_solver_words(text)
+        click.echo(with_verdict(shown, result.verdict))
+        if result.verdict == "impossible":
             from solvers.explanation.posed_task import PosedTask
             from solvers.run_context import RunContext
             from srgc.text_reports.why_report import ending

@@ -104,6 +104,12 @@ def verify(
         else:
             report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
             text = verification_json(report) if as_json else verification_text(report)
+    if not as_json:
+        from srgc.terminal import with_verdict
+        from srgc.text_reports.verification_report import after_verification
+
+        text = with_verdict(text, report.outcome.value)
+        text = f"{text}\n{after_verification(report, str(folder))}"
     click.echo(text)
     statuses = {
         Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from srgc.cli.arguments import FOLDER, QUIET, DocumentedCommand, limit_of_time
+from srgc.cli.arguments import FOLDER, QUIET, VERBOSE, DocumentedCommand, limit_of_time
 from srgc.time_limit import TimeLimit
 
 if TYPE_CHECKING:
@@ -26,12 +26,14 @@ if TYPE_CHECKING:
 )
 @FOLDER
 @QUIET
+@VERBOSE
 @click.option("--json", "as_json", is_flag=True, help="Print the explanation as JSON; no progress.")
 @limit_of_time("Seconds; what is known by then is printed.")
 @click.option("--no-runs", is_flag=True, help="Only the conflicts; suggest no changes.")
 def why(
     folder: Path,
     quiet: bool,  # noqa: FBT001
+    verbose: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
     time_limit: float | None,
     no_runs: bool,  # noqa: FBT001
@@ -53,6 +55,7 @@ def why(
     from srgc.results.progress_display import progress
     from srgc.results.why_folder import tried_folder
     from srgc.terminal import out_colours
+    from srgc.text_reports.solver_words import without_solver_words
     from srgc.text_reports.why_report import why_json, why_text
 
     if is_mission_folder(folder):
@@ -65,7 +68,7 @@ def why(
         asked = Asked(context, 0 if no_runs else MOST_RUNS, display.note)
         found = explain(tried.posed, tried.tried, asked)
     text = why_json(found) if as_json else why_text(found, colour=out_colours())
-    click.echo(text, nl=False)
+    click.echo(text if as_json or verbose else without_solver_words(text), nl=False)
     return 0
 
 

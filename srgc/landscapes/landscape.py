@@ -20,6 +20,7 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.exact_numbers import decimal
+from compiler.robots.state_and_input import input_bounds
 from compiler.tasks.obstacle_pieces import expanded
 from solvers.execution.workers import Workers
 from solvers.search.configuration_search import Sample
@@ -34,6 +35,7 @@ from srgc.landscapes.landscape_request import Axis, Mark
 from srgc.results.design_file import last_samples
 from srgc.results.found_design import FoundDesign, FoundRecord
 from srgc.session import UsageFault
+from srgc.text_reports.synthesis_report import amount
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,16 +178,18 @@ def title(found: FoundDesign, content: Landscape) -> str:
 def landscape_text(found: FoundDesign, content: Landscape) -> str:
     """What was evaluated, the best of it, the design and the marks."""
     feasible = sum(1 for sample in content.grid if sample.feasible)
+    units = {bound.unit for bound in input_bounds(found.model, found.task)}
+    unit = units.pop() if len(units) == 1 else "1"
     lines = [f"robot:   {' '.join(found.claim.word)}"]
     lines += [f"over:    {_described(axis)}" for axis in content.axes]
     lines.append(f"grid:    {len(content.grid)} points, {feasible} feasible")
     if feasible:
         best = content.best
-        lines.append(f"best:    {_at(content.at(best))}: rho {best.robustness:.4g}")
+        lines.append(f"best:    {_at(content.at(best))}: rho {amount(best.robustness, unit)}")
     design = content.design
-    lines.append(f"design:  {_at(content.at(design))}: rho {design.robustness:.4g}")
+    lines.append(f"design:  {_at(content.at(design))}: rho {amount(design.robustness, unit)}")
     for mark, sample in zip(content.marks, content.marked, strict=True):
-        value = f"rho {sample.robustness:.4g}" if sample.feasible else "infeasible"
+        value = f"rho {amount(sample.robustness, unit)}" if sample.feasible else "infeasible"
         lines.append(f"mark:    {mark.label} {_at(mark.values)}: {value}")
     lines.append(f"samples: {len(content.samples)} of the search")
     return "\n".join(lines)

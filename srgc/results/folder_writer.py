@@ -235,12 +235,15 @@ def only_writer(folder: Path) -> Iterator[None]:
         ) from None
     except OSError as error:
         raise unwritable(place, error) from None
+    held = place.stat()
     try:
         yield
     finally:
         if sys.platform != "win32":  # where filelock removes the file, as nobody else can
             with suppress(OSError):
-                place.unlink()
+                # In the block the folder may have been moved away, and another one is there.
+                if os.path.samestat(held, place.stat()):
+                    place.unlink()
         lock.release()
 
 

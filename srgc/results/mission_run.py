@@ -11,6 +11,7 @@ from pathlib import Path
 from compiler.missions.module_differences import ModuleDifference
 from compiler.missions.parameter_ranges import Ranges, single
 from compiler.missions.robot_changes import built
+from compiler.robots.state_and_input import family_unit
 from compiler.tasks.obstacle_pieces import expanded
 from grammar_lang import ir
 from solvers.conclusion import StructureRecord
@@ -32,7 +33,7 @@ from srgc.results.mission_files import (
     existing_claim,
     mission_design_text,
 )
-from srgc.results.progress_display import progress
+from srgc.results.progress_display import progress, tell_kept
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.results.synthesis_run import (
     SynthesisOptions,
@@ -108,9 +109,10 @@ def _run(
         smt=options.smt, mission=mission.name, origin=None if step is None else step.digest,
     )  # fmt: skip
     with (
-        open_folder(options.output, identity, force=options.force) as folder,
+        open_folder(options.output, identity, force=options.force, spec=path.name) as folder,
         resumable(options.output),
     ):
+        tell_kept(folder.kept, quiet=options.quiet)
         _copy(folder.files, files)
         result = _searched(folder, program, mission, options, step, workers, limit)
         searched = clock.passed
@@ -139,7 +141,11 @@ def _searched(
     workers: Workers,
     limit: TimeLimit,
 ) -> MissionResult:
-    with progress(f"mission {mission.name}", quiet=options.quiet, unit="robots") as display:
+    measures = {family_unit(program, program.tasks[name]) for name in mission.tasks}
+    measure = measures.pop() if len(measures) == 1 else ""
+    with progress(
+        f"mission {mission.name}", quiet=options.quiet, unit="robots", measure=measure
+    ) as display:
         context = run_context(options, workers, display, folder, limit)
         with limit.holds():
             return solve(

@@ -10,10 +10,13 @@ from statistics import fmean
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+from grammar_lang.files.file_tree import visible
 from srgc.interruption import redrawing
 from srgc.terminal import colours, redraws, silence
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.console import Console
     from rich.constrain import Constrain
     from rich.text import Text
@@ -59,10 +62,11 @@ class QuietProgress:
 
 
 class PlainProgress(QuietProgress):
-    """One line per structure, path and improvement."""
+    """One line per structure, path and improvement; ``unit`` is that of robustness."""
 
-    def __init__(self) -> None:
+    def __init__(self, unit: str = "") -> None:
         super().__init__()
+        self._unit = unit
         self._best: float | None = None
         self._told = self._start
 
@@ -80,7 +84,7 @@ class PlainProgress(QuietProgress):
         """A line where it grew."""
         if self._best is None or value > self._best:
             self._best = value
-            self._line(f"best robustness: {value:.4g}")
+            self._line(f"best robustness: {value:.4g} {self._unit}".rstrip())
 
     def note(self, text: str) -> None:
         """A finding worth a line."""
@@ -94,21 +98,36 @@ class PlainProgress(QuietProgress):
             self._line(f"{done} of {count}")
 
     def _line(self, text: str) -> None:
-        try:
-            sys.stderr.write(f"[{time.monotonic() - self._start:7.2f} s] {text}\n")
-            sys.stderr.flush()
-        except OSError:  # nobody reads it, or the disk is full: the work goes on all the same
-            silence(sys.stderr)
+        _say(f"[{time.monotonic() - self._start:7.2f} s] {text}")
+
+
+def tell_kept(kept: Path | None, *, quiet: bool) -> None:
+    """Say where the results of an earlier version of a spec are, if there are any."""
+    if kept is not None and not quiet:
+        _say(visible(f"note: the spec was edited; the results so far are kept in {kept}"))
+
+
+def _say(text: str) -> None:
+    """A line on standard error that stays."""
+    try:
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
+    except OSError:  # nobody reads it, or the disk is full: the work goes on all the same
+        silence(sys.stderr)
 
 
 class LiveProgress(QuietProgress):
     """A line that is redrawn in place, and is gone at the end.
 
-    What matters most comes first: a terminal that is too narrow cuts the rest.
+    What matters most comes first: a terminal that is too narrow cuts the rest.  ``measure`` is the
+    unit of robustness.
     """
 
-    def __init__(self, what: str, unit: str, count: Callable[[], int | None]) -> None:
+    def __init__(
+        self, what: str, unit: str, count: Callable[[], int | None], measure: str = ""
+    ) -> None:
         super().__init__()
+        self._measure = measure
         self._what, self._unit, self._count = what, unit, count
         self._total: int | None = None
         self._begun: float | None = None
@@ -175,7 +194,7 @@ class LiveProgress(QuietProgress):
         running = 0.0 if self._begun is None else now - self._begun
         parts += [duration_text(now - self._start), estimate_text(self._durations, running, left)]
         if self._best is not None:
-            parts.append(f"robustness {self._best:.4g}")
+            parts.append(f"robustness {self._best:.4g} {self._measure}".rstrip())
         if self._detail:
             parts.append(self._detail)
         return " · ".join(parts)
@@ -198,6 +217,7 @@ def progress(
     unit: str = "",
     count: Callable[[], int | None] = lambda: None,
     plain: bool = True,
+    measure: str = "",
 ) -> QuietProgress:
     """The display that fits standard error.
 
@@ -207,12 +227,13 @@ def progress(
         unit: what is counted.
         count: how many there are of it, None where that is not known; asked on terminals only.
         plain: where standard error is no terminal, there are lines.
+        measure: the unit of robustness, "" where it has none or several.
     """
     if quiet:
         return QuietProgress()
     if redraws(sys.stderr):
-        return LiveProgress(what, unit, count)
-    return PlainProgress() if plain else QuietProgress()
+        return LiveProgress(what, unit, count, measure)
+    return PlainProgress(measure) if plain else QuietProgress()
 
 
 # --------------------------------------------------------------------------------------------------

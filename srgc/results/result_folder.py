@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field, fields
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from solvers.run_context import Recorded
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text
 from srgc.faults import WITH_O, UsageFault, argument
 from srgc.paths import unwritable
+from srgc.results.earlier_results import keep_aside
 from srgc.results.folder_writer import (
     JOURNAL,
     OWN_FILES,
@@ -58,11 +59,15 @@ class Identity:
 
 @dataclass(slots=True)
 class ResultFolder:
-    """An opened result folder with its ``files``.  It is also the journal of the synthesis."""
+    """An opened result folder with its ``files``.  It is also the journal of the synthesis.
+
+    ``kept`` is where the results of an earlier version of the spec are, which were here.
+    """
 
     path: Path
     identity: Identity
     values: dict[str, Recorded] = field(default_factory=dict[str, Recorded])
+    kept: Path | None = None
     files: FolderWriter = field(init=False)
 
     def __post_init__(self) -> None:
@@ -91,16 +96,39 @@ class ResultFolder:
 
 
 @contextmanager
-def open_folder(path: Path, identity: Identity, *, force: bool) -> Iterator[ResultFolder]:
+def open_folder(
+    path: Path, identity: Identity, *, force: bool, spec: str | None = None
+) -> Iterator[ResultFolder]:
     """Open or make a result folder; an interrupted run of the same synthesis goes on.
 
-    Nobody else writes to it in the block.
+    Nobody else writes to it in the block.  Results of the same command before its spec was edited
+    are kept: without ``force`` their folder is moved to ``PATH.1`` and so on.
+
+    Args:
+        path: the folder.
+        identity: what its results are to belong to.
+        force: replace what is there.
+        spec: the name of the main file of a spec that may have been edited; None: nothing is moved.
 
     Raises:
         UsageFault: somebody else writes to it; the folder holds other results or other files, and
             ``force`` is not given; a link is where a file or folder of ours is due; or it cannot
             be written.
     """
+    kept = None
+    with ExitStack() as locks:
+        locks.enter_context(_held(path))
+        if not force and _is_edited(path, identity, spec):
+            kept = keep_aside(path)
+            locks.enter_context(_held(path))
+        folder = _opened(path, identity, force=force)
+        folder.kept = kept
+        yield folder
+
+
+@contextmanager
+def _held(path: Path) -> Iterator[None]:
+    """In the block nobody else writes to a folder, which is made, and has no links."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -109,7 +137,21 @@ def open_folder(path: Path, identity: Identity, *, force: bool) -> Iterator[Resu
         raise UsageFault(f"{path} cannot be written; choose another folder", WITH_O)
     with only_writer(path):
         refuse_links(path)
-        yield _opened(path, identity, force=force)
+        yield
+
+
+def _is_edited(path: Path, identity: Identity, spec: str | None) -> bool:
+    """Whether a folder has the results of the same command, before what it reads was edited.
+
+    That is the spec, and of a step the robot that it begins with, with the prices.
+    """
+    owner = _owner(path)
+    if spec is None or owner is None or owner == identity:
+        return False
+    same_file = (path / "spec" / spec).is_file() or not (path / "spec").is_dir()
+    same_kind = (owner.origin is None) == (identity.origin is None)
+    again = replace(owner, spec_sha256=identity.spec_sha256, origin=identity.origin)
+    return same_file and same_kind and again == identity
 
 
 def _opened(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
@@ -155,7 +197,7 @@ def copy_results(source: Path, target: Path, *, force: bool) -> Path:
     if source.resolve() == target.resolve():
         return target
     files = {
-        path.relative_to(source).as_posix(): path
+        path.relative_to(source).as_posix(): path.read_bytes()
         for path in sorted(source.rglob("*"))
         if path.is_file() and path.relative_to(source).parts[0] in (*OWN_FILES, *OWN_FOLDERS)
     }
@@ -163,8 +205,8 @@ def copy_results(source: Path, target: Path, *, force: bool) -> Path:
         for name in (*OWN_FILES, *OWN_FOLDERS):
             if name != JOURNAL and not any(file.split("/")[0] == name for file in files):
                 folder.files.discard(name)
-        for name, path in files.items():
-            folder.files.write(name, path.read_bytes())
+        for name, content in files.items():
+            folder.files.write(name, content)
         for top in OWN_FOLDERS:
             if (target / top).is_dir():
                 folder.files.keep_only(top, {name[len(top) + 1 :] for name in files})

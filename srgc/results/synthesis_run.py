@@ -13,6 +13,7 @@ import numpy as np
 
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.normal_form import family_of
+from compiler.robots.state_and_input import family_unit
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
@@ -38,7 +39,7 @@ from srgc.results.design_file import (
 )
 from srgc.results.evidence_claims import Evidence, bound_evidence, optimality_files
 from srgc.results.folder_writer import NEAREST_PICTURE, FolderWriter
-from srgc.results.progress_display import progress
+from srgc.results.progress_display import progress, tell_kept
 from srgc.results.result_folder import Identity, ResultFolder, open_folder
 from srgc.search_options import named_smt_solvers, workers_for
 from srgc.session import UsageFault
@@ -104,9 +105,10 @@ def _run(
         options.front,
     )  # fmt: skip
     with (
-        open_folder(options.output, identity, force=options.force) as folder,
+        open_folder(options.output, identity, force=options.force, spec=path.name) as folder,
         resumable(options.output),
     ):
+        tell_kept(folder.kept, quiet=options.quiet)
         for name, content in files.items():
             folder.files.write(f"spec/{name}", content)
         folder.files.keep_only("spec", files)
@@ -162,6 +164,7 @@ def _searched(
         quiet=options.quiet,
         unit="structures",
         count=lambda: structure_total(program, task),
+        measure=family_unit(program, task),
     ) as display:
         context = run_context(options, workers, display, folder, limit)
         with limit.holds():

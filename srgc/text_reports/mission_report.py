@@ -16,7 +16,12 @@ from grammar_lang.files.file_tree import visible
 from solvers.missions.mission_result import Existing, MissionResult
 from solvers.search.path_task import Design
 from solvers.verifier.missions.mission_check import MissionReport
-from srgc.text_reports.verification_report import verification_json, verification_text
+from srgc.text_reports.next_step import next_advice, next_command
+from srgc.text_reports.verification_report import (
+    answer,
+    detail_lines,
+    verification_json,
+)
 
 
 def mission_text(
@@ -30,7 +35,8 @@ def mission_text(
         program: what it is about.
         notes: more to be said, a line each.
     """
-    return "\n".join([*_lines(result, program), *notes, f"written to {folder}"])
+    last = [f"written to {folder}", after_mission(result, folder)]
+    return "\n".join([*_lines(result, program), *notes, *last])
 
 
 def difference_text(difference: ModuleDifference, folder: str, spec: str) -> str:
@@ -44,12 +50,10 @@ def difference_text(difference: ModuleDifference, folder: str, spec: str) -> str
 def _lines(result: MissionResult, program: ir.Program) -> Iterator[str]:
     name = result.mission.name
     if result.verdict != "found":
-        yield f"mission {name}: {result.verdict}: {result.reason}"
-        if result.ended is not None:
-            yield f"  try first: {result.ended.try_first}"
+        yield f"verdict: {result.verdict} (mission {name}: {result.reason})"
         return
     one = result.mission.prices is None
-    yield f"mission {name}: found, {_claim(result)}"
+    yield f"verdict: found (mission {name}: {_claim(result)})"
     if one:
         yield f"  {_robot(result, 0)}"
         yield f"  does {', '.join(result.mission.tasks)}"
@@ -67,6 +71,15 @@ def _lines(result: MissionResult, program: ir.Program) -> Iterator[str]:
         yield f"  {task:<{width}}  {_robot(result, number)}"
         before = result.designs[number].derivation.word
         labels = design_labels(result.designs[number], program)
+
+
+def after_mission(result: MissionResult, folder: str) -> str:
+    """The line on what to do next, of results in a folder."""
+    if result.verdict == "found":
+        return next_command("srgc verify", folder)
+    if result.ended is not None:
+        return next_advice(f"try first {result.ended.try_first}", "srgc why", folder)
+    return next_command("srgc why", folder, "what each task rules out")
 
 
 def _claim(result: MissionResult) -> str:
@@ -154,13 +167,11 @@ def existing_labels(existing: Existing, program: ir.Program) -> list[str]:
 
 def mission_check_text(report: MissionReport) -> str:
     """The verifier's answer on a mission, then that on each of its designs."""
-    lines = [verification_text(report.report)]
+    lines = [answer(report.report)]
     if report.mission is not None:
-        head, *rest = lines[0].split("\n")
-        lines = [head, f"mission: {visible(report.mission)}", *rest]
-    for task, own in report.tasks:
-        first = verification_text(own).split("\n")[0]
-        lines.append(f"  task {visible(task)}: {first}")
+        lines.append(f"mission: {visible(report.mission)}")
+    lines += detail_lines(report.report)
+    lines += [f"  task {visible(task)}: {answer(own)}" for task, own in report.tasks]
     return "\n".join(lines)
 
 

@@ -34,6 +34,7 @@ from solvers.search.round_task import (
 from solvers.trajectory.path_timing import Entries, gentle_entries, polyline, word_of
 from solvers.verdict import Holds, Unknown, Verdict
 from srgc.faults import UsageFault
+from srgc.text_reports.next_step import next_command
 
 Timed: TypeAlias = tuple[int, tuple[int, ...], Entries]
 """An effector, its cells, and the samples at which it enters them."""
@@ -200,3 +201,10 @@ def _why(ended: Exhausted, steps: int, task: ir.Task) -> str:
             return "no path satisfies the formula, of any number of steps that was looked at"
         return f"no path within the {steps + 1} samples satisfies the formula"
     return str(ended.why.value)
+
+
+def after_plan(verdict: Verdict, file: str) -> str:
+    """The line on what to do next."""
+    if verdict == "found":
+        return next_command("srgc synth", file, "finds out whether a robot can follow it")
+    return next_command("srgc plan -o plan.svg", file, "draws the cells")

@@ -20,6 +20,7 @@ from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from solvers.verifier.claims.bound_claims import gap_above, share_text
 from solvers.verifier.claims.certificate import exact
 from srgc.text_reports.nearest_motion import first_to_try, stuck_at
+from srgc.text_reports.next_step import next_advice, next_command
 
 # --- How much of its inputs a design uses, bound by bound -----------------------------------------
 
@@ -157,7 +158,7 @@ def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
 
 
 def _nearest(nearest: NearestMotion, task: ir.Task) -> Iterator[str]:
-    """The motion that came nearest to a design, where it is stuck, and what to try first."""
+    """The motion that came nearest to a design, and where it is stuck."""
     stuck = stuck_at(nearest, task)
     where = ""
     if stuck is not None:
@@ -166,9 +167,6 @@ def _nearest(nearest: NearestMotion, task: ir.Task) -> Iterator[str]:
     yield f"nearest: {' '.join(nearest.derivation.word)}{where}: {nearest.cause.value}"
     if nearest.text:
         yield f"         {nearest.text.removeprefix('; ').removeprefix('nearest, ')}"
-    first = first_to_try(nearest)
-    if first is not None:
-        yield f"         try first {first}"
     if dry_friction(nearest.model):
         yield f"         {FRICTION_UNUSED}"
 
@@ -244,9 +242,10 @@ def synthesis_text(
     table: str = "",
     change: Reconfiguration | None = None,
 ) -> str:
-    """The outcome of the synthesis of a task in a few lines.
+    """The outcome of the synthesis of a task in a few lines, the last of them what to do next.
 
-    ``table`` is about all designs, ``change`` about what becomes of the existing robot.
+    ``table`` is about all designs, ``change`` about what becomes of the existing robot.  Behind
+    *impossible* that line is missing: a conflict comes before it (``why_report.ending``).
     """
     reason = result.reason or objectives_text(result)
     lines = [f"verdict: {result.verdict}" + (f" ({reason})" if reason else "")]
@@ -275,6 +274,8 @@ def synthesis_text(
         lines.append(
             f"         {OUT_OF_TIME} before it was improved or drawn: the same command goes on"
         )
+    if result.verdict != "impossible":
+        lines.append(after_synthesis(result, task, folder))
     return "\n".join(lines)
 
 
@@ -298,3 +299,28 @@ def between(values: Sequence[int]) -> str:
     """The least and the greatest of some numbers, one where they are the same."""
     least, most = min(values), max(values)
     return f"{least}" if least == most else f"{least} to {most}"
+
+
+# --- What to do next ------------------------------------------------------------------------------
+
+GO_ON = "the same command again, which goes on"
+
+
+def after_synthesis(result: Synthesis, task: ir.Task, folder: str) -> str:
+    """The line on what to do next, of results in a folder."""
+    if result.verdict == "found":
+        return next_command("srgc verify", folder)
+    first = _first(result, task) if result.verdict == "unknown" else None
+    if first is None:
+        return next_command("srgc why", folder, "what would make it possible")
+    return next_advice(f"try first {first}", "srgc why", folder)
+
+
+def _first(result: Synthesis, task: ir.Task) -> str | None:
+    """What is tried first after *unknown*, by what ended the search; None where nobody knows."""
+    nearest = None if result.nearest is None else first_to_try(result.nearest)
+    if result.unfinished:
+        return GO_ON if nearest is None else f"{nearest}; {GO_ON}"
+    unbounded = task.modules is None and nearest is None
+    refuted = all(record.verdict in ("refuted", "same") for record in result.records)
+    return "`modules <= n;` in the task" if unbounded and refuted else nearest

@@ -8,39 +8,68 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import isfinite
+from textwrap import wrap
 
 from grammar_lang.files.file_tree import visible
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.energy_used import ENERGY
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
+from srgc.text_reports.next_step import HEAD, WIDTH, next_command
 
-LEAST_WIDTH = 34
-"""Of the column of names."""
+NAMES = 13
+"""Of the column of names at least: a margin, a time and a place in the plane fit beside it."""
 ORDER = (Status.FAILS, Status.UNDECIDED, Status.HOLDS)
 
 
 def verification_text(report: Report) -> str:
-    """The verifier's answer and what it is about, with all margins, the smallest first."""
+    """The verifier's answer and what it is about, with all margins, the smallest first.
+
+    No line has more than 80 columns, unless it has a reason or a name from the file.
+    """
+    return "\n".join([answer(report), *detail_lines(report)])
+
+
+def answer(report: Report) -> str:
+    """The verifier's answer, with its reason: one line, which programs find as it is."""
     head = report.outcome.value
     if report.verdict is not None and report.outcome in (Outcome.VALID, Outcome.UNCHECKED):
         level = f", level {report.level}" if report.level else ""
         head = f"{head}: {report.verdict}{level}"
-    if report.reason:
-        head = f"{head}: {visible(report.reason)}"
-    about = []
+    return f"{head}: {visible(report.reason)}" if report.reason else head
+
+
+def detail_lines(report: Report) -> list[str]:
+    """What the answer is about, and every condition."""
+    about = list[str]()
     if report.task is not None:
-        spec = f"{report.spec}, sha256 {report.spec_sha256}"
-        about = [f"task: {visible(report.task)}", f"spec: {visible(spec)}"]
+        about += [f"task: {visible(report.task)}", f"spec: {visible(str(report.spec))}"]
+        about.append(f"sha256: {visible(str(report.spec_sha256))}")
     if report.control is not None and report.outcome is Outcome.VALID:
         about.append(f"control: {report.control}")
-    shown = list(by_map(in_order(report.conditions)))
-    width = max([LEAST_WIDTH, *(len(condition.name) for condition in shown)])
-    lines = [
-        f"  {condition.status.value:<9} {condition.name:<{width}} {_said(condition)}".rstrip()
-        for condition in shown
+    shown = by_map(in_order(report.conditions))
+    return about + [line for condition in shown for line in _condition_lines(condition)]
+
+
+def _condition_lines(condition: CheckedCondition) -> list[str]:
+    """A condition in one line; where that is too narrow, its margin in another."""
+    status, said = f"  {condition.status.value:<9} ", _said(condition)
+    line = f"{status}{condition.name:<{NAMES}}  {said}".rstrip()
+    if len(line) <= WIDTH:
+        return [line]
+    indent = " " * len(status)
+    return [
+        *_wrapped(condition.name, status, indent),
+        *_wrapped(said, f"{indent}  ", f"{indent}  "),
     ]
-    return "\n".join([head, *about, *lines])
+
+
+def _wrapped(text: str, first: str, rest: str) -> list[str]:
+    """A text in lines of 80 columns; no word is cut."""
+    return wrap(
+        text, WIDTH, initial_indent=first, subsequent_indent=rest, break_long_words=False,
+        break_on_hyphens=False,
+    )  # fmt: skip
 
 
 def verification_json(report: Report) -> str:
@@ -85,7 +114,7 @@ def _said(condition: CheckedCondition) -> str:
         parts.append(f"margin {condition.least(6):.6g}{unit}")
     if condition.time is not None:
         place = ", ".join(f"{x:.4f}" for x in condition.place)
-        parts.append(f"at {condition.time:.3f} s" + (f" ({place})" if place else ""))
+        parts.append(f"at {condition.time:.3f} s" + (f" ({place}) m" if place else ""))
     if condition.exact:
         parts.append("exact")
     return "  ".join(parts)
@@ -109,3 +138,27 @@ def by_map(conditions: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]
         elif kind not in told:
             told.add(kind)
             yield replace(condition, name=f"{condition.name} and {counts[kind] - 1} more pieces")
+
+
+# --- What to do next ------------------------------------------------------------------------------
+
+
+def after_verification(report: Report, folder: str) -> str:
+    """The line on what to do next, of results in a folder."""
+    match report.outcome:
+        case Outcome.VALID if report.verdict == "found":
+            return next_command("srgc report", folder, "or srgc export")
+        case Outcome.VALID:
+            return next_command("srgc why", folder, "what would make it possible")
+        case Outcome.UNCHECKED:
+            return next_command("srgc verify --trust z3", folder)
+        case Outcome.UNEXPECTED:
+            return next_command("srgc verify", folder, "judges it, whatever it is about")
+        case Outcome.UNDECIDED if report.verdict is None:
+            return next_command("srgc why", folder)
+        case Outcome.UNDECIDED if report.verdict == "found":
+            return f"{HEAD}try shorter steps or wider margins, and `srgc synth` again"
+        case Outcome.UNDECIDED:
+            return next_command("srgc verify --trust cvc5", folder, "or another solver")
+        case _:
+            return f"{HEAD}do not rely on it; run `srgc synth` into another folder"

@@ -19,6 +19,7 @@ from solvers.explanation.run import Suggestion
 from solvers.explanation.task_line import TaskLine
 from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis
+from srgc.text_reports.synthesis_report import after_synthesis
 
 MOST_LEMMAS = 2
 """So many lemmas are shown at the end of a synthesis."""
@@ -136,15 +137,14 @@ def _suggestion(one: Suggestion) -> str:
 
 
 def ending(result: Synthesis, posed: PosedTask, context: RunContext, folder: str) -> str:
-    """What ends the report of a synthesis without a design: a conflict, and where to ask more.
+    """What ends the report of an impossible task: a conflict, and what to do next.
 
     A limit of time that holds here ends the search for a conflict.
     """
-    lines = []
-    if result.verdict == "impossible":
-        with suppress(OutOfTimeError):
-            lines += _quickly(result, posed, context)
-    lines.append(f"`srgc why {folder}` says what would make it possible")
+    lines = list[str]()
+    with suppress(OutOfTimeError):
+        lines += _quickly(result, posed, context)
+    lines.append(after_synthesis(result, posed.task, folder))
     return "\n".join(lines)
 
 

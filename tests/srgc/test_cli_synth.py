@@ -143,7 +143,7 @@ def test_json_prints_the_design_alone(srgc, spec, tmp_path):
     # The same again, in place, gives the same bytes.
     assert srgc("synth", path, "-o", out, "--json", "--seed", "3").status == 0
     assert before == {name: (out / name).read_bytes() for name in names(out) if name != "log.json"}
-    # Another seed, or another spec, is refused and nothing is touched.
+    # Another seed, or another file, is refused and nothing is touched.
     for arguments in ((path, "--seed", "4"), (spec(SLIDER + "\n", "b.srg"), "--seed", "3")):
         ran = srgc("synth", *arguments, "-o", out)
         assert (ran.status, ran.out) == (2, "")

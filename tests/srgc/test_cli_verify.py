@@ -17,12 +17,16 @@ def test_a_result_is_valid_with_margins(srgc, made, spec):
     lines = ran.out.splitlines()
     assert lines[0] == "valid: found, level validated"
     digest = result_files.read(made(spec) / "out", "design.json")["spec_sha256"]
-    assert lines[1:3] == [f"task: {TASKS[spec]}", f"spec: {spec}.srg, sha256 {digest}"]
-    assert lines[3] == "control: open loop"
-    assert all(line.startswith("  holds ") and " at " in line for line in lines[4:])
-    assert [line.split("  ")[1] for line in lines[4:] if " margin " not in line] == ["holds"]
+    about = [f"task: {TASKS[spec]}", f"spec: {spec}.srg", f"sha256: {digest}", "control: open loop"]
+    assert lines[1:5] == about
+    assert lines[-1].startswith("next:    srgc report")
+    assert all(len(line) <= 80 for line in lines)
+    # A margin may be on a second line, farther to the right.
+    shown = "\n".join(lines[5:-1]).replace("\n    ", " ").splitlines()
+    assert all(line.startswith("  holds ") and " at " in line for line in shown)
+    assert [line.split()[1] for line in shown if " margin " not in line] == ["start"]
     for name in ("effort (N", "target T", "start S", "bounds", "cell path", "range of joint 1"):
-        assert any(f"  {name}" in line for line in lines)
+        assert any(f"  {name}" in line for line in shown)
 
 
 @pytest.mark.parametrize(
@@ -51,6 +55,8 @@ def test_what_is_expected(srgc, made, spec, verdict, task):
     other = {"found": "impossible", "impossible": "found"}[verdict]
     asked = ("--task", task, "--expect", verdict)
     assert srgc("verify", folder, *asked).out == srgc("verify", folder).out
+    last = {"found": "next:    srgc report", "impossible": "next:    srgc why"}[verdict]
+    assert srgc("verify", folder).out.splitlines()[-1].startswith(last)
     for options, said in (
         (("--task", "Easy"), f"the certificate is about task `{task}`, not `Easy`"),
         (("--expect", other), f"the certificate says {verdict}, not {other}"),
@@ -140,7 +146,8 @@ def test_garbage_is_refused_in_one_line(srgc, result, content):
     ran = srgc("verify", folder)
     assert (ran.status, ran.err) == (1, "")
     assert ran.out.startswith("refuted: the certificate ")
-    assert ran.out.count("\n") == 1
+    _, last = ran.out.splitlines()
+    assert last == "next:    do not rely on it; run `srgc synth` into another folder"
 
 
 def test_a_certificate_cut_anywhere_is_refused(srgc, result):
@@ -165,7 +172,8 @@ def test_names_of_a_certificate_start_no_line(srgc, result):
     result_files.alter(folder, lambda c: c.update(task="a\nvalid: found\x1b[31m"), sign=True)
     ran = srgc("verify", folder)
     assert ran.status == 1
-    assert len(ran.out.splitlines()) == 3
+    heads = [line.split(":")[0] for line in ran.out.splitlines()]
+    assert heads == ["refuted", "task", "spec", "sha256", "next"]
     assert "\x1b" not in ran.out
     ran = srgc("verify", folder, "--task", "b\nvalid: found")
     assert ran.status == 6

@@ -137,7 +137,7 @@ def test_synth_ends_with_a_conflict(srgc: Srgc, impossible: Path) -> None:
     ran = srgc("synth", impossible.parent / "short.srg", "-o", impossible)
     assert ran.status == 3
     assert "the range of `L.length`" in ran.out
-    assert f"`srgc why {impossible}`" in ran.out.splitlines()[-1]
+    assert ran.out.splitlines()[-1].startswith("next:    srgc why")
 
 
 def test_synth_ends_with_the_reason_where_a_conflict_takes_long(srgc: Srgc, tmp_path: Path) -> None:
@@ -147,14 +147,14 @@ def test_synth_ends_with_the_reason_where_a_conflict_takes_long(srgc: Srgc, tmp_
     assert ran.status == 3
     first, last = ran.out.splitlines()[-2:]
     assert first.startswith("B eps JO eps L eps EN: no ")
-    assert last == f"`srgc why {tmp_path / 'out'}` says what would make it possible"
+    assert last.startswith("next:    srgc why")
 
 
 def test_after_a_time_limit(srgc: Srgc, tmp_path: Path) -> None:
     (tmp_path / "turn.srg").write_text(TURNER, encoding="utf-8")
     ran = srgc("synth", tmp_path / "turn.srg", "-o", tmp_path / "out", "--time-limit", 1e-9)
     assert ran.status == 4
-    assert ran.out.splitlines()[-1].startswith("`srgc why ")
+    assert "next:    try first the same command again, which goes on" in ran.out
     found = explained(srgc, tmp_path / "out", "--no-runs")
     assert (found["verdict"], found["conflicts"], found["runs"]) == ("unknown", [], 0)
 

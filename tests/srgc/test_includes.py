@@ -183,10 +183,9 @@ def test_another_include_is_another_spec(srgc, out, tree):
     before = content_of(out)
     path = tree.parent / "lib" / "family2.srg"
     path.write_text("// greater\n")
-    ran = srgc("synth", tree, "-o", out)
-    assert (ran.status, ran.out) == (2, "")
-    assert "another spec" in ran.err
-    assert content_of(out) == before
+    assert srgc("synth", tree, "-o", out).status == 0
+    assert content_of(out.with_name(f"{out.name}.1")) == before
+    assert content_of(out / "spec")["lib/family2.srg"] == b"// greater\n"
     # With --force nothing of the old copy is left, and an include that is gone is gone.
     modules = tree.parent / "lib" / "parts" / "modules.srg"
     modules.write_text(ITEMS[0])
@@ -200,10 +199,6 @@ def test_an_interrupted_run_goes_on(srgc, tree, tmp_path):
     assert srgc("synth", tree, "-o", out, "--time-limit", "1e-6").status == 4
     # What a kill left of a write, and what somebody put there, is not taken for a part of the spec.
     write(out / "spec", {"lib/.rail.srg.part": b"works", "lib/notes.txt": b"mine"})
-    changed = tree.parent / "lib" / "rail.srg"
-    changed.write_text(FILES["lib/rail.srg"] + " ")
-    assert srgc("synth", tree, "-o", out).status == 2
-    changed.write_text(FILES["lib/rail.srg"])
     assert srgc("synth", tree, "-o", out, "--json").status == 0
     assert sorted(content_of(out / "spec")) == sorted(FILES)
     assert srgc("verify", out).status == 0

@@ -10,8 +10,10 @@ from itertools import pairwise
 import pytest
 
 from compiler.robots.normal_form import family_of
+from compiler.robots.state_and_input import family_unit
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import structures
+from grammar_lang.load import load_text
 from srgc.results import progress_display
 from srgc.results.progress_display import (
     NO_ESTIMATE,
@@ -25,6 +27,7 @@ from srgc.results.progress_display import (
 )
 from srgc.results.synthesis_run import structure_total
 from srgc.session import program_of
+from tests.oracles.small_specs import MOTOR, SLIDER, TURNER
 
 
 @pytest.mark.parametrize("count", [4, 10, 100])
@@ -169,3 +172,29 @@ def test_the_live_line_leaves_room_for_an_interrupt(clock, monkeypatch):
     shown = re.split(r"\x1b\[[?0-9;]*[A-Za-z]|[\r\n]", screen.getvalue())
     assert any(line.startswith("synth Store") for line in shown)
     assert max(map(len, shown)) <= 40 - len("^C") - 1
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        (TURNER, "N*m"),
+        (SLIDER, "N"),
+        (MOTOR, "V"),  # which has no free input
+        (TURNER.replace("module L ", "module P { role joint; dof d: prismatic x; }\nmodule L ")
+         .replace("  link:", "  rail:  N -> N eps P;\n  link:")
+         .replace("  link  {", "  rail  { this.frame = N.frame * move(x, P.d); }\n  link  {")
+         .replace("effort <= 10 N*m;", "effort <= 10 N*m; effort <= 10 N;"), ""),
+    ],
+    ids=["N*m", "N", "V", "two units"],
+)  # fmt: skip
+def test_robustness_has_the_unit_of_all_inputs(clock, capsys, text, unit):
+    program = load_text(text, "a.srg").program
+    (task,) = program.tasks.values()
+    measure = family_unit(program, task)
+    assert measure == unit
+    live, plain = LiveProgress("synth", "", lambda: None, measure), PlainProgress(measure)
+    live.robustness(0.5)
+    plain.robustness(0.5)
+    shown = f"robustness 0.5 {unit}".rstrip()
+    assert live.text().endswith(shown)
+    assert capsys.readouterr().err.endswith(f"best robustness: 0.5 {unit}".rstrip() + "\n")

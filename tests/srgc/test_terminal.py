@@ -8,6 +8,7 @@ import os
 import pty
 import re
 import select
+import shutil
 import subprocess
 import sys
 
@@ -16,10 +17,14 @@ import pytest
 from srgc.cli import run
 from srgc.terminal import colours, redraws
 from tests.conftest import ROOT, srgc_process
-from tests.oracles.small_specs import TURNER
+from tests.oracles.small_specs import BEYOND_REACH, TURNER
 from tests.oracles.some_cases import some
 
 ESCAPE = "\x1b["
+WALLED = TURNER.replace(
+    "obstacle O box [1.4, 2.5] x [1.4, 2.5] m;", "obstacle O box [-1, 3] x [0.5, 0.9] m;"
+)
+"""The obstacle is a wall from bound to bound between the start and the target."""
 WRONG = "module Größe { role linkk; }\n"
 
 
@@ -124,6 +129,57 @@ def test_every_command_asks_the_same_place(folder, arguments):
     assert ESCAPE not in on_terminal(arguments, folder, TERM="dumb")[1]
     assert ESCAPE not in piped(NO_COLOR="", FORCE_COLOR="")
     assert ESCAPE in piped(NO_COLOR="", FORCE_COLOR="1")
+
+
+VERDICTS = {
+    "synth": (["synth", "turner.srg", "-o", "out"], "verdict: ", "found", 32, "srgc verify out"),
+    "refuted robots": (
+        ["synth", "far.srg", "-o", "out"], "verdict: ", "impossible", 31, "srgc why out",
+    ),
+    "unknown": (
+        ["synth", "turner.srg", "-o", "out", "--time-limit", "1e-9"],
+        "verdict: ", "unknown", 33, "try first the same command again, which goes on",
+    ),
+    "plan": (["plan", "turner.srg"], "verdict: ", "found", 32, "srgc synth turner.srg"),
+    "no plan": (["plan", "closed.srg"], "", "no path", 31, "srgc plan -o plan.svg closed.srg"),
+    "verify": (["verify", "turner"], "", "valid", 32, "srgc report turner"),
+    "refuted": (["verify", "false"], "", "refuted", 31, "do not rely on it"),
+    "open": (["verify", "nothing"], "", "undecided", 33, "srgc why nothing"),
+}  # fmt: skip
+
+
+@pytest.fixture
+def results(tmp_path, made):
+    """Specs with every verdict, and results with every answer of the verifier."""
+    (tmp_path / "turner.srg").write_text(TURNER, encoding="utf-8")
+    (tmp_path / "far.srg").write_text(BEYOND_REACH, encoding="utf-8")
+    (tmp_path / "closed.srg").write_text(WALLED, encoding="utf-8")
+    shutil.copytree(made("turner") / "out", tmp_path / "turner")
+    shutil.copytree(made("turner") / "out", tmp_path / "false")
+    (tmp_path / "false" / "certificate.json").write_text("{}", encoding="utf-8")
+    shutil.copytree(made("turner") / "out", tmp_path / "nothing")
+    (tmp_path / "nothing" / "certificate.json").unlink()
+    return tmp_path
+
+
+@pytest.mark.parametrize("case", some([*VERDICTS], 4))
+def test_a_verdict_is_first_and_coloured_and_the_next_step_last(results, case):
+    arguments, before, word, colour, step = VERDICTS[case]
+    shown = on_terminal(arguments, results)[1].rpartition("\x1b[2K")[2]
+    text = shown.replace("\x1b[?25h", "").lstrip("\r\n")
+    assert text.startswith(f"{before}\x1b[1;{colour}m{word}\x1b[0m")
+    assert text.count("\x1b[") == 2
+    assert f"\nnext:    {step}" in text
+    shutil.rmtree(results / "out", ignore_errors=True)
+    with srgc_process(arguments, results) as process:
+        out, _ = process.communicate(timeout=600)
+    plain = text.replace(f"\x1b[1;{colour}m", "").replace("\x1b[0m", "")
+    assert ESCAPE not in out.decode()
+    if arguments[0] != "plan":
+        assert out.decode() == plain
+    else:  # in a pipe the path of cells alone
+        assert set(out.decode().splitlines()) <= set(plain.splitlines())
+        assert "next:" not in out.decode()
 
 
 def test_progress_is_one_line_that_is_gone_at_the_end(tmp_path):

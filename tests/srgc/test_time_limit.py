@@ -140,7 +140,7 @@ def test_the_conflict_at_the_end_keeps_to_the_limit(made: Made) -> None:
     tried = tried_folder(made("beyond_reach") / "out")
     searched = synthesise(tried.posed.program, tried.posed.task, RunContext(lemmas=False))
     assert searched.verdict == "impossible"
-    last = "`srgc why out` says what would make it possible"
+    last = "next:    srgc why out  # what would make it possible"
     whole = ending(searched, tried.posed, RunContext(), "out")
     assert len(whole.splitlines()) > 2
     assert whole.endswith(last)

@@ -18,7 +18,7 @@ function synthesisOutcome(status, task) {
     case 2:
       return {
         level: "warning",
-        text: `${task}: srgc refused to begin; its terminal says why. Results of an older version of the file are replaced only if you say so.`,
+        text: `${task}: srgc refused to begin; its terminal says why. Results of another file or seed are replaced only if you say so.`,
         actions: ["Replace Results"],
       };
     case 3:

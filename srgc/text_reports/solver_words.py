@@ -1,0 +1,18 @@
+"""What convex solvers answer in words and codes of their own, which few readers ask for."""
+
+from __future__ import annotations
+
+import re
+
+from solvers.backends.conic import Status
+from solvers.search.search_state import Cause
+from solvers.trajectory.control_problem import Ending
+
+_STATUSES = "|".join(re.escape(status.value) for status in Status)
+_DETAIL = r" \((?:[^()]|\([^()]*\))*\)| \(.*?\)(?=[;,)]|$)"
+_ANSWER = re.compile(rf"{Ending.UNSOLVED.value}: (?:{_STATUSES})(?:{_DETAIL})?", re.MULTILINE)
+
+
+def without_solver_words(text: str) -> str:
+    """A text that says that a program was not solved, but not what the solver calls that."""
+    return _ANSWER.sub(Cause.UNSOLVED.value, text)
