@@ -42,7 +42,8 @@ nitpicky = True
 # names of other packages, whose pages are elsewhere.
 nitpick_ignore_regex = [
     (r"py:.*", r"[^.]*"),
-    (r"py:.*", r"(collections|fractions|networkx|np|numpy|os|pathlib|typing)\..*"),
+    (r"py:.*", r"(collections|decimal|fractions|matplotlib|networkx)\..*"),
+    (r"py:.*", r"(np|numpy|os|pathlib|typing)\..*"),
     (r"py:.*", r"(grammar_lang|compiler|solvers|srgc)\..*"),
 ]
 

@@ -6,6 +6,11 @@ this file: a name is loaded when it is first used, and heavy libraries by the ca
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from srgc.api.builder.grammar import Grammar as Grammar
+    from srgc.api.builder.module import Module as Module
+    from srgc.api.builder.spec import Spec as Spec
+    from srgc.api.builder.task import Task as Task
+    from srgc.api.builder.workspace import Workspace as Workspace
     from srgc.api.evolution import evolve as evolve
     from srgc.api.export import export as export
     from srgc.api.graph import graph as graph
@@ -20,8 +25,15 @@ if TYPE_CHECKING:
     from srgc.api.verification import verify as verify
     from srgc.faults import SrgcError as SrgcError
 
+__version__: str
+
 _HOMES = {
+    "Grammar": "srgc.api.builder.grammar",
+    "Module": "srgc.api.builder.module",
+    "Spec": "srgc.api.builder.spec",
     "SrgcError": "srgc.faults",
+    "Task": "srgc.api.builder.task",
+    "Workspace": "srgc.api.builder.workspace",
     "check": "srgc.api.program",
     "evolve": "srgc.api.evolution",
     "export": "srgc.api.export",
@@ -37,7 +49,12 @@ _HOMES = {
 }
 
 __all__ = [
+    "Grammar",
+    "Module",
+    "Spec",
     "SrgcError",
+    "Task",
+    "Workspace",
     "check",
     "evolve",
     "export",
@@ -57,6 +74,10 @@ if not TYPE_CHECKING:  # for a type checker there are no other names than those 
 
     def __getattr__(name: str) -> object:
         """A public name, when it is first used."""
+        if name == "__version__":
+            from srgc.version import VERSION
+
+            return VERSION
         if name not in _HOMES:
             raise AttributeError(f"module 'srgc' has no attribute {name!r}")
         from importlib import import_module

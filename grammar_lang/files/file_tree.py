@@ -278,6 +278,8 @@ class FileTree:
 
 
 _GIVE = "give the path of a file that can be read"
+_LIBRARY_ALONE = FileTree(Path(LIBRARY), LIBRARY, "")
+"""Where a text is that has no folder: it includes files of the library and no others."""
 
 
 # --- The files that make up a program: each read once, numbered in the order of reading -----------
@@ -290,6 +292,8 @@ IMAGE_LIMIT = 64 * 2**20
 @dataclass(slots=True)
 class FileSet:
     """The files read so far; ``tree`` is None where there is only a text, without a folder.
+
+    Such a text includes files of the library alone.
 
     ``left`` counts the bytes that further texts may have, ``left_images`` those of images.
     ``unsound`` are the numbers of texts that cannot be parsed.
@@ -311,13 +315,16 @@ class FileSet:
 
         With ``std`` it is a path in the library.
         """
-        if self.tree is None:
+        tree = self.tree
+        if tree is None and (std or self.sources[base].path.startswith(f"{STD}/")):
+            tree = _LIBRARY_ALONE
+        if tree is None:
             message = "a text has no folder in which this file could be"
             hint = "save the text as a file, and check that file"
             self.sink.error(Code.UNREADABLE_REFERENCE, message, written.span, hint)
             return None
         try:
-            return self.tree.place(written.text, self.sources[base].path, std=std)
+            return tree.place(written.text, self.sources[base].path, std=std)
         except Refusal as refusal:
             self.sink.error(refusal.code, refusal.message, written.span, refusal.hint)
             return None
@@ -365,15 +372,13 @@ class FileSet:
         self.sources.append(replace(first, name=name, path=place.path, twin=first.path))
 
     def _name(self, place: Place) -> str:
-        return place.path if self.tree is None else self.tree.name(place)
+        return (self.tree or _LIBRARY_ALONE).name(place)
 
     def _data(
         self, place: Place, written: Ident, left: int, limit: int, suffixes: tuple[str, ...]
     ) -> bytes | None:
-        if self.tree is None:
-            return None
         try:
-            return self.tree.read(place, written.text, left, suffixes)
+            return (self.tree or _LIBRARY_ALONE).read(place, written.text, left, suffixes)
         except Refusal as refusal:
             self.sink.error(refusal.code, refusal.message, written.span, refusal.hint)
         except TooLarge as large:

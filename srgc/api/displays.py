@@ -147,7 +147,7 @@ def program_html(program: ir.Program) -> str:
     """A display of what a specification declares, and of its text."""
     rows = [(text(kind), code(name), text(said)) for kind, name, said in _declared(program)]
     files = "".join(
-        details(source.path, _coloured_source(source.text))
+        details(source.path, coloured_source(source.text))
         for source in program.sources
         if source.text
     )
@@ -182,7 +182,8 @@ def _of_module(module: ir.Module) -> str:
     return ", ".join(items)
 
 
-def _coloured_source(content: str) -> str:
+def coloured_source(content: str) -> str:
+    """A text of the language in the colours of its words."""
     from pygments import highlight
     from pygments.formatters import HtmlFormatter
 

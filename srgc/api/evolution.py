@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srgc.api.mission_result import MissionResult, mission_in
-from srgc.api.program import Program
-from srgc.api.search_arguments import place_of, refuse_numbers
+from srgc.api.program import Specification, program_of
+from srgc.api.search_arguments import is_quiet, place_of, refuse_numbers
 from srgc.api.spoken_faults import spoken
 from srgc.session import chosen, refuse_cycles
 from srgc.time_limit import TimeLimit
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @spoken
 def evolve(
     result: str | PathLike[str],
-    program: Program,
+    program: Specification,
     task: str | None = None,
     *,
     output: str | PathLike[str] | None = None,
@@ -34,6 +34,7 @@ def evolve(
     jobs: int | None = None,
     time_limit: float | None = None,
     force: bool = False,
+    progress: bool | None = None,
 ) -> MissionResult:
     """Rebuild the robot of a result for another task, with as few changes as can be.
 
@@ -42,7 +43,8 @@ def evolve(
     Args:
         result: what ``synthesize``, ``open_result`` or ``evolve`` gives, or its folder; of a
             mission its last robot is rebuilt.
-        program: the specification of the task, with the modules of the robot.
+        program: the specification of the task, or the path of its file, with the modules of the
+            robot.
         task: which one; may be left out where there is one.
         output: where the results are written, as by ``srgc evolve -o``.  By default a temporary
             folder, which lasts as long as the result; ``MissionResult.save`` keeps it.
@@ -55,6 +57,7 @@ def evolve(
         jobs: how many processes search, one by default; the result is the same.
         time_limit: seconds, after which the verdict is unknown unless a robot was proved by then.
         force: replace the results of another synthesis in the folder.
+        progress: say how far the search is; by default in notebooks alone.
 
     Returns:
         The result, with the results that led to it; not verified yet: its ``verify`` does that.
@@ -63,7 +66,7 @@ def evolve(
         SrgcError: the result has no robot (its ``code`` is SRG0735), the specification lacks a
             module or a task, a price is none, or the folder holds something else.
     """
-    limit = TimeLimit(time_limit)
+    limit, program = TimeLimit(time_limit), program_of(program)
     chosen_task = chosen(program.ir.tasks, task, "task")
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
     refuse_numbers(seed, 1 if jobs is None else jobs, time_limit)
@@ -79,6 +82,7 @@ def evolve(
     place, keeper = place_of(output)
     refuse_inside(place, Path(result))
     step = step_from(Path(result), program.ir, chosen_task, asked)
-    options = SynthesisOptions(place, seed, jobs or 1, limit, force, quiet=True)
+    quiet = is_quiet(progress)
+    options = SynthesisOptions(place, seed, jobs or 1, limit, force, quiet)
     run_mission(Path(program.name), program.ir, asked.mission(chosen_task), options, step)
     return mission_in(place, keeper)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from compiler.views.workspace_view import Picture
-from srgc.api.program import Program, symbols
+from srgc.api.program import Specification, program_of, symbols
 from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 
@@ -114,7 +114,7 @@ class Graph:
 
 @spoken
 def graph(
-    program: Program,
+    program: Specification,
     of: View,
     *,
     grammar: str | None = None,
@@ -129,7 +129,7 @@ def graph(
     """What ``srgc graph --of ...`` draws.
 
     Args:
-        program: the specification.
+        program: the specification, or the path of its file.
         of: the pushdown automaton of a family (``sra``) with the updates of robots (``fra``), its
             accept condition (``dfa``), its deterministic pushdown automaton (``dpda``), its
             ``words``, its ``grammar``; one ``robot``; the cells of a ``workspace``.
@@ -152,5 +152,5 @@ def graph(
     run = None if highlight is None else symbols(highlight)
     robot = None if word is None else symbols(word)
     request = GraphRequest(of, grammar, workspace, depth, run, near, robot, derivation, cells)
-    drawing = drawing_of(program.ir, request)
+    drawing = drawing_of(program_of(program).ir, request)
     return Graph(drawing.picture, drawing.remarks)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
-from typing import overload
+from typing import TYPE_CHECKING, TypeAlias, overload
 
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Diagnostic, Severity
@@ -16,6 +16,9 @@ from srgc.api.spoken_faults import spoken
 from srgc.faults import MOST_FINDINGS, Checked, SpecErrors, UsageFault
 from srgc.session import check_file, check_loaded, chosen
 from srgc.text_reports.findings_text import summary
+
+if TYPE_CHECKING:
+    from srgc.api.builder.part import Part
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,13 +82,19 @@ class Program:
         return program_html(self.ir)
 
 
+Source: TypeAlias = "Part | str | PathLike[str]"
+"""A specification that was built, or the path of an ``.srg`` file."""
+Specification: TypeAlias = "Program | Part | str | PathLike[str]"
+"""What ``load`` gives or takes."""
+
+
 @overload
-def load(path: str | PathLike[str]) -> Program: ...
+def load(path: Source, *, folder: str | PathLike[str] | None = None) -> Program: ...
 @overload
 def load(*, text: str, folder: str | PathLike[str] | None = None) -> Program: ...
 @spoken
 def load(
-    path: str | PathLike[str] | None = None,
+    path: Source | None = None,
     *,
     text: str | None = None,
     folder: str | PathLike[str] | None = None,
@@ -93,10 +102,10 @@ def load(
     """Read a specification, and check it.
 
     Args:
-        path: an ``.srg`` file.
+        path: an ``.srg`` file, or what was built, as ``srgc.Spec``.
         text: the specification itself, instead of a file.
-        folder: where a text is taken to stand, for what it includes; by default it includes
-            nothing.
+        folder: where a text or what was built is taken to stand, for what it includes; by default
+            it includes nothing.
 
     Returns:
         The program.
@@ -104,11 +113,7 @@ def load(
     Raises:
         SrgcError: the specification has errors, which the message shows, or cannot be read.
     """
-    found = checked(path, text, folder)
-    if found.program is None:
-        errors = tuple(one for one in found.diagnostics if one.severity is Severity.ERROR)
-        raise SpecErrors(Checked(None, errors, found.sources))
-    return Program(found.program, Findings(found))
+    return sound(checked(path, text, folder))
 
 
 TEXT_NAME = "spec.srg"
@@ -171,12 +176,12 @@ class Findings(Sequence[Diagnostic]):
 
 
 @overload
-def check(path: str | PathLike[str]) -> Findings: ...
+def check(path: Source, *, folder: str | PathLike[str] | None = None) -> Findings: ...
 @overload
 def check(*, text: str, folder: str | PathLike[str] | None = None) -> Findings: ...
 @spoken
 def check(
-    path: str | PathLike[str] | None = None,
+    path: Source | None = None,
     *,
     text: str | None = None,
     folder: str | PathLike[str] | None = None,
@@ -184,10 +189,10 @@ def check(
     """Check a specification: names, units, grammars, semantics, geometry, tasks; all at once.
 
     Args:
-        path: an ``.srg`` file.
+        path: an ``.srg`` file, or what was built, as ``srgc.Spec``.
         text: the specification itself, instead of a file.
-        folder: where a text is taken to stand, for what it includes; by default it includes
-            nothing.
+        folder: where a text or what was built is taken to stand, for what it includes; by default
+            it includes nothing.
 
     Returns:
         The findings; their ``ok`` says whether there is no error.
@@ -198,22 +203,48 @@ def check(
     return Findings(checked(path, text, folder))
 
 
-def checked(
-    path: str | PathLike[str] | None, text: str | None, folder: str | PathLike[str] | None
-) -> Checked:
-    """A file or a text after all checks; arguments as of ``check``.
+def checked(path: Source | None, text: str | None, folder: str | PathLike[str] | None) -> Checked:
+    """A file, a text or what was built after all checks; arguments as of ``check``.
 
     Raises:
         UsageFault: the file cannot be read, or not one of path and text is given.
     """
     if (path is None) == (text is None):
         raise UsageFault("give the path of a file, or `text`")
-    if path is not None:
-        if folder is not None:
-            raise UsageFault("`folder` goes with `text`: a file includes what is beside it")
-        return check_file(Path(path))
     place = None if folder is None else Path(fspath(folder))
-    return check_loaded(load_text(text or "", TEXT_NAME, place))
+    if text is not None:
+        return check_loaded(load_text(text, TEXT_NAME, place))
+    from srgc.api.builder.part import Part
+
+    if isinstance(path, Part):
+        return check_loaded(load_text(path.to_srg(), TEXT_NAME, place))
+    if folder is not None:
+        raise UsageFault("`folder` goes with `text`: a file includes what is beside it")
+    return check_file(Path(path or ""))
+
+
+def program_of(specification: Specification) -> Program:
+    """The program of a specification that is loaded already, or not yet.
+
+    Raises:
+        SpecErrors: it has errors.
+        UsageFault: it cannot be read.
+    """
+    if isinstance(specification, Program):
+        return specification
+    return sound(checked(specification, None, None))
+
+
+def sound(found: Checked) -> Program:
+    """The program of what was checked.
+
+    Raises:
+        SpecErrors: it has errors.
+    """
+    if found.program is None:
+        errors = tuple(one for one in found.diagnostics if one.severity is Severity.ERROR)
+        raise SpecErrors(Checked(None, errors, found.sources))
+    return Program(found.program, Findings(found))
 
 
 # --- words ----------------------------------------------------------------------------------------
@@ -221,7 +252,7 @@ def checked(
 
 @spoken
 def words(
-    program: Program,
+    program: Specification,
     *,
     grammar: str | None = None,
     max_length: int | None = None,
@@ -230,7 +261,7 @@ def words(
     """The first words of a family, the shorter ones first; a word is a robot.
 
     Args:
-        program: the specification.
+        program: the specification, or the path of its file.
         grammar: the family; may be left out where there is one.
         max_length: no longer words than so many symbols.
         limit: how many words.
@@ -245,8 +276,9 @@ def words(
 
     if limit < 0 or (max_length is not None and max_length < 0):
         raise UsageFault("`limit` and `max_length` are not negative")
-    family = chosen(program.ir.grammars, grammar, "grammar")
-    return list(listed(program.ir, family, max_length, limit))
+    ir_program = program_of(program).ir
+    family = chosen(ir_program.grammars, grammar, "grammar")
+    return list(listed(ir_program, family, max_length, limit))
 
 
 def symbols(word: str | Sequence[str]) -> tuple[str, ...]:

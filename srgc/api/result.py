@@ -18,7 +18,7 @@ from srgc.faults import UsageFault
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from srgc.report.tables import Trajectory
+    from srgc.api.trajectory import Trajectory
     from srgc.results.found_design import FoundDesign
     from srgc.results.stated_objectives import Objective
     from srgc.text_reports.synthesis_report import UsedInputs
@@ -111,6 +111,8 @@ class Result(FolderResult):
     def trajectory(self) -> Trajectory:
         """The motion at its samples, as arrays in SI units: t, q, qd, s, u, effectors.
 
+        Its ``plot`` draws it over time.
+
         Raises:
             SrgcError: there is no robot.
         """
@@ -118,9 +120,9 @@ class Result(FolderResult):
 
     @spoken
     def _trajectory(self) -> Trajectory:
-        from srgc.report.tables import planned_trajectory
+        from srgc.api.trajectory import trajectory_of
 
-        return planned_trajectory(self._found)
+        return trajectory_of(self._found)
 
     @property
     def designs(self) -> tuple[Result, ...]:

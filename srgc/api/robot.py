@@ -9,7 +9,7 @@ from functools import cached_property
 from math import isfinite
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from srgc.api.program import Program, symbols
+from srgc.api.program import Specification, program_of, symbols
 from srgc.api.spoken_faults import spoken
 from srgc.chosen_robot import ChosenRobot, RobotRequest, chosen_robot
 from srgc.faults import UsageFault
@@ -186,7 +186,7 @@ class Robot:
 
 @spoken
 def robot(
-    program: Program,
+    program: Specification,
     word: str | Sequence[str],
     parameters: Values | None = None,
     *,
@@ -198,7 +198,7 @@ def robot(
     """The robot of a word of a family.
 
     Args:
-        program: the specification.
+        program: the specification, or the path of its file.
         word: the symbols of its modules and edges; a text has blanks between them.
         parameters: values for its parameters; those that are left out have the middle of their
             range, or the first of their values.
@@ -213,7 +213,7 @@ def robot(
     if derivation is not None and derivation < 1:
         raise UsageFault("`derivation` counts from 1")
     request = RobotRequest(symbols(word), grammar, task, workspace, derivation)
-    chosen = chosen_robot(program.ir, request)
+    chosen = chosen_robot(program_of(program).ir, request)
     return Robot(chosen, _theta(chosen.model.parameters, parameters))
 
 

@@ -17,6 +17,13 @@ def place_of(folder: str | PathLike[str] | None) -> tuple[Path, TemporaryFolder 
     return keeper.path, keeper
 
 
+def is_quiet(progress: bool | None) -> bool:  # noqa: FBT001 - as functions are given it
+    """Whether nothing is said of a search under way; None: it is in notebooks alone."""
+    from srgc.results.progress_display import in_notebook
+
+    return not (in_notebook() if progress is None else progress)
+
+
 def refuse_numbers(
     seed: int, jobs: int, time_limit: float | None, *, cells: int | None = None
 ) -> None:

@@ -10,7 +10,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from functools import wraps
-from inspect import Signature, signature
+from inspect import Parameter, Signature, signature
 from numbers import Integral, Real
 from os import PathLike
 from typing import ParamSpec, TypeVar
@@ -72,10 +72,20 @@ def _holds_values(value: object) -> bool:
     return isinstance(value, Sized) and not isinstance(value, str | bytes)
 
 
+def _is_source(value: object) -> bool:
+    return _of(str, PathLike)(value) or hasattr(value, "to_srg")
+
+
 _PATH = _Kind("a path", _of(str, PathLike))
+_SOURCE = _Kind("a path, or a specification that was built", _is_source)
+_SPECIFICATION = _Kind(
+    "what `srgc.load` gives, a path, or a specification that was built",
+    lambda value: hasattr(value, "ir") or _is_source(value),
+)
 _MAPPING = _Kind("a mapping, as a dict", _of(Mapping))
 _KINDS = {
-    "Program": _Kind("what `srgc.load` gives", lambda value: hasattr(value, "ir")),
+    "Source": _SOURCE,
+    "Specification": _SPECIFICATION,
     "int": _Kind("a whole number", _of(Integral)),
     "float": _Kind("a number", _of(Real)),
     "str": _Kind("a text", _of(str)),
@@ -100,13 +110,23 @@ def refuse_others(
     except TypeError:
         return  # The call says so, as that of any function does.
     for name, value in given.items():
-        annotation = str(signature.parameters[name].annotation)
-        kind = _KINDS.get(annotation.removesuffix(" | None"))
-        optional = annotation.endswith(" | None") and value is None
-        if kind is not None and not optional and not kind.holds(value):
-            raise UsageFault(f"`{name}` is {kind.due}, not {_shown(value)}")
-        if kind is _PATH and isinstance(value, str | PathLike):
-            refuse_impossible(value)
+        parameter = signature.parameters[name]
+        several = value if parameter.kind is Parameter.VAR_POSITIONAL else (value,)
+        for each in several:
+            _refuse_other(name, str(parameter.annotation), each)
+
+
+def _refuse_other(name: str, annotation: str, value: object) -> None:
+    kind = _KINDS.get(annotation.removesuffix(" | None"))
+    optional = annotation.endswith(" | None") and value is None
+    if kind is None or optional:
+        return
+    if not kind.holds(value):
+        raise UsageFault(f"`{name}` is {kind.due}, not {_shown(value)}")
+    if kind in (_SOURCE, _SPECIFICATION) and isinstance(value, str) and {"{", "\n"} & {*value}:
+        raise UsageFault(f"`{name}` is a path: `srgc.load(text=...)` reads a specification itself")
+    if kind in (_PATH, _SOURCE, _SPECIFICATION) and isinstance(value, str | PathLike):
+        refuse_impossible(value)
 
 
 def _shown(value: object) -> str:

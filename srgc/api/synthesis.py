@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, overload
 
 from srgc.api.mission_result import MissionResult, mission_in
-from srgc.api.program import Program
+from srgc.api.program import Program, Specification, program_of
 from srgc.api.result import Result, opened
-from srgc.api.search_arguments import place_of, refuse_numbers
+from srgc.api.search_arguments import is_quiet, place_of, refuse_numbers
 from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 from srgc.session import chosen, refuse_cycles
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @overload
 def synthesize(
-    program: Program,
+    program: Specification,
     task: str | None = None,
     folder: str | PathLike[str] | None = None,
     *,
@@ -44,10 +44,11 @@ def synthesize(
     smt: str | None = None,
     lemmas: bool = True,
     force: bool = False,
+    progress: bool | None = None,
 ) -> Result: ...
 @overload
 def synthesize(
-    program: Program,
+    program: Specification,
     task: None = None,
     folder: str | PathLike[str] | None = None,
     *,
@@ -60,10 +61,11 @@ def synthesize(
     smt: str | None = None,
     lemmas: bool = True,
     force: bool = False,
+    progress: bool | None = None,
 ) -> MissionResult: ...
 @spoken
 def synthesize(
-    program: Program,
+    program: Specification,
     task: str | None = None,
     folder: str | PathLike[str] | None = None,
     *,
@@ -80,11 +82,12 @@ def synthesize(
     smt: str | None = None,
     lemmas: bool = True,
     force: bool = False,
+    progress: bool | None = None,
 ) -> Result | MissionResult:
     """Search a task for a robot that is proved to do it, or for a proof that there is none.
 
     Args:
-        program: the specification.
+        program: the specification, or the path of its file.
         task: which one; may be left out where there is one.
         mission: solve all tasks of this mission together, instead of one.
         folder: where the results are written, as by ``srgc synth -o``; a search that was
@@ -105,6 +108,7 @@ def synthesize(
             as a library by default.
         lemmas: let one refutation be about many structures, where it can be.
         force: replace the results of another synthesis in the folder.
+        progress: say how far the search is; by default in notebooks alone.
 
     Returns:
         The result, not verified yet: its ``verify`` does that.
@@ -113,7 +117,7 @@ def synthesize(
         SrgcError: there is no such task or mission, it has a clause that is not supported, or the
             folder holds something else.
     """
-    limit = TimeLimit(time_limit)
+    limit, program = TimeLimit(time_limit), program_of(program)
     if mission is not None:
         refused = {
             "task": task, "cells": cells, "every": every or None, "pareto": pareto or None,
@@ -123,7 +127,7 @@ def synthesize(
         refuse_numbers(seed, jobs, time_limit)
         return _mission(
             program, mission, folder, limit, seed=seed, jobs=jobs, solver=solver, search=search,
-            smt=smt, lemmas=lemmas, force=force,
+            smt=smt, lemmas=lemmas, force=force, quiet=is_quiet(progress),
         )  # fmt: skip
     chosen_task = chosen(program.ir.tasks, task, "task")
     refuse_cycles(program.ir, program.ir.grammars[chosen_task.grammar])
@@ -140,7 +144,7 @@ def synthesize(
 
     place, keeper = place_of(folder)
     options = SynthesisOptions(
-        place, seed, jobs, limit, force, quiet=True, cells=cells,
+        place, seed, jobs, limit, force, quiet=is_quiet(progress), cells=cells,
         every=every or pareto, front=pareto, solver=named_solver(solver),
         search=named_search(search), lemmas=lemmas, smt=smt, gap=asked_gap(gap, chosen_task),
     )  # fmt: skip
@@ -168,6 +172,7 @@ def _mission(
     smt: str | None,
     lemmas: bool,
     force: bool,
+    quiet: bool,
 ) -> MissionResult:
     """Search for the robots of a mission."""
     from srgc.results.mission_run import run_mission
@@ -179,7 +184,7 @@ def _mission(
     named_smt_solvers(smt)
     place, keeper = place_of(folder)
     options = SynthesisOptions(
-        place, seed, jobs, limit, force, quiet=True, solver=named_solver(solver),
+        place, seed, jobs, limit, force, quiet, solver=named_solver(solver),
         search=named_search(search), lemmas=lemmas, smt=smt,
     )  # fmt: skip
     run_mission(Path(program.name), program.ir, mission, options)
@@ -237,13 +242,13 @@ class Plan:
 
 
 @spoken
-def plan(program: Program, task: str | None = None, *, cells: int | None = None) -> Plan:
+def plan(program: Specification, task: str | None = None, *, cells: int | None = None) -> Plan:
     """Plan the cells that a task's effectors go through, with the fewest changes.
 
     A plan is not about robots: ``synthesize`` finds one that follows it.
 
     Args:
-        program: the specification.
+        program: the specification, or the path of its file.
         task: which one; may be left out where there is one.
         cells: begin with at least so many cells.
 
@@ -254,6 +259,7 @@ def plan(program: Program, task: str | None = None, *, cells: int | None = None)
 
     if cells is not None and cells < 1:
         raise UsageFault("`cells` counts from 1")
+    program = program_of(program)
     chosen_task = chosen(program.ir.tasks, task, "task")
     report = plan_report(program.ir, chosen_task, cells)
     return Plan(report, f"{program.name}, task {chosen_task.name}")

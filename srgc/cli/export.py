@@ -40,7 +40,8 @@ BINARY = ("npz", "gltf", "mcap")
     metavar="FORM",
     help="The robot: urdf (ROS), mjcf (MuJoCo). Its planned motion: csv, json, ros2 "
     "(JointTrajectory as YAML), npz (NumPy). Both, with regions: gltf (3-D picture that moves), "
-    "mcap (log for Foxglove), svg (picture that moves). Folders: mujoco (robot, torques and a script that replays them), "
+    "mcap (log for Foxglove), svg (picture that moves). Folders: mujoco (robot, torques and a "
+    "script that replays them), "
     "controller (C, Python, npz), ros2-package (URDF, launch file, MoveIt), all (all files but "
     "those of gltf, mcap, svg and ros2-package).",
 )

@@ -105,18 +105,26 @@ def motion_curves(evidence: Evidence) -> tuple[CurveGroup, ...]:
     found, motion = evidence.found, evidence.trajectory
     if found is None or motion is None:
         return ()
-    lines = _state_lines(evidence, motion)
+    groups = _groups(found, motion, _state_lines(evidence, motion), evidence.tube)
+    return tuple(CurveGroup(group.title, tuple(map(thinned, group.curves))) for group in groups)
+
+
+def planned_curves(found: FoundDesign, motion: Trajectory) -> tuple[CurveGroup, ...]:
+    """All groups of a motion at its samples, without what is proved around it."""
+    lines = _StateLines(motion.t, np.hstack([motion.q, motion.qd]), None)
+    return _groups(found, motion, lines, None)
+
+
+def _groups(
+    found: FoundDesign, motion: Trajectory, lines: _StateLines, tube: CertifiedTube | None
+) -> tuple[CurveGroup, ...]:
     groups = (
         CurveGroup("Coordinates", tuple(_coordinates(found, lines))),
         CurveGroup("Rates", tuple(_rates(found, lines))),
         CurveGroup("States of the modules’ own", tuple(_states(found, motion))),
-        CurveGroup("Inputs", tuple(_inputs(found, motion, evidence.tube))),
+        CurveGroup("Inputs", tuple(_inputs(found, motion, tube))),
     )
-    return tuple(
-        CurveGroup(group.title, tuple(map(thinned, group.curves)))
-        for group in groups
-        if group.curves
-    )
+    return tuple(group for group in groups if group.curves)
 
 
 def widest(evidence: Evidence) -> float | None:

@@ -1,4 +1,4 @@
-"""Progress of long work on standard error: one live line on a terminal, plain lines elsewhere."""
+"""Progress of long work: one live line on a terminal or in a notebook, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from importlib import import_module
 from statistics import fmean
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from grammar_lang.files.file_tree import visible
 from srgc.interruption import redrawing
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 SILENCE = 1.0
 """Seconds before the live line is shown: what is done by then needs none."""
+REDRAWN = 0.25
+"""Seconds between two versions of the line in a notebook."""
 SPARSE = 10.0
 """Seconds between two plain lines about the points of a grid."""
 
@@ -210,6 +213,66 @@ class LiveProgress(QuietProgress):
         return Constrain(line, max(1, self._console.width - len("^C") - 1))
 
 
+class NotebookProgress(LiveProgress):
+    """The same line below the cell of a notebook, which is empty at the end."""
+
+    def __init__(self, what: str, unit: str, count: Callable[[], int | None]) -> None:
+        super().__init__(what, unit, count)
+        self._drawn = self._start + SILENCE - REDRAWN
+        self._handle: Any = None
+
+    def __enter__(self) -> NotebookProgress:
+        self._total = self._count()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._handle is not None:
+            self._handle.update({"text/plain": ""}, raw=True)
+
+    def structure(self, number: int, word: tuple[str, ...]) -> None:
+        """A structure is being tried: the ones before it are finished."""
+        super().structure(number, word)
+        self._draw()
+
+    def robustness(self, value: float) -> None:
+        """The best robustness so far."""
+        super().robustness(value)
+        self._draw()
+
+    def note(self, text: str) -> None:
+        """The last finding stands until there is another."""
+        super().note(text)
+        self._draw()
+
+    def part(self, done: int, count: int) -> None:
+        """So many of all parts of the work are done."""
+        super().part(done, count)
+        self._draw()
+
+    def _draw(self) -> None:
+        now = time.monotonic()
+        if now - self._drawn < REDRAWN:
+            return
+        self._drawn, line = now, {"text/plain": self.text()}
+        if self._handle is None:
+            show = import_module("IPython.display").display
+            self._handle = show(line, raw=True, display_id=True)
+        else:
+            self._handle.update(line, raw=True)
+
+
+def in_notebook() -> bool:
+    """Whether the kernel of a notebook runs this."""
+    ipython: Any = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return getattr(shell, "kernel", None) is not None
+
+
 def progress(
     what: str,
     *,
@@ -219,7 +282,7 @@ def progress(
     plain: bool = True,
     measure: str = "",
 ) -> QuietProgress:
-    """The display that fits standard error.
+    """The display that fits standard error, or the notebook.
 
     Args:
         what: is being done.
@@ -231,6 +294,8 @@ def progress(
     """
     if quiet:
         return QuietProgress()
+    if in_notebook():
+        return NotebookProgress(what, unit, count)
     if redraws(sys.stderr):
         return LiveProgress(what, unit, count, measure)
     return PlainProgress(measure) if plain else QuietProgress()

@@ -316,6 +316,16 @@ def test_links_in_a_circle(write: Write) -> None:
     assert [code for code, _, _ in found(load(path))] == ["SRG0109"]
 
 
+def test_a_text_without_a_folder_has_the_library() -> None:
+    loaded = load_text('include std "serial.srg";', "<stdin>")
+    assert loaded.program is not None
+    assert "Std_Plate" in loaded.program.modules
+    missing = load_text('include std "cereal.srg";', "<stdin>")
+    assert [code for code, _, _ in found(missing)] == ["SRG0109"]
+    [finding] = missing.diagnostics
+    assert finding.hint == "did you mean `serial.srg`?"
+
+
 @pytest.mark.parametrize("length", [300, 5000, 100_000])
 def test_paths_that_are_too_long(write: Write, length: int) -> None:
     loaded = load(write({"a.srg": f'include "{"n" * length}";'}))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import re
+import sys
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 
@@ -14,10 +16,13 @@ from compiler.robots.state_and_input import family_unit
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.words.structures import structures
 from grammar_lang.load import load_text
+from srgc.api.search_arguments import is_quiet
 from srgc.results import progress_display
 from srgc.results.progress_display import (
     NO_ESTIMATE,
+    SILENCE,
     LiveProgress,
+    NotebookProgress,
     PlainProgress,
     QuietProgress,
     duration_text,
@@ -198,3 +203,74 @@ def test_robustness_has_the_unit_of_all_inputs(clock, capsys, text, unit):
     shown = f"robustness 0.5 {unit}".rstrip()
     assert live.text().endswith(shown)
     assert capsys.readouterr().err.endswith(f"best robustness: 0.5 {unit}".rstrip() + "\n")
+
+
+# --- notebooks ------------------------------------------------------------------------------------
+
+
+class _Shown:
+    """Stands for IPython and its displays: the lines that a cell has shown, in order."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.shells = {"kernel": object()}
+
+    def get_ipython(self):
+        return SimpleNamespace(**self.shells)
+
+    def display(self, data, *, raw, display_id):
+        assert raw
+        assert display_id
+        self.update(data, raw=raw)
+        return self
+
+    def update(self, data, *, raw):
+        assert raw
+        self.lines.append(data["text/plain"])
+
+
+@pytest.fixture
+def notebook(monkeypatch):
+    shown, clock = _Shown(), [100.0]
+    monkeypatch.setitem(sys.modules, "IPython", shown)
+    monkeypatch.setitem(sys.modules, "IPython.display", shown)
+    monkeypatch.setattr(progress_display, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    return shown, clock
+
+
+def test_a_notebook_has_a_line_that_is_gone_at_the_end(notebook, capsys):
+    shown, clock = notebook
+    with progress("synth T", quiet=False, unit="structures", count=lambda: 5) as display:
+        assert isinstance(display, NotebookProgress)
+        display.structure(1, ("A", "B"))
+        assert shown.lines == []
+        clock[0] += SILENCE
+        display.robustness(0.5)
+        display.robustness(0.6)  # too soon after the line before
+        clock[0] += 1
+        display.structure(2, ("A", "C"))
+    assert len(shown.lines) == 3
+    assert shown.lines[0].startswith("synth T · 1 of 5 structures · 1 s")
+    assert "robustness 0.5" in shown.lines[0]
+    assert "2 of 5 structures" in shown.lines[1]
+    assert shown.lines[1].endswith("A C")
+    assert shown.lines[-1] == ""
+    assert capsys.readouterr() == ("", "")
+
+
+def test_what_is_soon_done_shows_nothing(notebook):
+    shown, _ = notebook
+    with progress("synth T", quiet=False) as display:
+        display.note("found")
+    assert shown.lines == []
+
+
+def test_only_the_kernel_of_a_notebook_is_one(notebook, monkeypatch):
+    shown, _ = notebook
+    assert not is_quiet(None)
+    assert is_quiet(progress=False)
+    shown.shells.clear()  # IPython on a terminal
+    assert is_quiet(None)
+    assert not is_quiet(progress=True)
+    monkeypatch.delitem(sys.modules, "IPython")
+    assert is_quiet(None)

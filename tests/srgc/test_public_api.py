@@ -12,6 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import traceback
 from importlib import import_module
 from pathlib import Path
@@ -84,11 +85,13 @@ def test_every_name_has_one_home_and_is_known_to_type_checkers():
     }
     assert static == srgc._HOMES
     assert sorted(static) == srgc.__all__ == dir(srgc)
-    assert len(static) <= 13
+    assert len(static) <= 18
     for name, home in static.items():
         thing = getattr(srgc, name)
         assert getattr(import_module(home), name) is thing
         assert (thing.__module__, thing.__name__) == (home, name)
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert srgc.__version__ == declared["project"]["version"]
     with pytest.raises(AttributeError, match="has no attribute 'synthesise'"):
         srgc.synthesise  # noqa: B018
 
@@ -106,9 +109,9 @@ def test_functions_say_what_they_take(name):
 
 def test_every_name_is_in_the_reference():
     page = (ROOT / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
-    assert sorted(re.findall(r"\.\. auto(?:function|exception):: (\w+)$", page, re.MULTILINE)) == (
-        srgc.__all__
-    )
+    assert sorted(
+        re.findall(r"\.\. auto(?:class|function|exception):: (\w+)$", page, re.MULTILINE)
+    ) == (srgc.__all__)
 
 
 @pytest.mark.parametrize("package", ["srgc", "solvers", "compiler", "grammar_lang"])
@@ -140,6 +143,15 @@ def test_a_text_includes_what_is_in_its_folder(tmp_path):
     assert srgc.load(text=text, folder=tmp_path).modules == ("B", "JO", "L", "EN")
     with pytest.raises(srgc.SrgcError, match="include"):
         srgc.load(text=text)
+
+
+def test_a_path_does_where_a_program_does(program):
+    path = ROOT / "specs" / "planar_arm.srg"
+    for given in (path, str(path), os.fspath(path)):
+        assert srgc.words(given, limit=3) == srgc.words(program, limit=3)
+    assert srgc.plan(path).paths == srgc.plan(program).paths
+    assert repr(srgc.graph(path, "sra")) == repr(srgc.graph(program, "sra"))
+    assert srgc.robot(str(path), WORD).parameters == srgc.robot(program, WORD).parameters
 
 
 def test_a_program(program):
@@ -204,10 +216,13 @@ def test_a_traceback_ends_at_the_call(program):
         (lambda p: srgc.robot(p, WORD).coriolis([[1, 2]] * 2, [[1, 2]] * 3), "2 poses, and `qd` 3"),
         (lambda p: srgc.robot(p, WORD).svg([0, np.nan]), "2 finite numbers"),
         (lambda p: srgc.robot(p, WORD).svg([[0, 0]]), "2 finite numbers"),
-        (lambda _: srgc.words("arm.srg"), "`program` is what `srgc.load` gives, not 'arm.srg'"),
-        (lambda _: srgc.synthesize(None), "`program` is what `srgc.load` gives, not None"),
-        (srgc.load, "`path` is a path, not <Program"),
-        (lambda _: srgc.load(b"arm.srg"), "`path` is a path, not b'arm.srg'"),
+        (lambda _: srgc.words("arm.srg"), "cannot read"),
+        (lambda _: srgc.synthesize(None), "`program` is what `srgc.load` gives, a .* not None"),
+        (srgc.load, "`path` is a path, or a specification that was built, not <Program"),
+        (lambda _: srgc.load(b"arm.srg"), "`path` is a path, .*, not b'arm.srg'"),
+        (lambda _: srgc.load("module B {"), r"`path` is a path: `srgc.load\(text=...\)` reads"),
+        (lambda _: srgc.plan("edge a;\nedge b;"), "`program` is a path: "),
+        (lambda _: srgc.load("a.srg", folder="b"), "`folder` goes with `text`"),
         (lambda _: srgc.check(text=3), "`text` is a text, not 3"),
         (lambda _: srgc.open_result(7), "`folder` is a path, not 7"),
         (lambda p: srgc.words(p, limit=2.5), "`limit` is a whole number, not 2.5"),

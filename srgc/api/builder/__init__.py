@@ -1,0 +1,1 @@
+"""Specifications made by Python, without text: modules, grammars, workspaces, tasks."""
