@@ -40,6 +40,16 @@ def limited_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
             content = file.read(most + 1)
     except OSError as error:
         raise UsageFault(f"{path}: {error.strerror}") from None
+    refuse_content(content, path, most)
+    return content
+
+
+def refuse_content(content: bytes, path: Path, most: int = MOST_BYTES) -> None:
+    """Refuse the content of a file, which is called ``path`` in messages.
+
+    Raises:
+        UsageFault: it is empty, packed, or larger than ``most`` bytes.
+    """
     if len(content) > most:
         raise UsageFault(
             f"{path} is larger than {most // 1_000_000} MB, and no more is read; simplify it first"
@@ -49,7 +59,6 @@ def limited_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
     for start, what in PACKED.items():
         if content.startswith(start):
             raise UsageFault(f"{path} is {what}, which is not unpacked here; unpack it first")
-    return content
 
 
 def xml_of(content: bytes, path: Path) -> Xml:

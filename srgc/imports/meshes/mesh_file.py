@@ -1,4 +1,4 @@
-"""Meshes of STL, OBJ and COLLADA files; what is hostile is refused.
+"""Meshes of STL, OBJ, COLLADA and binary glTF files; what is hostile is refused.
 
 No other file is opened: neither the materials of an OBJ nor the images of a COLLADA file.
 """
@@ -15,14 +15,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srgc.faults import UsageFault
-from srgc.imports.limited_files import MOST_XML_BYTES, limited_bytes
+from srgc.imports.limited_files import (
+    MOST_BYTES,
+    MOST_XML_BYTES,
+    limited_bytes,
+    refuse_content,
+)
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
 from srgc.imports.meshes.mesh_limits import LARGEST, too_many
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-SUFFIXES = (".stl", ".obj", ".dae")
+SUFFIXES = (".stl", ".obj", ".dae", ".glb")
 _HEADER, _TRIANGLE = 84, 50
 
 
@@ -38,13 +43,35 @@ def read_mesh(path: Path, unit: float | None = None) -> Mesh:
         UsageFault: it is no such file, is cut off, has too many triangles, or corners that are not
             finite or too far off.
     """
+    return _mesh_of(limited_bytes(path, _most_bytes(path)), path, unit)
+
+
+def mesh_of(content: bytes, path: Path) -> Mesh:
+    """The mesh of a file that has been read, in metres as with no unit; ``path`` is its name.
+
+    Raises:
+        UsageFault: as of a file.
+    """
+    refuse_content(content, path, _most_bytes(path))
+    return _mesh_of(content, path, None)
+
+
+def _most_bytes(path: Path) -> int:
+    """How large a mesh may be, by the end of its name.
+
+    Raises:
+        UsageFault: it is none that is read.
+    """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise UsageFault(
             f"{path} is no mesh that is read here, by the end of its name; known: "
-            "STL (.stl), OBJ (.obj), COLLADA (.dae)"
+            "STL (.stl), OBJ (.obj), COLLADA (.dae), binary glTF (.glb)"
         )
-    content = limited_bytes(path, *([MOST_XML_BYTES] if suffix == ".dae" else []))
+    return MOST_XML_BYTES if suffix == ".dae" else MOST_BYTES
+
+
+def _mesh_of(content: bytes, path: Path, unit: float | None) -> Mesh:
     try:
         # What libraries warn of concerns those who maintain them.
         with warnings.catch_warnings(action="ignore"):
@@ -62,6 +89,10 @@ def _read(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
             from srgc.imports.meshes.obj_file import obj_mesh
 
             return obj_mesh(content, path)
+        case ".glb":
+            from srgc.imports.meshes.gltf_file import gltf_mesh
+
+            return gltf_mesh(content, path)
         case _:
             from srgc.imports.meshes.collada_file import collada_mesh
 
