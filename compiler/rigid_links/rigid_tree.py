@@ -1,5 +1,6 @@
-"""A robot with fixed parameters as a tree of rigid links, one per degree of freedom and a base.
+"""A robot with fixed parameters as a tree of rigid links: a base, and one for each moved frame.
 
+A degree of freedom moves one frame, or several: then it is coupled, as by gears.
 All numbers are balls; they are rounded once, where they are written.
 """
 
@@ -8,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Literal
 
 from flint import arb
@@ -31,7 +32,7 @@ Limits = tuple[float, float] | None
 
 
 class RigidTreeError(ValueError):
-    """A robot that is no tree of rigid links with one joint per degree of freedom."""
+    """A robot that is no tree of rigid links, or none with one joint per degree of freedom."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,12 @@ class RigidTree:
     effectors: tuple[LinkFrame, ...]
     touching: tuple[tuple[int, int], ...]
 
+    @property
+    def coupled(self) -> int | None:
+        """The first degree of freedom that moves several links, if one does."""
+        dofs = [joint.dof for _, joint in self.carried()]
+        return next((one for one, other in pairwise(dofs) if one == other), None)
+
     def carried(self) -> tuple[tuple[int, LinkJoint], ...]:
         """The links that joints carry, with these, by the numbers of the degrees of freedom."""
         found = [(i, link.joint) for i, link in enumerate(self.links) if link.joint is not None]
@@ -115,8 +122,7 @@ def rigid_tree(
     and put down, where none are given.
 
     Raises:
-        RigidTreeError: a degree of freedom moves several frames or none, or a length or angle has
-            no value.
+        RigidTreeError: a degree of freedom moves nothing, or a length or angle has no value.
     """
     with working_precision(PRECISION):
         scalars = scalar_balls(model.scalars, [ball(value) for value in theta])
@@ -181,7 +187,7 @@ def _frames(model: RobotModel, scalars: Sequence[arb]) -> tuple[list[LinkJoint],
     """The joints in the order of the links they carry, and every frame in its link."""
     joints: list[LinkJoint] = []
     frames = [LinkFrame(0, WORLD_POSE)]
-    moved: dict[int, tuple[int, Joint, LinkFrame]] = {}
+    moved: dict[tuple[int, Joint], LinkFrame] = {}
     for node in model.frames[WORLD + 1 :]:
         below = frames[node.parent]
         match node.step:
@@ -193,16 +199,14 @@ def _frames(model: RobotModel, scalars: Sequence[arb]) -> tuple[list[LinkJoint],
                 offset = column([scalars[i] for i in vector])
                 frames.append(LinkFrame(below.link, below.pose.moved(offset)))
             case Joint() as step:
-                if step.dof not in moved:
+                key = node.parent, step
+                if key not in moved:
                     joints.append(_joint(model.dofs[step.dof], step, below))
-                    moved[step.dof] = node.parent, step, LinkFrame(len(joints), WORLD_POSE)
-                parent, first, frame = moved[step.dof]
-                if (parent, first) != (node.parent, step):
-                    raise RigidTreeError(f"degree of freedom {step.dof + 1} moves several frames")
-                frames.append(frame)
-    for dof in range(len(model.dofs)):
-        if dof not in moved:
-            raise RigidTreeError(f"degree of freedom {dof + 1} moves nothing")
+                    moved[key] = LinkFrame(len(joints), WORLD_POSE)
+                frames.append(moved[key])
+    idle = {*range(len(model.dofs))} - {joint.dof for joint in joints}
+    if idle:
+        raise RigidTreeError(f"degree of freedom {min(idle) + 1} moves nothing")
     return joints, frames
 
 

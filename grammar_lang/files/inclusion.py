@@ -171,7 +171,7 @@ _KINDS: dict[str, Kind] = {
     ".json": "geojson",
     **dict[str, Kind].fromkeys(SUFFIXES, "mesh"),
 }
-_CONVERTED = (".dae", ".scene", ".sdf", ".world")
+_CONVERTED = (".dae", ".glb", ".scene", ".sdf", ".world")
 """Scenes that `srgc import scene` reads, and the language does not."""
 _GEOJSON_TYPES = (
     "FeatureCollection",

@@ -12,7 +12,7 @@ from typing import assert_never
 
 from grammar_lang import syntax as s
 from grammar_lang.ir.expression_text import number_text
-from grammar_lang.parsing.lalr import RESERVED, tables
+from grammar_lang.parsing.tables import RESERVED, tables
 from grammar_lang.syntax import formulas as f
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

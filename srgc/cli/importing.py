@@ -118,7 +118,7 @@ def _finite(
 @click.option(
     "--unit",
     type=click.Choice(["mm", "cm", "m", "in"]),
-    help="scene: the unit of STL and OBJ (metres otherwise), or instead of that of DAE.",
+    help="scene: the unit of STL and OBJ (metres otherwise), or instead of that of DAE and GLB.",
 )
 @click.option("--at", metavar="PLACE", help="scene: where its origin is, as `(0.5, 0, 0) m`.")
 @click.option("--force", is_flag=True, help="Replace files that are there.")

@@ -151,13 +151,13 @@ def _scene_file(design: FoundDesign, form: str) -> tuple[bytes, tuple[str, ...]]
     """One of the ``SCENES``, and what it does not hold.
 
     Raises:
-        UsageFault: the robot is no tree of rigid links, or a library is missing.
+        UsageFault: a number is too large, or a library is missing.
     """
     if form == "svg":
         return motion_picture(design).encode(), ()
-    scene = design_scene(design, FREQUENCY)
+    scene = design_scene(design, FREQUENCY, visuals=form == "gltf")
     if form == "gltf":
-        return gltf_bytes(scene), ()
+        return gltf_bytes(scene), scene.notes
     log = mcap_log(scene, exported_motion(design))
     return log.content, log.notes
 

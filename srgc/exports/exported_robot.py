@@ -16,7 +16,7 @@ from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import exact
 from srgc.exports.joint_drives import JointDrive, joint_drives, viscous_friction
-from srgc.exports.visual_meshes import VisualMesh, visual_meshes
+from srgc.exports.visual_meshes import VisualMesh, pictured_model, visual_meshes
 from srgc.results.found_design import FoundDesign
 from srgc.version import VERSION
 
@@ -97,12 +97,10 @@ def _forms(wanted: str) -> Iterator[str]:
 def _owners(model: RobotModel, tree: RigidTree, graph: LabelledGraph) -> dict[int, int]:
     """The link of every module, by place: that of the joint module that it stands on, or its own.
 
-    Where a joint module has several degrees of freedom, the last of them.
+    Where a joint module moves several links, the last of them.
     """
     owners = {
-        place: number
-        for (number, _), dof in zip(tree.carried(), model.dofs, strict=True)
-        for place in dof.symbols
+        place: number for number, joint in tree.carried() for place in model.dofs[joint.dof].symbols
     }
     lower = {edge.upper: edge.lower for edge in graph.edges}
     for node in graph.nodes:
@@ -186,10 +184,11 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
     """What the export of a design is made of; ``factors`` are those of its bodies' masses.
 
     Raises:
-        RigidTreeError: the robot is no tree of rigid links with a joint per degree of freedom.
+        RigidTreeError: a number of the robot has no value.
     """
     model, task = design.model, design.task
-    tree = rigid_tree(model, design.stated, factors)
+    seen = pictured_model(design)
+    tree = rigid_tree(seen, design.stated, factors)
     gravity = [float(value) for value in task.gravity] + [0.0] * 3
     coordinates = design.start[: 2 * len(model.dofs)]
     flat = "in the plane xy, where only moments of inertia about z act on the motion"
@@ -204,7 +203,7 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
         task.step,
         tuple(float(value) for value in coordinates),
         (*origin(design), *plane, *remarks(design)),
-        visual_meshes(design, tree),
+        visual_meshes(design, seen),
     )
 
 
@@ -296,7 +295,13 @@ class ExportedRobot:
     visuals: tuple[VisualMesh, ...] = ()
 
     def motors(self) -> Iterator[Motor]:
-        """The motors in the order of the degrees of freedom."""
+        """The motors in the order of the degrees of freedom.
+
+        Raises:
+            RigidTreeError: one moves several links, which no motor at one joint does.
+        """
+        if (coupled := self.tree.coupled) is not None:
+            raise RigidTreeError(f"degree of freedom {coupled + 1} moves several frames")
         for link, joint in self.tree.carried():
             dof = joint.dof
             name, drive = self.names.joints[dof], self.drives[dof]

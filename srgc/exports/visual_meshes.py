@@ -5,14 +5,15 @@ from __future__ import annotations
 import posixpath
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from compiler.rigid_links.ball_pose import Pose
-from compiler.rigid_links.rigid_tree import RigidTree, fixed_frames
+from compiler.rigid_links.rigid_tree import fixed_frames
 from compiler.robots.normal_form import family_of
 from compiler.robots.pictured_robot import pictured_robot, visuals_of
+from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.files.meshes import MeshError, binary_triangles
 from grammar_lang.files.scenes import scene_of
@@ -37,22 +38,31 @@ class VisualMesh:
     scale: Fraction
 
 
-def visual_meshes(design: FoundDesign, tree: RigidTree) -> tuple[VisualMesh, ...]:
-    """The visuals of a design, whose tree of links is given.
+def pictured_model(design: FoundDesign) -> RobotModel:
+    """The robot of a design with the frames of its visuals.
+
+    Its links are those of the design, and after these such as a coupled degree of freedom moves and
+    that have nothing but visuals.
+    """
+    family = family_of(design.program, design.task)
+    if not visuals_of(family, design.derivation):
+        return design.model
+    model = pictured_robot(family, design.derivation)
+    if [dof.symbols for dof in model.dofs] != [dof.symbols for dof in design.model.dofs]:
+        raise AssertionError("visuals have changed the joints of a robot")
+    return replace(model, apart=design.model.apart)
+
+
+def visual_meshes(design: FoundDesign, model: RobotModel) -> tuple[VisualMesh, ...]:
+    """The visuals of a design in the links of its ``pictured_model``.
 
     Raises:
         RigidTreeError: the frame of a visual has no value.
     """
-    family = family_of(design.program, design.task)
-    visuals = visuals_of(family, design.derivation)
+    visuals = visuals_of(family_of(design.program, design.task), design.derivation)
     if not visuals:
         return ()
-    model = pictured_robot(family, design.derivation)
     frames = fixed_frames(model, design.stated, model.seen)
-    if [dof.symbols for dof in model.dofs] != [dof.symbols for dof in design.model.dofs]:
-        raise AssertionError("visuals have changed the joints of a robot")
-    if max(frame.link for frame in frames) >= len(tree.links):
-        raise AssertionError("a visual is in no link of the robot")
     return tuple(
         VisualMesh(frame.link, frame.pose, visual.file, visual.scale)
         for frame, visual in zip(frames, visuals, strict=True)

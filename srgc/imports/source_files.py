@@ -45,12 +45,24 @@ def source_bytes(path: Path, limit: int = LIMIT) -> bytes:
         raise file_fault(path, message, "simplify it first") from None
     except (OSError, ValueError) as error:
         raise file_fault(path, f"it cannot be read: {reason(error)}") from None
+    refuse_content(content, path, limit)
+    return content
+
+
+def refuse_content(content: bytes, path: Path, limit: int = LIMIT) -> None:
+    """Refuse the content of a file, which is called ``path`` in messages.
+
+    Raises:
+        SourceFault: it is empty, packed, or has more than ``limit`` bytes.
+    """
+    if len(content) > limit:
+        message = f"it has {len(content):,} bytes, more than {limit:,} are not read"
+        raise file_fault(path, message, "simplify it first")
     if not content.strip(b"\0 \t\r\n"):
         raise file_fault(path, "it is empty")
     for start, what in PACKED.items():
         if content.startswith(start):
             raise file_fault(path, f"it is {what}", "unpack it first: that is not done here")
-    return content
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ _BODIES = {
     "cylinder": "A cylinder from the origin of a frame along an axis; it collides.",
     "hull": "The convex hull of a mesh in a frame; it collides and has no mass.",
     "box": "A box about the origin of a frame, along its axes; it collides.",
-    "visual": "A mesh in a frame for exports alone; it has no mass and does not collide.",
+    "visual": "A mesh in a frame for exports and views alone; it has no mass and does not collide.",
     "rot": "`rot(axis, angle)`: turned about an axis of the local frame.",
     "move": "`move(axis, d)` or `move((x, y, z))`: moved in the local frame.",
 }

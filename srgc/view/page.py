@@ -23,13 +23,15 @@ if TYPE_CHECKING:
 TICK = 0.001
 """Step of the slider, in seconds."""
 SPEEDS = ("0.1x", "0.25x", "0.5x", "1x", "2x", "4x")
-EFFECTOR, TRACE, TUBE, EDGE = (225, 0, 120), (225, 120, 170), (240, 160, 30), (90, 90, 90)
+EFFECTOR, TRACE, TUBE, BODY = (225, 0, 120), (225, 120, 170), (240, 160, 30), (130, 80, 180)
 DOT, LINE = 0.012, 2.0
 """Size of an effector as a part of the scene; width of lines in pixels."""
 FIELD_OF_VIEW = 0.8
 """Of the camera, from top to bottom, in radians."""
 FROM_ABOVE, FROM_ASIDE = (0.0, 0.0, 1.0), (0.62, -0.62, 0.48)
-SHOWN = ("Links", "Regions", "Tube", "Path", "Names")
+SHOWN = ("Links", "Collision bodies", "Regions", "Tube", "Path", "Names")
+HIDDEN = ("Collision bodies",)
+"""What is shown once it is asked for."""
 
 
 @dataclass
@@ -105,10 +107,7 @@ class ViewPage:
             add.add_frame(f"{root}/robot/{_plain(name)}", show_axes=False)
             for name in scene.robot.names.links
         ]
-        for index, shape in enumerate(scene.shapes):
-            name = f"{root}/robot/{_plain(scene.robot.names.links[shape.link])}/{index}"
-            colour = LINKS[shape.link % len(LINKS)]
-            self._mesh("Links", name, shape.surface, colour)
+        self._links(f"{root}/robot", scene)
         self._regions(root, scene)
         if shown.tube is not None:
             self._tube(f"{root}/tube", shown.tube)
@@ -129,6 +128,19 @@ class ViewPage:
             label = add.add_label(f"{root}/name", shown.label, position=above)
             self.parts["Names"].append(label)
 
+    def _links(self, root: str, scene: DesignScene) -> None:
+        """What is drawn of links, and of a robot with visuals what links collide as."""
+        for index, each in enumerate(scene.drawn):
+            name = f"{root}/{_plain(scene.robot.names.links[each.link])}/{index}"
+            # Which side of a visual is outside is not said.
+            side: Literal["front", "double"] = (
+                "double" if each.link in scene.with_visuals else "front"
+            )
+            self._mesh("Links", name, each.surface, LINKS[each.link % len(LINKS)], side=side)
+        for index, body in enumerate(scene.bodies if scene.meshes else ()):
+            name = f"{root}/{_plain(scene.robot.names.links[body.link])}/body_{index}"
+            self._mesh("Collision bodies", name, body.surface, BODY, SEEN_THROUGH)
+
     def _mesh(
         self, part: str, name: str, surface: Triangles, colour: Any, opacity: float | None = None,
         side: Literal["front", "back", "double"] = "front",
@@ -140,7 +152,7 @@ class ViewPage:
         handle = self.server.scene.add_mesh_simple(
             name, (surface.corners - middle).astype(np.float32), surface.faces.astype(np.uint32),
             color=colour, opacity=opacity, flat_shading=True, side=side,
-            cast_shadow=opacity is None, position=middle,
+            cast_shadow=opacity is None, position=middle, visible=part not in HIDDEN,
         )  # fmt: skip
         self.parts[part].append(handle)
 
@@ -199,7 +211,7 @@ class ViewPage:
         self.text = gui.add_markdown("")
 
     def _choice(self, part: str) -> None:
-        box = self.server.gui.add_checkbox(part, initial_value=True)
+        box = self.server.gui.add_checkbox(part, initial_value=part not in HIDDEN)
         box.on_update(lambda _: self._hide(part, visible=box.value))
 
     def _hide(self, part: str, *, visible: bool) -> None:

@@ -55,12 +55,13 @@ def shown_designs(folders: Sequence[Path], *, tubes: bool = True) -> ShownDesign
         tubes: whether to enclose the motions, which takes as long as ``srgc verify``.
 
     Raises:
-        UsageFault: a folder has no design, or one that is no tree of rigid links.
+        UsageFault: a folder has no design, or one whose numbers are too large.
     """
     found, notes = list[ShownDesign](), list[str]()
     for label, folder in _labelled(folders):
         design = found_design(folder)
         scene = design_scene(design, FREQUENCY)
+        notes += [f"{label}: {note}" for note in scene.notes]
         tube = None
         if tubes:
             try:

@@ -18,6 +18,7 @@ from selenium.webdriver.common.keys import Keys
 from srgc.exports.scenes.design_scene import REGIONS
 from srgc.results.found_design import found_tube
 from tests.oracles.browsers import SPACE, Opened, start
+from tests.oracles.pictured_arm import START, pictured_arm, turn
 
 pytest.importorskip("viser", reason="the extra view is not installed")
 
@@ -187,6 +188,27 @@ def test_what_is_chosen_is_shown(browser: Any, made: Result) -> None:
             before = picture()
             shown.box(label).click()
             until(lambda old=before: np.abs(picture() - old).max() > 20, f"{label} stays")
+
+
+def test_collision_bodies_are_seen_once_they_are_chosen(browser: Any, tmp_path: Path) -> None:
+    """From above, the middle of a link's box, with nothing else there."""
+    place = turn(START[0]) @ (0.2, 0.0, 0.0)
+    with viewed(browser, pictured_arm(tmp_path / "out"), tubes=False) as shown:
+        for label in ("Regions", "Path"):
+            shown.box(label).click()
+        shown.aim((0.2, 0.0, 4.0), (0.2, 0.0, 0.0), 0.5)
+        shown.dots()
+        x, y = shown.pixel(place).round().astype(int)
+
+        def colour() -> np.ndarray:
+            png = shown.opened.driver.get_screenshot_as_png()
+            return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)[y, x]
+
+        assert colour().min() < 220  # its tube
+        shown.box("Links").click()
+        until(lambda: colour().min() > 240, "links stay")
+        shown.box("Collision bodies").click()
+        until(lambda: colour()[1] < colour()[2] - 20, "no violet body")
 
 
 def test_regions_are_where_the_spec_says(browser: Any, made: Result) -> None:

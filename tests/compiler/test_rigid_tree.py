@@ -205,13 +205,39 @@ def test_parameters_are_read_exactly() -> None:
         assert exact.rad() < 1e-70
 
 
-def test_a_coordinate_of_two_joints_or_none_is_refused() -> None:
+def test_a_coordinate_that_moves_two_frames_has_two_links() -> None:
+    """An elbow that turns as the shoulder does, and another joint at the elbow."""
     builder = Builder()
     first = builder.joint(WORLD)
-    tip = builder.link(first, builder.number(1))
+    tip = builder.link(first, builder.number(2))
+    other = builder.joint(tip)
+    builder.point(other, builder.number(5))
     builder.frames.append(type(builder.frames[first])(tip, builder.frames[first].step))
-    with pytest.raises(RigidTreeError, match="freedom 1 moves several frames"):
-        rigid_tree(builder.build(), ())
+    builder.point(len(builder.frames) - 1, builder.number(3))
+    tree = rigid_tree(builder.build(), ())
+    assert tree.coupled == 0
+    carried = [(link, joint.dof, joint.parent) for link, joint in tree.carried()]
+    assert carried == [(1, 0, 0), (3, 0, 1), (2, 1, 1)]
+    with working_precision(PRECISION):
+        assert [link.moments.mass for link in tree.links] == [0, 2, 5, 3]
+        assert [doubles(joint.origin.origin) for _, joint in tree.carried()] == [
+            (0, 0, 0), (2, 0, 0), (2, 0, 0),
+        ]  # fmt: skip
+
+
+def test_a_frame_that_is_given_twice_is_one_link() -> None:
+    builder = Builder()
+    first = builder.joint(WORLD)
+    builder.point(first, builder.number(5))
+    builder.frames.append(builder.frames[first])
+    builder.point(first + 1, builder.number(3))
+    tree = rigid_tree(builder.build(), ())
+    assert tree.coupled is None
+    with working_precision(PRECISION):
+        assert [link.moments.mass for link in tree.links] == [0, 8]
+
+
+def test_a_coordinate_of_no_joint_is_refused() -> None:
     builder = Builder()
     builder.joint(WORLD)
     del builder.frames[1:]

@@ -380,17 +380,6 @@ def test_an_inertia_that_no_body_has(srgc: Export, tmp_path: Path) -> None:
     refused(srgc("export", folder, "--to", "urdf"), "triangle inequality")
 
 
-def test_a_coordinate_that_moves_several_frames(srgc: Export, tmp_path: Path) -> None:
-    text = TURNER.replace("{ this.frame", "{ this.turn = world; this.frame")
-    text = replaced(
-        text,
-        "this.turn = world; this.frame = N.frame * rot(z, JO.q);",
-        "this.turn = rot(z, JO.q);this.frame = N.frame * this.turn * move(x, 1 m) * this.turn;",
-    )
-    folder = claim_found(tmp_path / "arm", text, "B eps JO eps L eps EN", ["1.5"])
-    refused(srgc("export", folder, "--to", "mjcf"), "degree of freedom 1 moves several frames")
-
-
 def test_what_mujoco_would_not_load(srgc: Export, tmp_path: Path) -> None:
     word = "B eps JO eps L eps EN"
     cases = [

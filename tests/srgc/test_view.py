@@ -21,7 +21,7 @@ from tests.oracles import shaped_arm as arm
 from tests.oracles.driven_claims import CASES
 from tests.oracles.found_folders import claim_found
 from tests.oracles.mujoco_dynamics import MujocoRobot
-from tests.oracles.small_specs import SLIDER, TURNER, replaced
+from tests.oracles.small_specs import SLIDER, TURNER
 from tests.srgc.conftest import Ran
 
 View = Callable[..., Ran]
@@ -137,18 +137,6 @@ def test_folders_without_a_design(srgc: View, made: Result, tmp_path: Path, turn
         assert "its verdict is impossible" in ran.err
     ran = srgc("view")
     assert (ran.status, ran.out) == (2, "")
-
-
-def test_a_coordinate_that_moves_several_frames(srgc: View, tmp_path: Path) -> None:
-    pytest.importorskip("viser", reason="the extra view is not installed")
-    text = TURNER.replace("{ this.frame", "{ this.turn = world; this.frame")
-    text = replaced(
-        text,
-        "this.turn = world; this.frame = N.frame * rot(z, JO.q);",
-        "this.turn = rot(z, JO.q);this.frame = N.frame * this.turn * move(x, 1 m) * this.turn;",
-    )
-    folder = claim_found(tmp_path / "geared", text, "B eps JO eps L eps EN", ["1.5"])
-    refused(srgc("view", folder), "cannot be shown as rigid links")
 
 
 def test_a_port_that_is_taken(srgc: View, turner: Path) -> None:

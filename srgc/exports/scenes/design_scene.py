@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
@@ -16,6 +17,7 @@ from compiler.workspaces.map_header import MapFault
 from srgc.exports.exported_robot import ExportedRobot, exported_robot
 from srgc.exports.scenes.fine_instants import FineInstants, fine_instants
 from srgc.exports.scenes.link_motion import LinkMotion, Poses, link_motion, plain_pose
+from srgc.exports.scenes.seen_meshes import SeenMesh, seen_meshes
 from srgc.exports.scenes.triangles import Triangles, hull_triangles, shape_triangles
 from srgc.faults import UsageFault
 from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
@@ -49,6 +51,11 @@ class LinkShape:
         found = shape_triangles(self.shape)
         return Triangles(self.pose.points(found.corners), found.faces)
 
+    @property
+    def outline(self) -> Array:
+        """Points (m, 3) of the link whose hull holds the surface."""
+        return self.surface.corners
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneRegion:
@@ -65,13 +72,17 @@ class SceneRegion:
 class DesignScene:
     """A robot in motion among the regions of its task, in space.
 
-    ``robot`` has the names of links, joints and effectors, as URDF has them; ``bounds`` (2, 3)
-    are the corners of a box about the regions and the motion.
+    ``robot`` has the names of links, joints and effectors, as URDF has them.  ``shapes`` are what
+    links look like without visuals, ``bodies`` what they collide as; of ``meshes``, their visuals,
+    those are missing that ``notes`` tell a reader of.
     """
 
     design: FoundDesign
     robot: ExportedRobot
     shapes: tuple[LinkShape, ...]
+    bodies: tuple[LinkShape, ...]
+    meshes: tuple[SeenMesh, ...]
+    notes: tuple[str, ...]
     regions: tuple[SceneRegion, ...]
     instants: FineInstants
     motion: LinkMotion
@@ -80,6 +91,17 @@ class DesignScene:
     def times(self) -> tuple[Fraction, ...]:
         """The instants, in seconds."""
         return self.instants.times
+
+    @property
+    def drawn(self) -> tuple[LinkShape | SeenMesh, ...]:
+        """What is drawn: the visuals of links, and of links without any their shapes."""
+        others = self.with_visuals
+        return (*(shape for shape in self.shapes if shape.link not in others), *self.meshes)
+
+    @property
+    def with_visuals(self) -> frozenset[int]:
+        """The links that are drawn as their visuals."""
+        return frozenset(mesh.link for mesh in self.meshes)
 
     @property
     def bounds(self) -> Array:
@@ -91,31 +113,47 @@ class DesignScene:
         points = [links.origins, self.motion.effectors.origins]
         points += [region.corners for region in self.regions]
         few = np.unique(np.linspace(0, len(self.times) - 1, FEW).astype(int))
-        for each in self.shapes:
+        for each in self.drawn:
             placed = Poses(links.turns[few, each.link], links.origins[few, each.link])
-            points.append(placed.points(each.surface.corners))
+            points.append(placed.points(each.outline))
         every = np.concatenate([each.reshape(-1, 3) for each in points])
         return np.stack([every.min(axis=0), every.max(axis=0)])
 
 
-def design_scene(design: FoundDesign, frequency: int) -> DesignScene:
+def design_scene(design: FoundDesign, frequency: int, *, visuals: bool = True) -> DesignScene:
     """The scene of a design, with so many instants per second at least.
 
+    Args:
+        design: the design.
+        frequency: how many instants there are in a second at least.
+        visuals: whether its visuals are read.
+
     Raises:
-        UsageFault: its robot is no tree of rigid links, or numbers are too large.
+        UsageFault: numbers are too large.
     """
     try:
         robot = exported_robot(design)
-        shapes = tuple(
-            LinkShape(number, shape, plain_pose(shape.pose))
-            for number, link in enumerate(robot.tree.links)
-            for shape in link.looks
-        )
+        links = robot.tree.links
+        shapes = _placed(link.looks for link in links)
+        bodies = _placed(link.collisions for link in links)
+        seen = seen_meshes(robot.visuals if visuals else ())
     except ValueError as error:
-        raise UsageFault(f"the robot cannot be shown as rigid links: {error}") from None
+        raise UsageFault(f"the robot cannot be shown: {error}") from None
     instants = fine_instants(design, frequency)
     motion = link_motion(robot.tree, instants.q)
-    return DesignScene(design, robot, shapes, scene_regions(design), instants, motion)
+    return DesignScene(
+        design, robot, shapes, bodies, seen.meshes, seen.notes, scene_regions(design), instants,
+        motion,
+    )  # fmt: skip
+
+
+def _placed(shapes: Iterable[Sequence[Geometry]]) -> tuple[LinkShape, ...]:
+    """The shapes of links, of which there are several each."""
+    return tuple(
+        LinkShape(number, shape, plain_pose(shape.pose))
+        for number, of_link in enumerate(shapes)
+        for shape in of_link
+    )
 
 
 def scene_regions(design: FoundDesign) -> tuple[SceneRegion, ...]:

@@ -26,6 +26,7 @@ from srgc.exports.scenes.design_scene import (
 )
 from srgc.exports.scenes.link_motion import Poses, plain_pose
 from srgc.exports.scenes.triangles import Triangles
+from srgc.faults import UsageFault
 from srgc.version import VERSION
 
 FLOAT, UNSIGNED = 5126, 5125
@@ -40,7 +41,11 @@ ROUGH = 0.7
 
 
 def gltf_bytes(scene: DesignScene) -> bytes:
-    """The scene as a file ``.glb``, with the robot at its start; lengths are in metres."""
+    """The scene as a file ``.glb``, with the robot at its start; lengths are in metres.
+
+    Raises:
+        UsageFault: a length is too large for single precision.
+    """
     return _Writer(scene).document()
 
 
@@ -95,9 +100,12 @@ class _Writer:
         robot, found = self.scene.robot, list[int]()
         for number, link in enumerate(robot.tree.links):
             place = _place(_at(self.scene.motion.joints, 0, number))
-            surfaces = [each.surface for each in self.scene.shapes if each.link == number]
-            mesh = self.mesh(robot.names.links[number], surfaces, LINKS[number % len(LINKS)], 1.0)
-            found.append(self.node(robot.names.links[number], **place, **mesh))
+            surfaces = [each.surface for each in self.scene.drawn if each.link == number]
+            name, colour = robot.names.links[number], LINKS[number % len(LINKS)]
+            # Which side of a visual is outside is not said.
+            both = number in self.scene.with_visuals
+            mesh = self.mesh(name, surfaces, colour, 1.0, double_sided=both)
+            found.append(self.node(name, **place, **mesh))
             self.child(world if link.joint is None else found[link.joint.parent], found[-1])
         return found
 
@@ -108,17 +116,23 @@ class _Writer:
 
     def region(self, region: SceneRegion) -> int:
         colour = REGIONS.get(region.kind, REGIONS["region"])
-        mesh = self.mesh(region.name, [region.surface], colour, SEEN_THROUGH)
+        mesh = self.mesh(region.name, [region.surface], colour, SEEN_THROUGH, double_sided=True)
         return self.node(region.name, **mesh)
 
     def mesh(
-        self, name: str, surfaces: list[Triangles], colour: Colour, opacity: float
+        self,
+        name: str,
+        surfaces: list[Triangles],
+        colour: Colour,
+        opacity: float,
+        *,
+        double_sided: bool,
     ) -> dict[str, int]:
         """What a node says of its mesh: nothing where nothing has a surface."""
         surfaces = [surface for surface in surfaces if len(surface.faces)]
         if not surfaces:
             return {}
-        material = self.material(colour, opacity)
+        material = self.material(colour, opacity, double_sided=double_sided)
         primitives = [
             {
                 "attributes": {"POSITION": self.accessor(surface.corners, CORNERS)},
@@ -130,7 +144,7 @@ class _Writer:
         self.meshes.append({"name": name, "primitives": primitives})
         return {"mesh": len(self.meshes) - 1}
 
-    def material(self, colour: Colour, opacity: float) -> int:
+    def material(self, colour: Colour, opacity: float, *, double_sided: bool) -> int:
         factor = [round((part / 255) ** 2.2, 4) for part in colour]  # linear, as it is to be
         material: dict[str, Any] = {
             "pbrMetallicRoughness": {
@@ -140,7 +154,9 @@ class _Writer:
             }
         }
         if opacity < 1:
-            material |= {"alphaMode": "BLEND", "doubleSided": True}
+            material["alphaMode"] = "BLEND"
+        if double_sided:
+            material["doubleSided"] = True
         if material not in self.materials:
             self.materials.append(material)
         return self.materials.index(material)
@@ -148,7 +164,10 @@ class _Writer:
     def accessor(self, rows: Array | Any, target: int | None = None) -> int:
         """Numbers (m, c) in the buffer; of what is no index, with the bounds of each column."""
         index = target == INDICES
-        values = np.ascontiguousarray(rows, dtype="<u4" if index else "<f4")
+        with np.errstate(over="ignore"):
+            values = np.ascontiguousarray(rows, dtype="<u4" if index else "<f4")
+        if not np.isfinite(values).all():
+            raise UsageFault("a length is too large for glTF, whose numbers are single precision")
         view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self.binary)}
         view |= {"byteLength": values.nbytes}
         view |= {"target": target} if target is not None else {}

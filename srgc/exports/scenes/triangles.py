@@ -17,7 +17,7 @@ AROUND, ALONG = 32, 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
-    """A closed surface: ``corners`` (m, 3) in metres, ``faces`` (f, 3) of their numbers."""
+    """A surface: ``corners`` (m, 3) in metres, ``faces`` (f, 3) of their numbers."""
 
     corners: Array
     faces: NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""Meshes of STL, OBJ and COLLADA files; what is hostile is refused.
+"""Meshes of STL, OBJ, COLLADA and binary glTF files; what is hostile is refused.
 
 No other file is opened: neither the materials of an OBJ nor the images of a COLLADA file.
 """
@@ -17,12 +17,12 @@ import numpy as np
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
 from srgc.imports.meshes.mesh_limits import LARGEST, too_many
 from srgc.imports.source_fault import SourceFault, file_fault
-from srgc.imports.source_files import LIMIT, XML_LIMIT, source_bytes
+from srgc.imports.source_files import LIMIT, XML_LIMIT, refuse_content, source_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-SUFFIXES = (".stl", ".obj", ".dae")
+SUFFIXES = (".stl", ".obj", ".dae", ".glb")
 _HEADER, _TRIANGLE = 84, 50
 
 
@@ -38,11 +38,34 @@ def read_mesh(path: Path, unit: float | None = None) -> Mesh:
         SourceFault: it is no such file, is cut off, has too many triangles, or corners that are not
             finite or too far off.
     """
+    return _mesh_of(source_bytes(path, _most_bytes(path)), path, unit)
+
+
+def mesh_of(content: bytes, path: Path) -> Mesh:
+    """The mesh of a file that has been read, in metres as with no unit; ``path`` is its name.
+
+    Raises:
+        SourceFault: as of a file.
+    """
+    refuse_content(content, path, _most_bytes(path))
+    return _mesh_of(content, path, None)
+
+
+def _most_bytes(path: Path) -> int:
+    """How large a mesh may be, by the end of its name.
+
+    Raises:
+        SourceFault: it is none that is read.
+    """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         message = "by the end of its name it is no mesh that is read here"
-        raise file_fault(path, message, "known: STL (.stl), OBJ (.obj), COLLADA (.dae)")
-    content = source_bytes(path, XML_LIMIT if suffix == ".dae" else LIMIT)
+        known = "known: STL (.stl), OBJ (.obj), COLLADA (.dae), binary glTF (.glb)"
+        raise file_fault(path, message, known)
+    return XML_LIMIT if suffix == ".dae" else LIMIT
+
+
+def _mesh_of(content: bytes, path: Path, unit: float | None) -> Mesh:
     try:
         # What libraries warn of concerns those who maintain them.
         with warnings.catch_warnings(action="ignore"):
@@ -60,6 +83,10 @@ def _read(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
             from srgc.imports.meshes.obj_file import obj_mesh
 
             return obj_mesh(content, path)
+        case ".glb":
+            from srgc.imports.meshes.gltf_file import gltf_mesh
+
+            return gltf_mesh(content, path)
         case _:
             from srgc.imports.meshes.collada_file import collada_mesh
 

@@ -63,8 +63,9 @@ def read_scene(
     """The scene of a mesh, of MoveIt or of SDF.
 
     Args:
-        path: by the end of its name STL, OBJ, COLLADA, ``.scene``, ``.sdf`` or ``.world``.
-        unit: one of :data:`LENGTHS`: that of an STL or OBJ file, or instead of that of COLLADA.
+        path: by the end of its name STL, OBJ, COLLADA, binary glTF, ``.scene``, ``.sdf`` or
+            ``.world``.
+        unit: one of :data:`LENGTHS`: that of an STL or OBJ file, or instead of that of the others.
         at: where the origin of the file is in the world, such as ``(0.5, 0, 0) m``.
         packages: each ``NAME=DIR``.
 
@@ -77,7 +78,7 @@ def read_scene(
         scene = _of_mesh(path, None if unit is None else LENGTHS[unit])
     elif suffix in (SCENE, *WORLDS):
         if unit is not None:
-            raise UsageFault(f"{path} is in metres: --unit goes with STL, OBJ and DAE")
+            raise UsageFault(f"{path} is in metres: --unit goes with STL, OBJ, DAE and GLB")
         scene = moveit_scene(path) if suffix == SCENE else sdf_scene(source_files(path, packages))
     else:
         known = ", ".join((*SUFFIXES, SCENE, *WORLDS))

@@ -18,6 +18,7 @@ import yaml
 from compiler.arrays import Array
 from tests.conftest import srgc_process
 from tests.oracles import result_files
+from tests.oracles.coupled_robots import LINKAGE
 from tests.oracles.driven_claims import CASES, Driven
 from tests.oracles.found_folders import claim_found
 from tests.oracles.mujoco_dynamics import MujocoRobot
@@ -313,16 +314,8 @@ def test_a_robot_without_degrees_of_freedom(srgc: Export, tmp_path: Path, form: 
             assert arrays["q"].shape == (11, 0)
 
 
-GEARS = replaced(
-    TURNER.replace("{ this.frame", "{ this.turn = world; this.frame"),
-    "this.turn = world; this.frame = N.frame * rot(z, JO.q);",
-    "this.turn = rot(z, JO.q);this.frame = N.frame * this.turn * move(x, 1 m) * this.turn;",
-)
-"""A coordinate that moves two frames: no tree of rigid links."""
-
-
-def test_motions_need_no_tree_of_links(srgc: Export, tmp_path: Path) -> None:
-    folder = claim_found(tmp_path / "gears", GEARS, "B eps JO eps L eps EN", ["1.5"])
+def test_motions_need_no_joint_per_coordinate(srgc: Export, tmp_path: Path) -> None:
+    folder = claim_found(tmp_path / "linkage", LINKAGE, "B eps JO eps L eps EN", ["1.5"])
     columns = table(srgc("export", folder, "--to", "csv").out)
     assert columns["position.JO_2"] == ["0"] * 11
     assert columns["effector.EN_6.x"] == ["2.5"] * 11

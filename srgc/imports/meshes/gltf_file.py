@@ -1,0 +1,172 @@
+"""The triangles of a binary glTF file, z up.
+
+Source: the Khronos specification of glTF 2.0.  No other file is opened; materials, skins and
+animations are left out.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from srgc.imports.meshes.collada_file import UP
+from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
+from srgc.imports.meshes.mesh_limits import too_many
+from srgc.imports.source_fault import SourceFault, file_fault
+from srgc.imports.source_files import XML_LIMIT, refuse_content
+
+MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+FLOAT = 5126
+INDICES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
+"""Types of the numbers of vertices."""
+TRIANGLES, STRIP, FAN = 4, 5, 6
+PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
+"""Extensions by which corners are stored in other ways."""
+
+
+def gltf_mesh(content: bytes, path: Path) -> Mesh:
+    """All triangles of the scene of a file, each mesh of it an object, in metres.
+
+    Raises:
+        SourceFault: it is no binary glTF 2.0, was cut off, needs another file or an extension that
+            packs corners, or has too many triangles.
+    """
+    try:
+        file = _File(*_chunks(content, path), path)
+        packed = [each for each in file.json.get("extensionsRequired", ()) if each in PACKED]
+        if packed:
+            raise file_fault(path, f"it needs {packed[0]}, which is not unpacked here")
+        parts = list(file.parts())
+    except SourceFault:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error):
+        raise file_fault(path, "it cannot be read as binary glTF 2.0", "was it cut off?") from None
+    turn = np.array(UP["Y_UP"], dtype=np.float64).T
+    found = joined([(name, (points @ turn, faces)) for name, points, faces in parts])
+    notes = (f"{path.name}: {file.left_out} sets of points or lines: left out",)
+    return Mesh(found.vertices, found.triangles, found.objects, notes if file.left_out else ())
+
+
+def _chunks(content: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
+    """The JSON and the buffer of a container."""
+    magic, version, length = struct.unpack_from("<3I", content)
+    if (magic, version) != (MAGIC, 2) or length > len(content):
+        raise ValueError("another format, or cut off")
+    found, at = dict[int, bytes](), 12
+    while at < length:
+        size, kind = struct.unpack_from("<2I", content, at)
+        if at + 8 + size > length:
+            raise ValueError("a chunk was cut off")
+        found.setdefault(kind, content[at + 8 : at + 8 + size])
+        at += 8 + size
+    refuse_content(found[JSON_CHUNK], path, XML_LIMIT)
+    document = json.loads(found[JSON_CHUNK])
+    if not isinstance(document, dict):
+        raise TypeError("the JSON is no object")
+    return document, found.get(BINARY_CHUNK, b"")
+
+
+@dataclass(slots=True)
+class _File:
+    """The JSON of a file and its buffer; ``left_out`` counts what has no triangles."""
+
+    json: dict[str, Any]
+    binary: bytes
+    path: Path
+    left_out: int = 0
+
+    def parts(self) -> Iterator[tuple[str, Floats, Ints]]:
+        """The name, corners and triangles of each primitive, in its place."""
+        count = 0
+        for node, placed in self.nodes():
+            if "mesh" not in node:
+                continue
+            mesh = self.json["meshes"][node["mesh"]]
+            name = str(node.get("name") or mesh.get("name") or self.path.stem)
+            for primitive in mesh["primitives"]:
+                found = self.primitive(primitive)
+                if found is None:
+                    self.left_out += 1
+                    continue
+                points, faces = found
+                count += len(faces)
+                too_many(count, self.path)
+                turned = faces[:, ::-1] if np.linalg.det(placed[:3, :3]) < 0 else faces
+                yield name, points @ placed[:3, :3].T + placed[:3, 3], turned
+
+    def nodes(self) -> Iterator[tuple[dict[str, Any], Floats]]:
+        """The nodes of the scene, each with its place (4, 4) in it."""
+        nodes, seen = self.json.get("nodes", []), set[int]()
+        scene = self.json["scenes"][self.json.get("scene", 0)]
+        todo = [(number, np.eye(4)) for number in reversed(scene.get("nodes", []))]
+        while todo:
+            number, above = todo.pop()
+            if number in seen:
+                raise ValueError("a node is in two places")
+            seen.add(number)
+            placed = above @ _place(nodes[number])
+            yield nodes[number], placed
+            todo += [(child, placed) for child in reversed(nodes[number].get("children", []))]
+
+    def primitive(self, primitive: dict[str, Any]) -> tuple[Floats, Ints] | None:
+        """The corners that are used and the triangles of a primitive, None of points and lines."""
+        mode = primitive.get("mode", TRIANGLES)
+        if mode not in (TRIANGLES, STRIP, FAN):
+            return None
+        positions = self.numbers(primitive["attributes"]["POSITION"], {FLOAT: "<f4"}, "VEC3")
+        order = None
+        if "indices" in primitive:
+            order = self.numbers(primitive["indices"], INDICES, "SCALAR")[:, 0]
+        count = len(positions if order is None else order)
+        too_many(count // (3 if mode == TRIANGLES else 1), self.path)
+        used, numbers = np.unique(np.arange(count) if order is None else order, return_inverse=True)
+        return positions[used].astype(np.float64), _faces(numbers.reshape(-1), mode)
+
+    def numbers(self, number: int, types: dict[int, str], shape: str) -> Any:
+        """The rows of an accessor, without a copy; numpy refuses those beyond the buffer."""
+        accessor = self.json["accessors"][number]
+        view = self.json["bufferViews"][accessor["bufferView"]]
+        buffer = self.json["buffers"][view["buffer"]]
+        if "sparse" in accessor or accessor["type"] != shape or "uri" in buffer:
+            raise ValueError("stored in another way")
+        kind = np.dtype(types[accessor["componentType"]])
+        width = 3 if shape == "VEC3" else 1
+        start = view.get("byteOffset", 0)
+        within = self.binary[start : start + view["byteLength"]]
+        stride = view.get("byteStride", width * kind.itemsize)
+        if stride < width * kind.itemsize:
+            raise ValueError("rows overlap")
+        rows = (accessor["count"], width)
+        offset = accessor.get("byteOffset", 0)
+        return np.ndarray(rows, kind, within, offset, (stride, kind.itemsize))
+
+
+def _faces(numbers: Ints, mode: int) -> Ints:
+    """The triangles (m, 3) of corners in a row, those of a strip all the same way round."""
+    count = len(numbers)
+    if mode == TRIANGLES:
+        return numbers[: count - count % 3].reshape(-1, 3)
+    later = np.arange(2, max(count, 2))
+    if mode == FAN:
+        return np.column_stack([numbers[later * 0], numbers[later - 1], numbers[later]])
+    odd = later % 2
+    return np.column_stack([numbers[later - 2 + odd], numbers[later - 1 - odd], numbers[later]])
+
+
+def _place(node: dict[str, Any]) -> Floats:
+    """Where a node is in the one that it stands in, (4, 4)."""
+    from scipy.spatial.transform import Rotation
+
+    if "matrix" in node:
+        return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
+    found = np.eye(4)
+    turn = Rotation.from_quat(node.get("rotation", (0, 0, 0, 1))).as_matrix()
+    found[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
+    found[:3, 3] = node.get("translation", (0, 0, 0))
+    return found
