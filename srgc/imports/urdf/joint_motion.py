@@ -22,13 +22,11 @@ from srgc.imports.module_set import (
     Steps,
     Turn,
 )
-from srgc.imports.urdf.robot_model import UrdfRobot
+from srgc.imports.urdf.robot_model import UNLIMITED, UrdfRobot
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Joint
 
-UNLIMITED = 1e9
-"""From here on a limit is none: exporters write such numbers where URDF demands one."""
 STRAIGHT = 1e-12
 _AXES: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
 _OPPOSITE: tuple[Axis, ...] = ("-x", "-y", "-z")
@@ -84,8 +82,14 @@ class JointMotions:
         leading = self.held.get(leader, 0.0)
         value = float(joint.mimic.multiplier) * leading + float(joint.mimic.offset)
         unit = "m" if joint.type == "prismatic" else "rad"
+        held = f"{value:g} {unit}"
+        limit = joint.limit
+        if limit is not None and joint.type != "continuous":
+            low, high = float(limit.lower or 0.0), float(limit.upper or 0.0)
+            if not low <= value <= high:
+                held += f", outside of its range from {low:g} to {high:g}"
         self.remarks.append(
-            f"joint `{visible(name)}` mimics `{visible(leader)}` and is held at {value:g} {unit}: "
+            f"joint `{visible(name)}` mimics `{visible(leader)}` and is held at {held}: "
             "joints of srgc move by themselves"
         )
         return JointMotion((), self._at(joint, value))
@@ -172,7 +176,10 @@ class JointMotions:
         value = getattr(joint.limit, name)
         if value is None or value >= UNLIMITED:
             return None
-        if value <= 0:
+        if value < 0:
+            message = f"joint `{visible(joint.name)}` has the {name} {value:g}, below 0"
+            raise self.robot.fault("joint", joint.name, message)
+        if value == 0:
             self.unlimited.append(f"{name} of `{visible(joint.name)}`")
             return None
         return float(value)

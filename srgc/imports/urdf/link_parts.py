@@ -33,6 +33,7 @@ class LinkParts:
     density: float | None
     remarks: list[str]
     massless: list[str] = field(default_factory=list)
+    plain_looks: list[str] = field(default_factory=list)
 
     def bodies(self, name: str, frame: str) -> Iterator[Body]:
         """The body of a link, at the frame of that name.
@@ -43,6 +44,10 @@ class LinkParts:
         link = self.robot.links[name]
         inertial = link.inertial
         if inertial is None or not inertial.mass:
+            if inertial is not None and inertial.inertia is not None and np.any(inertial.inertia):
+                self.remarks.append(
+                    f"link `{visible(name)}` has moments of inertia and no mass: they are left out"
+                )
             yield from self._of_density(link, frame)
             return
         element = self.robot.elements["link", name].find("inertial")
@@ -127,6 +132,8 @@ class LinkParts:
         if look.geometry.mesh is not None:
             mesh = look.geometry.mesh
             yield from self.meshes.visual(link, mesh.filename, _scale(mesh), place)
+        else:
+            self.plain_looks.append(link)
 
 
 def _scale(mesh: Mesh) -> tuple[float, float, float]:

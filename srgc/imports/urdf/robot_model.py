@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import visible
@@ -47,7 +47,10 @@ NEEDED = {
     "mesh": ("filename",),
     "mimic": ("joint",),
 }
+Elements: TypeAlias = "Mapping[tuple[str, str], Element]"
 LARGEST = 1e9
+UNLIMITED = LARGEST
+"""From here on a limit is none: exporters write such numbers where URDF demands one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +66,7 @@ class UrdfRobot:
         root: the link that no joint carries.
         elements: by ``("link", name)`` and ``("joint", name)`` where they stand.
         gears: by joint the reduction of its transmission.
+        geared_otherwise: transmissions of no or several joints, or without a reduction, by name.
         others: how many elements there are that say nothing of a robot's body, by their names.
     """
 
@@ -74,6 +78,7 @@ class UrdfRobot:
     root: str
     elements: Mapping[tuple[str, str], Element]
     gears: Mapping[str, float]
+    geared_otherwise: tuple[str, ...]
     others: Mapping[str, int] = field(default_factory=dict)
 
     def fault(self, kind: str, name: str, message: str, hint: str | None = None) -> SourceFault:
@@ -106,6 +111,8 @@ def robot_model(data: bytes, path: Path, *, expanded: bool = False) -> UrdfRobot
     if root.tag != "robot":
         hint = "srgc reads URDF, whose root is <robot>"
         raise file.fault(file.root, f"the root is <{visible(str(root.tag))}>", hint)
+    for loop in root.iter("loop_joint"):
+        raise file.fault(loop, "a <loop_joint> closes a chain", "srgc has trees of links")
     elements = _named(file)
     _check_numbers(file)
     below, top = _tree(file, elements)
@@ -130,7 +137,8 @@ def robot_model(data: bytes, path: Path, *, expanded: bool = False) -> UrdfRobot
         below,
         top,
         elements,
-        dict(_gears(file)),
+        dict(_gears(file, elements)),
+        tuple(_geared_otherwise(file, elements)),
         _others(root),
     )
 
@@ -197,10 +205,11 @@ def _check(file: XmlFile, element: Element, name: str, text: str, count: int) ->
         due = "a number is" if count == 1 else f"{count} numbers are"
         raise fault(f"where {due} due")
     if not all(math.isfinite(value) for value in values):
-        if element.tag == "limit":  # some write that for no limit
-            element.attrib.pop(name)
-            return
-        raise fault("which is not finite")
+        if element.tag != "limit" or any(math.isnan(value) for value in values):
+            raise fault("which is not finite")
+        # Some write infinity for no limit.
+        element.set(name, repr(math.copysign(UNLIMITED, values[0])))
+        return
     if element.tag != "limit" and max(map(abs, values)) > LARGEST:
         raise fault(f"larger than {LARGEST:g}")
     if name in ("radius", "length", "size") and min(values) <= 0:
@@ -228,9 +237,7 @@ def _vector(element: Element, name: str) -> Vector:
 # --- The tree of links ----------------------------------------------------------------------------
 
 
-def _tree(
-    file: XmlFile, elements: Mapping[tuple[str, str], Element]
-) -> tuple[dict[str, tuple[str, ...]], str]:
+def _tree(file: XmlFile, elements: Elements) -> tuple[dict[str, tuple[str, ...]], str]:
     """The joints that each link carries, and the link that none carries."""
     links = [name for kind, name in elements if kind == "link"]
     below: dict[str, tuple[str, ...]] = dict.fromkeys(links, ())
@@ -300,16 +307,30 @@ def _reached(
 # --- What stands beside links and joints ----------------------------------------------------------
 
 
-def _gears(file: XmlFile) -> Iterator[tuple[str, float]]:
+def _gears(file: XmlFile, elements: Elements) -> Iterator[tuple[str, float]]:
     """The reductions of transmissions with one joint; 1 says nothing."""
     for transmission in file.root.iter("transmission"):
-        joints = [str(joint.get("name")) for joint in transmission.findall("joint")]
         for reduction in transmission.iter("mechanicalReduction"):
             text = reduction.text or ""
             _check(file, reduction, "mechanicalReduction", text, 1)
             value = abs(float(text))
-            if len(joints) == 1 and value not in (0.0, 1.0):
-                yield joints[0], value
+            joint = _one_joint(transmission, elements)
+            if joint is not None and value not in (0.0, 1.0):
+                yield joint, value
+
+
+def _geared_otherwise(file: XmlFile, elements: Elements) -> Iterator[str]:
+    """Transmissions that say nothing of the gear of one joint."""
+    for transmission in file.root.iter("transmission"):
+        reductions = [float(each.text or 0) for each in transmission.iter("mechanicalReduction")]
+        if _one_joint(transmission, elements) is None or 0.0 in reductions:
+            yield transmission.get("name") or "transmission"
+
+
+def _one_joint(transmission: Element, elements: Elements) -> str | None:
+    """The joint that a transmission is about, if that is one of the robot alone."""
+    named = [str(joint.get("name")) for joint in transmission.findall("joint")]
+    return named[0] if len(named) == 1 and ("joint", named[0]) in elements else None
 
 
 def _others(root: Element) -> dict[str, int]:

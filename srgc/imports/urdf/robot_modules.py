@@ -35,6 +35,8 @@ class RobotModules:
     effectors: Sequence[str] = ()
     made: list[RigidPart] = field(default_factory=list)
     names: Names = field(default_factory=Names)
+    types: dict[tuple[str, str], str] = field(default_factory=dict)
+    type_names: Names = field(default_factory=Names)
 
     def module_set(self) -> ModuleSet:
         """The modules, and the grammar with the robot as its one word.
@@ -143,7 +145,7 @@ class RobotModules:
         for link in part.tips:
             alone = sum(len(each.tips) for each in self.made) == 1
             name = "Tip" if alone else f"{self._short(link)}_tip"
-            port = Port("in", self._type(link))
+            port = Port("in", self._type("link", link))
             yield Module(
                 self.names.name(f"{self.prefix}_{_camel(name)}"),
                 "effector",
@@ -158,12 +160,12 @@ class RobotModules:
         ports = list[Port]()
         role: Role = "joint" if part.dofs else "base"
         if part.joint is not None:
-            ports.append(Port("in", self._type(part.joint)))
-        leads = [*part.outputs, *part.tips]
-        for lead in leads:
+            ports.append(Port("in", self._type("joint", part.joint)))
+        leads = [("joint", *each) for each in part.outputs.items()]
+        leads += [("link", *each) for each in part.tips.items()]
+        for kind, lead, place in leads:
             name = "out" if len(leads) == 1 else part.names.name(f"to_{_snake(lead)}")
-            ports.append(Port(name, self._type(lead)))
-            place = part.outputs.get(lead) or part.tips[lead]
+            ports.append(Port(name, self._type(kind, lead)))
             part.named.append(Frame(name, place))
         part.inline({port.name for port in ports})
         links = ", ".join(map(_plain, part.links))
@@ -182,9 +184,13 @@ class RobotModules:
             comments=[f"{said[0].upper()}{said[1:]}."],
         )
 
-    def _type(self, lead: str) -> str:
-        """The type of the ports where a joint or a tip begins."""
-        return f"{self.prefix}_{_camel(_snake(lead).removesuffix('_joint'))}"
+    def _type(self, kind: str, lead: str) -> str:
+        """The type of the ports where a joint, or the tip at a link, begins: each has its own."""
+        key = (kind, lead)
+        if key not in self.types:
+            wanted = f"{self.prefix}_{_camel(_snake(lead).removesuffix('_joint'))}"
+            self.types[key] = self.type_names.name(wanted)
+        return self.types[key]
 
     def _check_masses(self) -> None:
         """A joint that moves no mass would have no inertia: no effort would be too small for it."""

@@ -9,6 +9,7 @@ from typing import Literal, cast
 
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import visible
+from grammar_lang.parsing.tables import RESERVED
 from srgc.faults import UsageFault
 from srgc.imports.module_set import Frame, Module, ModuleSet, Motion, Placement, Port, Role
 from srgc.imports.names import Names
@@ -66,7 +67,8 @@ class SingleModule:
             for each in said
             if each.name != "in" and part.links[each.link] != each.name
         ]
-        part.inline({each.name for each in said})
+        last = next(reversed(part.links.values()))
+        part.inline({last, *(each.name for each in said)})
         inside = any(each.name == "in" for each in said)
         outputs = any(each.name != "in" for each in said)
         role: Role = "joint" if part.dofs else "link" if inside else "base"
@@ -78,7 +80,7 @@ class SingleModule:
             part.dofs,
             part.bodies,
             part.shapes,
-            effectors=[] if outputs else [Placement(next(reversed(part.links.values())))],
+            effectors=[] if outputs else [Placement(last)],
             comments=[f"Links {', '.join(map(visible, part.links))}."],
         )
         return ModuleSet(modules=[module], remarks=self.remarks)
@@ -103,9 +105,9 @@ class SingleModule:
         ]
         for link in ends:
             frame = part.links[link]
-            name = "out" if len(ends) == 1 else _word(link)
-            self.names.given.add(name)
-            yield _Said(name if frame != name else frame, link, USUAL, None)
+            wanted = "out" if len(ends) == 1 else _word(link)
+            name = frame if frame == wanted != "in" else self.names.name(wanted)
+            yield _Said(name, link, USUAL, None)
         if not ends:
             self.remarks.append(
                 "no link is nothing but a frame, which would be an output: --port out=LINK:TYPE"
@@ -152,6 +154,9 @@ def _port(text: str, robot: UrdfRobot) -> _Said:
     if known is None:
         raise UsageFault(f"--port {text}: {FORM}")
     name, link, kind, gender = known.groups()
+    for word in (name, kind):
+        if word in RESERVED:
+            raise UsageFault(f"--port {text}: `{word}` is a word of the language")
     if link not in robot.links:
         near = nearest(link, list(robot.links))
         hint = "" if near is None else f"; did you mean `{near}`?"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from srgc.faults import UsageFault
 from srgc.imports.body_meshes import BodyMeshes
 from srgc.imports.module_set import ModuleSet
 from srgc.imports.names import Names
@@ -53,6 +54,10 @@ def urdf_import(
     Raises:
         UsageFault: the file cannot be read, or an option does not fit it.
     """
+    if ports and not module:
+        raise UsageFault("--port goes with --module alone")
+    if effectors and module:
+        raise UsageFault("--effector does not go with --module")
     files = source_files(file, packages)
     is_xacro = file.suffix == ".xacro"
     data = expanded_xacro(files, arguments) if is_xacro else files.main_bytes()
@@ -89,13 +94,18 @@ def _add_remarks(
     if shaped:
         listed = ", ".join(f"`{name}`" for name in shaped)
         made.remarks.append(
-            f"links with shapes and without an inertial weigh nothing: {listed}; --density gives "
+            f"links with shapes and without a mass weigh nothing: {listed}; --density gives "
             "them the mass of their shapes"
         )
     soft = [name for name, joint in robot.joints.items() if joint.safety_controller is not None]
     if soft:
-        made.remarks.append(
-            f"safety controllers of {len(soft)} joints; ranges are those of <limit>"
-        )
+        many = "1 joint" if len(soft) == 1 else f"{len(soft)} joints"
+        made.remarks.append(f"safety controllers of {many}; ranges are those of <limit>")
+    if robot.geared_otherwise:
+        listed = ", ".join(f"`{name}`" for name in robot.geared_otherwise)
+        made.remarks.append(f"transmissions that are not the gear of one joint: {listed}")
+    if parts.plain_looks:
+        listed = ", ".join(f"`{name}`" for name in dict.fromkeys(parts.plain_looks))
+        made.remarks.append(f"pictures that are no meshes: {listed}")
     for tag, count in robot.others.items():
         made.remarks.append(f"{count} <{tag}>, which says nothing of the body of a robot")
