@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product
@@ -131,13 +132,35 @@ def test_random_formulas(seed: int, formula: ir.Formula) -> None:
 
 
 def turns_on_a_pose(seed: int, formula: ir.Formula) -> bool:
-    """Whether a formula has other values where poses are a little wider or narrower."""
-    motion = known(seed)
+    """Whether a formula has other values where poses are a little wider or narrower.
+
+    Each atom for itself: a proof does not know that two of them are one, as in `A implies A`.
+    """
+    motion, atoms = known(seed), list[AtomKey]()
+    named = apart(formula, atoms)
+    chance = np.random.default_rng(0)
+    drawn = chance.integers(-2, 3, size=(200, len(atoms)))
     values = set()
-    for shift in (-2, -1, 0, 1, 2):
-        moved = {key: np.roll(each, shift) for key, each in motion.items()}
-        values.add(round(float(robustness(formula, moved, RATE, STEP)[0]), 1))
+    for shifts in (*np.full((5, len(atoms)), np.arange(-2, 3)[:, None]), *drawn):
+        moved = {
+            key._replace(region=f"{key.region} {number}"): np.roll(motion[key], shift)
+            for number, (key, shift) in enumerate(zip(atoms, shifts, strict=True))
+        }
+        values.add(round(float(robustness(named, moved, RATE, STEP)[0]), 1))
     return len(values) > 1
+
+
+def apart(formula: ir.Formula, atoms: list[AtomKey]) -> ir.Formula:
+    """The formula with another region in each atom; ``atoms`` gets those that were there."""
+    if isinstance(formula, ir.Atom):
+        atoms.append(AtomKey(formula.region, formula.effector or 1, formula.poses))
+        return replace(formula, region=f"{formula.region} {len(atoms) - 1}")
+    parts = {
+        each.name: apart(getattr(formula, each.name), atoms)
+        for each in fields(formula)
+        if each.name in {"operand", "left", "right"}
+    }
+    return replace(formula, **parts)
 
 
 def test_a_pose_at_an_instant() -> None:
