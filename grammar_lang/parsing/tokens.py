@@ -18,6 +18,8 @@ WORD, NUMBER, STRING, BAD, SKIPPED = "WORD", "NUMBER", "STRING", "BAD", "SKIPPED
 _CLASSES = (None, WORD, NUMBER, NUMBER, None, STRING, BAD, BAD, BAD)
 _PLAIN_NUMBER, _HASH = 2, 7
 _SLIPS = frozenset({_PLAIN_NUMBER, _HASH})
+_ENDS = frozenset({";", "{", "}"})
+"""What stands behind a regular expression, if not its own text."""
 
 _TOKEN = re.compile(
     r"""(?:[ \t\r\n\f\v]+|//[^\n]*|/\*(?:[^*]|\*(?!/))*+\*/)*+
@@ -77,6 +79,7 @@ def tokenise(text: str, file: int = 0) -> Tokens:
     starts: list[int] = []
     ends: list[int] = []
     slips: list[Span] = []
+    regular = False
     for match in _TOKEN.finditer(text):
         index = match.lastindex
         if index is None:
@@ -85,7 +88,20 @@ def tokenise(text: str, file: int = 0) -> Tokens:
             slips.append(Span(match.start(index), match.end(), file))
             if index == _HASH:
                 continue
-        kinds.append(_CLASSES[index] or match[index])
+        kind = _CLASSES[index] or match[index]
+        if kind == WORD:
+            regular = regular or match[index] == "matches"
+        elif kind in _ENDS:
+            regular = False
+        elif kind == "**" and regular:  # two marks of a regular expression
+            kinds.append("*")
+            starts.append(match.start(index))
+            ends.append(match.start(index) + 1)
+            kinds.append("*")
+            starts.append(match.start(index) + 1)
+            ends.append(match.end())
+            continue
+        kinds.append(kind)
         starts.append(match.start(index))
         ends.append(match.end())
     return Tokens(text, file, kinds, starts, ends, slips)

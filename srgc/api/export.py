@@ -9,11 +9,11 @@ from typing import Literal, TypeAlias, overload
 from srgc.api.spoken_faults import spoken
 from srgc.faults import UsageFault
 
-Text: TypeAlias = Literal["urdf", "mjcf", "csv", "json", "ros2"]
+Text: TypeAlias = Literal["urdf", "mjcf", "csv", "json", "ros2", "svg"]
 Binary: TypeAlias = Literal["npz", "gltf", "mcap"]
 Form: TypeAlias = Literal[
-    "urdf", "mjcf", "csv", "json", "ros2", "npz", "gltf", "mcap", "mujoco", "controller",
-    "ros2-package", "all",
+    "urdf", "mjcf", "csv", "json", "ros2", "npz", "gltf", "mcap", "svg", "mujoco",
+    "controller", "ros2-package", "all",
 ]  # fmt: skip
 
 
@@ -38,9 +38,10 @@ def export(
     Args:
         result: one with the verdict found, or its folder; of a mission every design is written.
         to: the robot as "urdf" or "mjcf"; its motion as "csv", "json", "ros2" or "npz"; both, with
-            the regions, as a picture, "gltf", or a log, "mcap"; a folder for "mujoco", with a
-            script that replays the motion, for the "controller" in C and Python, or with a
-            "ros2-package"; a folder with "all" files but "gltf", "mcap" and those of the package.
+            the regions, as a picture, "gltf" or "svg", or a log, "mcap"; a folder for "mujoco",
+            with a script that replays the motion, for the "controller" in C and Python, or with
+            a "ros2-package"; a folder with "all" files but "gltf", "svg", "mcap" and those of
+            the package.
         path: the file or the folder to write; of a mission a folder, which gets one for each task.
         efforts: whether the points of "ros2" have efforts, which older controllers refuse.
 

@@ -107,8 +107,9 @@ def test_what_the_library_does_not_have(path: str, code: Code, hint: str, write:
     assert hint in (found.hint or "")
 
 
-def test_a_text_without_a_folder_includes_nothing() -> None:
-    (found,) = load_text(f'include std "{SOME}";', "t").diagnostics
+def test_a_text_without_a_folder_includes_the_library_alone() -> None:
+    assert load_text(f'include std "{SOME}";', "t").program is not None
+    (found,) = load_text(f'include "{SOME}";', "t").diagnostics
     assert found.code is Code.UNREADABLE_REFERENCE
 
 

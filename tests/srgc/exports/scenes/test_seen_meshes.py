@@ -150,10 +150,16 @@ def test_bounds_hold_what_is_drawn(folder: Path, expected: Sampled) -> None:
 
 
 BROKEN = {
-    "seen/foot.dae": (b"<COLLADA>", "seen/foot.dae is no XML"),
-    "seen/tube.stl": (b"solid that is none", "seen/tube.stl was cut off"),
-    "seen/wedge.obj": (b"v 0 0 0\nf 1 2 3\n", "seen/wedge.obj: a face names a vertex"),
-    "seen/hand.glb": (b"glTF\x02\0\0\0", "seen/hand.glb cannot be read as binary glTF 2.0"),
+    "seen/foot.dae": (b"<COLLADA>", "seen/foot.dae:1:10: error[SRG0801]: this is no XML"),
+    "seen/tube.stl": (b"solid that is none", "seen/tube.stl:1:1: error[SRG0801]: it was cut off"),
+    "seen/wedge.obj": (
+        b"v 0 0 0\nf 1 2 3\n",
+        "seen/wedge.obj:1:1: error[SRG0801]: a face names a vertex",
+    ),
+    "seen/hand.glb": (
+        b"glTF\x02\0\0\0",
+        "seen/hand.glb:1:1: error[SRG0801]: it cannot be read as binary glTF 2.0",
+    ),
 }
 
 
