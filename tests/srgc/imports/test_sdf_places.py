@@ -1,4 +1,4 @@
-"""Where SDF places what collides: nested frames, joints, placement frames and submeshes."""
+"""Where SDF places what collides: nested frames, joints, placement frames and parts of meshes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import trimesh
 
 from srgc.faults import UsageFault
 from srgc.imports.scenes.scene_import import read_scene
-from tests.srgc.imports.test_scenes import world
+from tests.srgc.imports.test_scenes import POSE, world
 
 CUBE = "<collision name='c'><geometry><box><size>0.2 0.2 0.2</size></box></geometry></collision>"
 
@@ -197,3 +197,68 @@ def test_long_chains_in_the_order_of_the_file(tmp_path):
     links = [link(f"a{i + 1}", "0 0 1 0 0 0", f"a{i}") for i in range(300)]
     found = places(world(tmp_path, model("m", link("a0"), *links)))
     assert found["m_a300"][2, 3] == 300
+
+
+# --- Parts of meshes ------------------------------------------------------------------------------
+
+
+def two_parts(tmp_path):
+    """A file with a small cube A, and a wedge B far from the origin."""
+    wedge = trimesh.creation.box(bounds=[(5, 1, 2), (7, 2, 2.5)])
+    wedge.vertices[(wedge.vertices[:, 0] > 6) & (wedge.vertices[:, 2] > 2.2), 2] = 2
+    parts = {"A": trimesh.creation.box((1, 1, 1)), "B": wedge}
+    lines, before = [], 1
+    for name, each in parts.items():
+        lines += [f"o {name}", *("v " + " ".join(map(str, v)) for v in each.vertices.tolist())]
+        lines += ["f " + " ".join(map(str, row)) for row in (each.faces + before).tolist()]
+        before += len(each.vertices)
+    (tmp_path / "two.obj").write_text("\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize(
+    ("center", "lower", "upper"),
+    [
+        ("<center>true</center>", (-2, -0.5, -0.25), (2, 0.5, 0.25)),
+        ("<center>1</center>", (-2, -0.5, -0.25), (2, 0.5, 0.25)),
+        ("<center>false</center>", (10, 1, 2), (14, 2, 2.5)),
+        ("", (10, 1, 2), (14, 2, 2.5)),
+    ],
+)
+def test_a_submesh_is_centred_by_the_box_about_it(tmp_path, center, lower, upper):
+    two_parts(tmp_path)
+    shape = (
+        "<collision name='c'><geometry><mesh><uri>two.obj</uri><scale>2 1 1</scale>"
+        f"<submesh><name>B</name>{center}</submesh></mesh></geometry></collision>"
+    )
+    path = world(tmp_path, model("m", link("l", shape=shape), place="0 0 9 0 0 0"))
+    (found,) = read_scene(path).objects
+    points = found.pose.of(found.shape.mesh.vertices)
+    assert points.min(axis=0) == pytest.approx(np.add(lower, (0, 0, 9)))
+    assert points.max(axis=0) == pytest.approx(np.add(upper, (0, 0, 9)))
+
+
+TRIANGLES = "v 0 0 0\nv 1 0 0\nv 0 1 0\n{}g left part\nf 1 2 3\ng right part\nf 3 2 1\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "noted"),
+    [
+        (TRIANGLES.format(""), ["left part", "right part"], False),
+        (TRIANGLES.format("o groups\n"), ["groups"], True),
+        (TRIANGLES.format("o a\n").replace("g right", "o b\ng right"), ["a", "b"], False),
+    ],
+)
+def test_groups_of_obj_are_objects_where_there_are_no_others(tmp_path, text, names, noted):
+    (tmp_path / "cell.obj").write_text(text)
+    scene = read_scene(tmp_path / "cell.obj")
+    assert [each.name for each in scene.objects] == names
+    assert any("groups (`g`) in an object" in each for each in scene.dropped) == noted
+
+
+@pytest.mark.parametrize(("count", "said"), [(1, "a subframe, which"), (2, "2 subframes, which")])
+def test_subframes_are_counted(tmp_path, count, said):
+    frames = "".join(f"grip {i}\n{POSE}" for i in range(count))
+    text = f"cell\n* a\n{POSE}1\nsphere\n1\n{POSE}0 0 0 0\n{count}\n{frames}.\n"
+    (tmp_path / "cell.scene").write_text(text)
+    (dropped,) = read_scene(tmp_path / "cell.scene").dropped
+    assert said in dropped
