@@ -49,6 +49,8 @@ class _Lines:
                 self.starts.append((" ".join(words[1:]), len(self.triangles)))
             case "g":
                 self.group = " ".join(words[1:])
+            case _:
+                pass
 
     def vertex(self, number: int, words: list[str]) -> tuple[float, float, float]:
         try:

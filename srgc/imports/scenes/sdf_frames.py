@@ -115,12 +115,11 @@ class Scope:
         return base.then(_pose(pose, self.file))
 
     def _placed_in(self, outer: Scope) -> Pose:
-        included = self.include if self.include is not None else self.element
         frame = (self.element.get("placement_frame") or "").strip()
         by, file = self.element, self.file
         if self.include is not None and self.include.find("pose") is not None:
             by, file = self.include, outer.file
-        own = included.find("placement_frame") if included is self.include else None
+        own = None if self.include is None else self.include.find("placement_frame")
         if own is not None:
             if by is not self.include:
                 raise outer.file.fault(own, "a placement frame is due with a pose, which places it")
