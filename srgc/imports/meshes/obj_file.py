@@ -23,7 +23,10 @@ Corners = list[tuple[float, float, float]]
 
 @dataclass(slots=True)
 class _Lines:
-    """What has been read; ``starts`` are the names of objects and their first triangles."""
+    """What has been read; ``starts`` are the names of objects and their first triangles.
+
+    ``groups`` are, of each object, the names of groups with faces where objects are by ``o``.
+    """
 
     path: Path
     text: str
@@ -31,6 +34,8 @@ class _Lines:
     vertices: Corners = field(default_factory=Corners)
     triangles: list[tuple[int, int, int]] = field(default_factory=list)
     starts: list[tuple[str, int]] = field(default_factory=list)
+    groups: dict[int, set[str]] = field(default_factory=dict)
+    group: str = ""
     left_out: int = 0
 
     def read(self, number: int, words: list[str]) -> None:
@@ -42,6 +47,10 @@ class _Lines:
                 self.face(number, words[1:])
             case "o" | "g" if self.by_object == (words[0] == "o"):
                 self.starts.append((" ".join(words[1:]), len(self.triangles)))
+            case "g":
+                self.group = " ".join(words[1:])
+            case _:
+                pass
 
     def vertex(self, number: int, words: list[str]) -> tuple[float, float, float]:
         try:
@@ -65,6 +74,8 @@ class _Lines:
             raise self.fault(number, "a face names a vertex that is not there")
         self.triangles += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
         too_many(len(self.triangles), self.path)
+        if self.by_object and self.group:
+            self.groups.setdefault(len(self.starts), set()).add(self.group)
 
     def fault(self, number: int, said: str) -> SourceFault:
         source, span = Source(str(self.path), self.text), line_span(self.text, number)
@@ -96,11 +107,13 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
     triangles: Ints = np.array(lines.triangles, dtype=np.int64)
     if triangles.max() >= len(lines.vertices):
         raise file_fault(path, "a face names a vertex that is not there", "was the file cut off?")
-    notes: tuple[str, ...] = ()
+    notes = list[str]()
     if lines.left_out:
-        notes = (f"{path.name}: {lines.left_out} faces of one or two corners: left out",)
+        notes.append(f"{path.name}: {lines.left_out} faces of one or two corners: left out")
+    if any(len(names) > 1 for names in lines.groups.values()):
+        notes.append(f"{path.name}: groups (`g`) in an object (`o`), which is one with all of them")
     vertices = np.array(lines.vertices, dtype=np.float64)
-    return Mesh(vertices, triangles, _objects(lines, path.stem), notes)
+    return Mesh(vertices, triangles, _objects(lines, path.stem), tuple(notes))
 
 
 def _objects(lines: _Lines, stem: str) -> tuple[MeshObject, ...]:

@@ -131,7 +131,10 @@ def _object(lines: _Lines, scene: Scene, name: str, *, own_pose: bool) -> None:
             frame = lines.line(f"a subframe of {name}")
             lines.pose(frame)
         if subframes:
-            scene.dropped.append(f"{name}: {subframes} subframes, which are no obstacles")
+            which = "a subframe, which is no obstacle"
+            if subframes > 1:
+                which = f"{subframes} subframes, which are no obstacles"
+            scene.dropped.append(f"{name}: {which}")
 
 
 def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | list[float]:

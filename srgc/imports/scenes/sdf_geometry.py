@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from srgc.imports.meshes.mesh import Mesh
+from srgc.imports.meshes.mesh import Floats, Mesh
 from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
 from srgc.imports.scenes.scene import (
     BallShape,
@@ -24,6 +25,7 @@ from srgc.imports.scenes.scene import (
     ellipsoid_points,
     positive,
 )
+from srgc.imports.scenes.sdf_frames import is_true
 from srgc.imports.source_fault import SourceFault
 from srgc.imports.source_files import SourceFiles
 from srgc.imports.xml_source import Element, XmlFile
@@ -82,11 +84,19 @@ class Geometries:
                 self.scene.dropped.append(f"{name}: {path.name} has no part `{wanted}`")
                 return
             mesh = mesh.part(objects[0])
+            if is_true(part.findtext("center")):
+                mesh = replace(mesh, vertices=mesh.vertices - _middle(mesh.vertices))
         self.scene.dropped += mesh.notes
         if not np.isfinite(scale).all() or (scale == 0).any():
             raise fault("a scale of its mesh is zero or not finite")
         triangles = mesh.triangles[:, ::-1] if np.prod(scale) < 0 else mesh.triangles
         yield MeshShape(Mesh(mesh.vertices * scale, triangles), path.name), Pose(), ""
+
+
+def _middle(vertices: Floats) -> Floats:
+    """The middle of the box about vertices (n, 3), which Gazebo takes for their centre."""
+    found: Floats = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return found
 
 
 def _fault(file: XmlFile, element: Element, name: str, said: str) -> SourceFault:

@@ -6,54 +6,31 @@ has no bounds or no shape is listed.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
-from srgc.imports.scenes.scene import (
-    Pose,
-    Scene,
-    SceneObject,
-    angle_pose,
-    quaternion_pose,
-)
+from srgc.imports.scenes.scene import Scene, SceneObject
+from srgc.imports.scenes.sdf_frames import Scope, is_true
 from srgc.imports.scenes.sdf_geometry import Geometries
 from srgc.imports.source_fault import SourceFault
 from srgc.imports.source_files import SourceFiles, source_bytes
-from srgc.imports.xml_source import Element, XmlFile, xml_file
+from srgc.imports.xml_source import Element, xml_file
 
 PASSED = frozenset(
     {"pose", "static", "link", "model", "include", "frame", "name", "self_collide", "enable_wind"}
-    | {"kinematic", "allow_auto_disable", "uri", "placement_frame"}
+    | {"kinematic", "allow_auto_disable", "uri"}
 )
 """Elements of a model that are carried over, or say nothing about where it is."""
 MOST_INCLUDES, DEEPEST = 1000, 20
 
 
-@dataclass(slots=True)
-class _Place:
-    """A scope: where it stands, the poses of its frames in the world, and those not yet known."""
-
-    prefix: str
-    pose: Pose
-    frames: dict[str, Pose] = field(default_factory=dict)
-    pending: dict[str, tuple[Element, str]] = field(default_factory=dict)
-
-    def declare(self, elements: Sequence[Element], attribute: str = "") -> None:
-        """Elements that poses may be relative to, before or behind them."""
-        self.pending.update({each.get("name", ""): (each, attribute) for each in elements})
-
-
 class _Reader:
-    def __init__(self, scene: Scene, files: SourceFiles, file: XmlFile) -> None:
-        self.scene, self.files, self.file = scene, files, file
+    def __init__(self, scene: Scene, files: SourceFiles) -> None:
+        self.scene, self.files = scene, files
         self.geometries = Geometries(scene, files)
         self.includes = 0
 
     def world(self, world: Element) -> None:
-        place = _Place("", Pose())
+        """Take note of what of a world is no model."""
         shapeless = dict[str, int]()
         for element in world:
             tag = _tag(element)
@@ -65,51 +42,70 @@ class _Reader:
                 shapeless[tag] = shapeless.get(tag, 0) + 1
         if shapeless:
             self.scene.dropped.append(f"of the world: {', '.join(shapeless)}")
-        self.models(world, place, 0)
 
-    def models(self, parent: Element, place: _Place, depth: int) -> None:
-        """The models and includes of a world or model; frames first, since these refer to them."""
+    def find_models(self, scope: Scope, depth: int = 0) -> None:
+        """The models and includes of a world or model, before poses name what is in them."""
         if depth > DEEPEST:
-            raise self.file.fault(parent, f"models are nested more than {DEEPEST} deep")
-        models = parent.findall("model")
-        place.declare(parent.findall("frame"), "attached_to")
-        place.declare(models)
-        for model in models:
-            pose = self.frame(model.get("name", ""), place) or place.pose
-            self.model(model, place, pose, depth)
-        for include in parent.findall("include"):
-            self.include(include, place, depth)
+            raise scope.file.fault(scope.element, f"models are nested more than {DEEPEST} deep")
+        for model in scope.element.findall("model"):
+            name = model.get("name") or "model"
+            scope.children.append(Scope(model, scope.file, scope.folder, name, scope))
+        for include in scope.element.findall("include"):
+            found = self.included(include, scope)
+            if found is not None:
+                scope.children.append(found)
+        for child in scope.children:
+            self.find_models(child, depth + 1)
 
-    def model(
-        self, model: Element, outer: _Place, pose: Pose, depth: int, called: str = ""
-    ) -> None:
-        name = called or model.get("name") or "model"
-        whole = f"{outer.prefix}{name}"
-        place = _Place(f"{whole}_", pose, {"__model__": pose})
-        self.listed(model, whole, depth)
-        links = model.findall("link")
-        place.declare(links)
-        place.declare(model.findall("frame"), "attached_to")
-        place.declare(model.findall("model"))
+    def included(self, include: Element, outer: Scope) -> Scope | None:
+        """The model that is included, or None and a note."""
+        uri = (include.findtext("uri") or "").strip()
+        self.includes += 1
+        if self.includes > MOST_INCLUDES:
+            raise outer.file.fault(include, f"there are more than {MOST_INCLUDES} includes")
+        try:
+            path = self.files.path_of(uri if Path(uri).suffix else f"{uri.rstrip('/')}/model.sdf")
+        except SourceFault as fault:
+            said = "; ".join(filter(None, (fault.message, fault.hint)))
+            outer.missing.append(f"include {uri or '(without an address)'}: {said}")
+            self.scene.dropped.append(outer.missing[-1])
+            return None
+        file = xml_file(source_bytes(path), path)
+        model = file.root.find("model")
+        if model is None:
+            outer.missing.append(f"include {uri}: {path.name} has no model")
+            self.scene.dropped.append(outer.missing[-1])
+            return None
+        name = (include.findtext("name") or "").strip() or model.get("name") or "model"
+        return Scope(model, file, path.parent, name, outer, include)
+
+    def model(self, model: Scope) -> None:
+        """The links of a model, and the models in it."""
+        self.listed(model)
+        links = model.element.findall("link")
         for link in links:
-            self.link(link, place, whole, alone=len(links) == 1)
-        self.models(model, place, depth + 1)
+            self.geometries.folder = model.folder
+            self.link(link, model, alone=len(links) == 1)
+        for child in model.children:
+            self.model(child)
 
-    def listed(self, model: Element, whole: str, depth: int) -> None:
+    def listed(self, model: Scope) -> None:
         """What of a model is not carried over."""
-        static = (model.findtext("static") or "false").strip().lower() in {"true", "1"}
-        if not static and depth == 0:
+        whole = model.whole
+        outermost = model.parent is not None and model.parent.parent is None
+        static = is_true(model.element.findtext("static"))
+        if not static and outermost and model.include is None:
             self.scene.dropped.append(f"{whole} may move: it is an obstacle where it stands")
-        for element in model:
+        for element in model.element:
             tag = _tag(element)
             if tag in {"joint", "plugin", "gripper"}:
                 self.scene.dropped.append(f"{whole}: {tag} {element.get('name', '')}".rstrip())
             elif tag not in PASSED:
                 self.scene.dropped.append(f"{whole}: {tag}")
 
-    def link(self, link: Element, place: _Place, whole: str, *, alone: bool) -> None:
-        base = self.frame(link.get("name", ""), place) or place.pose
-        called = whole if alone else f"{place.prefix}{link.get('name', 'link')}"
+    def link(self, link: Element, model: Scope, *, alone: bool) -> None:
+        base, origin = model.placed(link), model.in_world()
+        called = model.whole if alone else f"{model.whole}_{link.get('name', 'link')}"
         collisions = link.findall("collision")
         if not collisions and link.find("visual") is not None:
             self.scene.dropped.append(f"{called}: it is seen and does not collide")
@@ -119,79 +115,10 @@ class _Reader:
         for collision in collisions:
             own = collision.get("name") or "collision"
             name = called if len(collisions) == 1 else f"{called}_{own}"
-            inner = _Place(place.prefix, base, place.frames, place.pending)
-            pose = self.placed(collision, inner)
-            shapes = self.geometries.of(collision.find("geometry"), name, pose, self.file)
+            pose = origin.then(model.inside(collision, base))
+            shapes = self.geometries.of(collision.find("geometry"), name, pose, model.file)
             for shape, shift, note in shapes:
                 self.scene.objects.append(SceneObject(name, shape, pose.then(shift), note))
-
-    def include(self, include: Element, place: _Place, depth: int) -> None:
-        uri = (include.findtext("uri") or "").strip()
-        self.includes += 1
-        if self.includes > MOST_INCLUDES:
-            raise self.file.fault(include, f"there are more than {MOST_INCLUDES} includes")
-        try:
-            path = self.files.path_of(uri if Path(uri).suffix else f"{uri.rstrip('/')}/model.sdf")
-        except SourceFault as fault:
-            said = "; ".join(filter(None, (fault.message, fault.hint)))
-            self.scene.dropped.append(f"include {uri or '(without an address)'}: {said}")
-            return
-        file = xml_file(source_bytes(path), path)
-        model = file.root.find("model")
-        if model is None:
-            self.scene.dropped.append(f"include {uri}: {path.name} has no model")
-            return
-        within = place if include.find("pose") is not None else None
-        pose = self.placed(include, place) if within else None
-        called = (include.findtext("name") or "").strip()
-        outer = self.geometries.folder, self.file
-        self.geometries.folder, self.file = path.parent, file
-        pose = self.placed(model, place) if pose is None else pose
-        self.model(model, place, pose, depth + 1, called)
-        self.geometries.folder, self.file = outer
-
-    def placed(self, element: Element, place: _Place, attribute: str = "") -> Pose:
-        """The pose in the world of an element of a scope."""
-        pose = element.find("pose")
-        base = place.pose
-        relative = (element.get(attribute) if attribute else None) or ""
-        if pose is not None:
-            relative = pose.get("relative_to") or pose.get("frame") or relative
-        if relative and relative != "world":
-            found = self.frame(relative, place)
-            if found is None:
-                self.scene.dropped.append(
-                    f"{place.prefix}{element.get('name', '')}: its pose is relative to "
-                    f"`{relative}`, which is not known here; it is taken as one of its parent"
-                )
-            base = found or base
-        elif relative == "world":
-            base = Pose()
-        return base if pose is None else base.then(self.pose(pose))
-
-    def frame(self, name: str, place: _Place) -> Pose | None:
-        """The pose in the world of a frame of a scope; None where there is none, or a circle."""
-        if name not in place.frames and name in place.pending:
-            element, attribute = place.pending.pop(name)
-            place.frames[name] = self.placed(element, place, attribute)
-        return place.frames.get(name)
-
-    def pose(self, pose: Element) -> Pose:
-        fault = partial(self.file.fault, pose)
-        try:
-            numbers = [float(word) for word in (pose.text or "").split()]
-        except ValueError:
-            raise fault("its pose is no list of numbers") from None
-        if not numbers:
-            return Pose()
-        if pose.get("rotation_format") == "quat_xyzw" and len(numbers) == 7:
-            return quaternion_pose(numbers[:3], numbers[3:], fault)
-        if len(numbers) != 6:
-            raise fault(f"its pose has {len(numbers)} numbers, and 6 are due")
-        angles = numbers[3:]
-        if (pose.get("degrees") or "").strip().lower() in {"true", "1"}:
-            angles = [math.radians(angle) for angle in angles]
-        return angle_pose(numbers[:3], angles, fault)
 
 
 def _tag(element: Element) -> str:
@@ -202,7 +129,8 @@ def sdf_scene(files: SourceFiles) -> Scene:
     """What collides in the first world of a file, or in its models.
 
     Raises:
-        SourceFault: it is no SDF file, or a number or a mesh of it cannot be read.
+        SourceFault: it is no SDF file, a number or a mesh of it cannot be read, or a pose is
+            relative to what is not there or to itself.
     """
     file = xml_file(files.main_bytes(), files.main)
     root = file.root
@@ -210,11 +138,13 @@ def sdf_scene(files: SourceFiles) -> Scene:
         raise file.fault(root, f"it is no SDF file: its root is `{_tag(root)}`")
     worlds = root.findall("world")
     scene = Scene((worlds[0].get("name") if worlds else None) or files.main.stem)
-    reader = _Reader(scene, files, file)
+    reader = _Reader(scene, files)
     for other in worlds[1:]:
         scene.dropped.append(f"world {other.get('name', '')}: a file is one scene, of its first")
     if worlds:
         reader.world(worlds[0])
-    else:
-        reader.models(root, _Place("", Pose()), 0)
+    outermost = Scope(worlds[0] if worlds else root, file, files.folder)
+    reader.find_models(outermost)
+    for model in outermost.children:
+        reader.model(model)
     return scene
