@@ -56,9 +56,10 @@ class BodyMeshes:
         vertices, triangles = self._mesh(file, scale)
         detail = DETAIL if self.detail is None else self.detail
         cut = decomposed(vertices, triangles, detail=detail, pieces=self.pieces)
-        stem = self.names.name(posixpath.splitext(posixpath.basename(file))[0])
+        stem = posixpath.splitext(posixpath.basename(file))[0]
         count = len(cut.pieces)
-        names = [stem] if count == 1 else [f"{stem}_{number + 1}" for number in range(count)]
+        wanted = [stem] if count == 1 else [f"{stem}_{number + 1}" for number in range(count)]
+        names = [self.names.name(each) for each in wanted]
         origin = f"of {visible(file)}, imported by srgc {VERSION}"
         for name, piece in zip(names, cut.pieces, strict=True):
             text = pieces_text([piece], [name], [origin])

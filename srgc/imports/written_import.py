@@ -32,17 +32,17 @@ def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:
     """Write the files of an import, the spec last; the paths written.
 
     Raises:
-        UsageFault: a file is there already and ``force`` is not set, or it cannot be written;
-            then nothing is left of it.
+        UsageFault: a file is there already and ``force`` is not set, another spec in the folder
+            names a mesh that would change, or a file cannot be written; then nothing is left of it.
     """
     if path.is_dir():
         raise UsageFault(f"{path} is a folder; `-o` names a file")
     contents = {path.parent / name: data for name, data in imported.files.items()}
     contents[path] = imported.text.encode()
-    for place, data in contents.items():
-        there = os.path.lexists(place)
-        if there and not force and not _same(place, data):
-            raise UsageFault(f"{place} is there already; --force replaces it")
+    changed = [p for p, data in contents.items() if os.path.lexists(p) and not _same(p, data)]
+    _refuse_shared([p for p in changed if p != path], path)
+    if changed and not force:
+        raise UsageFault(f"{changed[0]} is there already; --force replaces it")
     written = list[Path]()
     try:
         for place, data in contents.items():
@@ -54,6 +54,26 @@ def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:
             place.unlink(missing_ok=True)
         raise UsageFault(f"{path}: {error.strerror}") from None
     return written
+
+
+def _refuse_shared(meshes: list[Path], path: Path) -> None:
+    """Refuse to change meshes that other specs in the folder of ``path`` name.
+
+    Raises:
+        UsageFault: one does.
+    """
+    if not meshes:
+        return
+    for spec in sorted(path.parent.glob("*.srg")):
+        if spec.name == path.name or not spec.is_file():
+            continue
+        text = spec.read_bytes()
+        for mesh in meshes:
+            if f'"{mesh.relative_to(path.parent).as_posix()}"'.encode() in text:
+                raise UsageFault(
+                    f"{mesh} is there already, and {spec} needs it as it is; "
+                    "`-o` with another folder keeps both"
+                )
 
 
 def _same(place: Path, data: bytes) -> bool:

@@ -44,13 +44,13 @@ class MeshHulls:
         """A hull for each shape of a VRML file, which is one point set each."""
         key = (geometry.file, geometry.size)
         if key not in self._pieces:
-            stem = self.meshes.names.name(posixpath.basename(geometry.file).split(".")[0])
+            stem = posixpath.basename(geometry.file).split(".")[0]
             self._pieces[key] = []
             path = self.meshes.files.path_of(geometry.file)
             pieces = vrml_pieces(source_bytes(path), path)
             for number, points in enumerate(pieces):
                 end = f"_{number + 1}" if len(pieces) > 1 else ""
-                name = f"{self.meshes.folder}/{stem}{end}.obj"
+                name = f"{self.meshes.folder}/{self.meshes.names.name(stem + end)}.obj"
                 self.meshes.written[name] = _points_file(points * np.array(geometry.size))
                 self._pieces[key].append(name)
         for name in self._pieces[key]:
