@@ -6,7 +6,7 @@ export OMP_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo quick test timings test-slow coverage docs editor pictures golden grammar fmt lint types
-.PHONY: dist sbom hooks bench lock clean
+.PHONY: dist sbom hooks bench srgc-bench lock clean
 
 KERNEL := compiler/expressions/machine/ball_kernel.c
 
@@ -135,6 +135,10 @@ hooks: .venv/installed
 
 bench: .venv/compared .venv/timor/installed
 	$(BIN)/python benchmarks/record.py -o out/bench
+
+# What srgc makes of the tasks in benchmarks/tasks; docs/reference/benchmark-set.md has more.
+srgc-bench: .venv/installed
+	$(BIN)/python benchmarks/srgc_bench.py
 
 # Needs uv and the network; every other target uses what it wrote.
 COMPILE := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
