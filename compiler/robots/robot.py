@@ -146,8 +146,7 @@ class RobotDof:
     """A degree of freedom of the joints at the word indices ``symbols``, merged into one.
 
     ``effort`` bounds its free input, ``inertia`` is its rotor's as the joint feels it, ``accel``
-    bounds the size of its acceleration, ``coulomb`` is that of its dry friction, ``gear`` the ratio
-    of its gear; all closed.
+    bounds its acceleration, ``coulomb`` is its dry friction, ``gear`` its ratio; all closed.
     """
 
     symbols: tuple[int, ...]
