@@ -169,6 +169,7 @@ class Declarations:
                     dof.inertia,
                     dof.accel,
                     dof.coulomb,
+                    dof.gear,
                 )
             )
         own = own_dynamics(index, module, self.parameter_index, self.dof_index)

@@ -146,7 +146,7 @@ class RobotDof:
     """A degree of freedom of the joints at the word indices ``symbols``, merged into one.
 
     ``effort`` bounds its free input, ``inertia`` is its rotor's as the joint feels it, ``accel``
-    bounds the size of its acceleration, ``coulomb`` is that of its dry friction; all closed.
+    bounds its acceleration, ``coulomb`` is its dry friction, ``gear`` its ratio; all closed.
     """
 
     symbols: tuple[int, ...]
@@ -158,16 +158,17 @@ class RobotDof:
     inertia: ir.Expr | None = None
     accel: ir.Expr | None = None
     coulomb: ir.Expr | None = None
+    gear: ir.Expr | None = None
 
     @property
     def amounts(self) -> tuple[ir.Expr | None, ...]:
-        """What is known of its drive."""
+        """What of its drive acts on its motion."""
         return self.effort, self.inertia, self.accel, self.coulomb
 
     @property
     def is_driven(self) -> bool:
         """Whether it has a drive of its own, or limits of one; such joints are not merged."""
-        return any(each is not None for each in self.amounts)
+        return any(each is not None for each in (*self.amounts, self.gear))
 
 
 @dataclass(frozen=True, slots=True)

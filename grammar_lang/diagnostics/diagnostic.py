@@ -121,6 +121,7 @@ class Code(Enum):
     FOREIGN_FILE = "SRG0801"
     FOREIGN_PATH = "SRG0802"
     FOREIGN_CONTENT = "SRG0803"
+    FOREIGN_LEFT_OUT = "SRG0804"
 
 
 # --- Diagnostics are values: collected while compiling, rendered elsewhere ------------------------

@@ -88,6 +88,7 @@ class DriveReader:
         coulomb = parts.get("coulomb")
         if coulomb is not None and constants.to_float(coulomb) > 0:
             dof = replace(dof, coulomb=coulomb)
+        dof = replace(dof, gear=parts.get("gear"))
         if "viscous" in parts:
             self.viscous[name] = parts["viscous"]
         if rotor is not None:

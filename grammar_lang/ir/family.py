@@ -45,7 +45,8 @@ class Dof:
 
     ``effort`` bounds its free input, ``inertia`` is that of its rotor times the square of the gear,
     which moves with the joint alone, ``accel`` bounds the size of its acceleration, ``coulomb`` is
-    that of the effort of its dry friction; all are closed and in SI units.
+    that of the effort of its dry friction, ``gear`` the ratio itself, which exports state; all are
+    closed and in SI units.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Dof:
     inertia: Expr | None = None
     accel: Expr | None = None
     coulomb: Expr | None = None
+    gear: Expr | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 

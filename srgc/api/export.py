@@ -52,8 +52,9 @@ def export(
     Raises:
         SrgcError: there is no robot, it has no such form, or the path cannot be written.
     """
-    from srgc.exports.design_export import BINARY, FOLDERS, FORMS, written_export
+    from srgc.exports.design_export import BINARY, FOLDERS, FORMS
     from srgc.exports.mission_export import written_mission_export
+    from srgc.exports.written_export import written_export
     from srgc.results.mission_refusal import is_mission_folder
 
     if to not in (*FORMS, *FOLDERS):

@@ -66,8 +66,8 @@ def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int
     file = None if output == Path("-") else output
     if file is None and form in BINARY and sys.stdout.isatty():
         raise UsageFault(f"{form} is not for a terminal; name a file with -o")
-    from srgc.exports.design_export import written_export
     from srgc.exports.mission_export import written_mission_export
+    from srgc.exports.written_export import written_export
     from srgc.results.mission_refusal import is_mission_folder
 
     write = written_mission_export if is_mission_folder(folder) else written_export

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,6 +13,7 @@ import click
 
 from srgc.cli.arguments import DocumentedCommand, PathOf
 from srgc.faults import UsageFault
+from srgc.terminal import colours
 
 if TYPE_CHECKING:
     from srgc.imports.written_import import Imported
@@ -147,6 +149,8 @@ def import_(
         raise UsageFault(
             f'an import needs the library {error.name}: pip install "srgc[import]"'
         ) from None
+    for warning in imported.warnings:
+        click.echo(warning.finding(colour=colours(sys.stderr)), err=True, color=True)
     for remark in imported.remarks:
         click.echo(f"note: {remark}", err=True)
     if output == Path("-"):

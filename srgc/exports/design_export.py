@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import glob
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from itertools import count
@@ -19,9 +18,8 @@ from srgc.exports.exported_robot import (
     load_states,
     remarks,
 )
-from srgc.exports.hull_files import UNSAID as NO_MESHES
 from srgc.exports.hull_files import hull_files
-from srgc.exports.joint_file import SUFFIX, UNSAID, joints_json
+from srgc.exports.joint_file import joints_json
 from srgc.exports.mjcf import mjcf_text
 from srgc.exports.motion_formats import (
     gain_table,
@@ -37,10 +35,9 @@ from srgc.exports.scenes.design_scene import design_scene
 from srgc.exports.scenes.gltf import gltf_bytes
 from srgc.exports.scenes.mcap_log import mcap_log
 from srgc.exports.urdf import urdf_text
-from srgc.exports.visual_meshes import UNSAID as NO_VISUALS
 from srgc.exports.visual_meshes import mujoco_reads, unread_by_mujoco, visual_files, visual_names
 from srgc.faults import NoAnswer, UsageFault
-from srgc.results.folder_writer import folder_output
+from srgc.joint_format import SUFFIX
 from srgc.results.found_design import FoundDesign, found_design
 
 ROBOTS: Mapping[str, Callable[[ExportedRobot], str]] = {"urdf": urdf_text, "mjcf": mjcf_text}
@@ -98,7 +95,7 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
     if form in ROBOTS:
         return _robot_text(design, ROBOTS[form]).encode()
     if form in SCENES:
-        return _scene_file(design, form)[0]
+        return scene_file(design, form)[0]
     motion = exported_motion(design)
     if form == "ros2":
         return joint_trajectory(motion, efforts=efforts).encode()
@@ -118,7 +115,7 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     design = found_design(folder)
     if form == "mujoco":
         files = _replayed(design, exported_motion(design))
-        return ExportFolder(files, _left_out_of(design, "mjcf"))
+        return ExportFolder(files, left_out_of(design, "mjcf"))
     if form == "controller":
         return ExportFolder(*controller_files(folder, design))
     if form == "ros2-package":
@@ -126,14 +123,14 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     motion = exported_motion(design)
     found = {FILE_NAMES[name]: _encoded(write(motion)) for name, write in MOTIONS.items()}
     notes = list(remarks(design))
-    for name, files_of in (("urdf", _urdf_files), ("mjcf", _mjcf_files)):
+    for name, files_of in (("urdf", urdf_files), ("mjcf", mjcf_files)):
         try:
             beside = files_of(design, Path(FILE_NAMES[name]).stem)
         except UsageFault as fault:
             notes.append(f"no {FILE_NAMES[name]}: {fault}")
             continue
         found |= beside
-        notes += _left_out_of(design, name)
+        notes += left_out_of(design, name)
     try:
         found |= _replayed(design, motion)
     except UsageFault as fault:
@@ -147,7 +144,7 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
     return ExportFolder(found, tuple(notes))
 
 
-def _scene_file(design: FoundDesign, form: str) -> tuple[bytes, tuple[str, ...]]:
+def scene_file(design: FoundDesign, form: str) -> tuple[bytes, tuple[str, ...]]:
     """One of the ``SCENES``, and what it does not hold.
 
     Raises:
@@ -192,7 +189,7 @@ def _replayed(design: FoundDesign, motion: ExportedMotion) -> dict[str, bytes]:
     _refuse_own(design)
     stem = Path(FILE_NAMES["mjcf"]).stem
     first, *others = (
-        _mjcf_files(design, stem, body_factors(design, loads)) for loads in load_states(design)
+        mjcf_files(design, stem, body_factors(design, loads)) for loads in load_states(design)
     )
     loaded = (files[FILE_NAMES["mjcf"]] for files in others)
     found = {f"robot_loaded_{number}.xml": text for number, text in enumerate(loaded, 1)}
@@ -220,72 +217,7 @@ def _encoded(content: str | bytes) -> bytes:
     return content.encode() if isinstance(content, str) else content
 
 
-# --- The export of a result folder, written where its user wants it -------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class WrittenExport:
-    """The files that were written, or the content where none was named; notes for a reader."""
-
-    files: tuple[Path, ...]
-    content: bytes | None
-    notes: tuple[str, ...]
-
-
-def written_export(
-    folder: Path, form: str, output: Path | None, *, efforts: bool = True
-) -> WrittenExport:
-    """Export a result folder.
-
-    Args:
-        folder: one that ``synth`` has written, with the verdict found.
-        form: one of the ``FORMS`` or ``FOLDERS``.
-        output: the file to write, or for ``FOLDERS`` the folder, which is made; None: nothing is
-            written. Beside ``arm.urdf`` there may be ``arm.joints.json`` and ``arm.hull_1.stl``.
-        efforts: whether a ROS 2 message has efforts.
-
-    Raises:
-        UsageFault: there is no robot, the format cannot hold it, the output is one of the results
-            or cannot be written, or a folder is due and none is named.
-        NoAnswer: ``controller``: the tube does not get to the end of the motion.
-    """
-    if form in FOLDERS:
-        return _written_folder(folder, form, output)
-    if form in SCENES:
-        return _written_scene(folder, form, output)
-    if output is None:
-        design = found_design(folder)
-        content = export_bytes(design, form, efforts=efforts)
-        unsaid = _left_to_files(design, form) if form in ROBOTS else ()
-        return WrittenExport((), content, (*remarks(design), *unsaid))
-    first = folder_output(folder, output)
-    design = found_design(folder)
-    if form not in ROBOTS:
-        first.write(export_bytes(design, form, efforts=efforts))
-        return WrittenExport((output,), None, remarks(design))
-    files_of = _urdf_files if form == "urdf" else _mjcf_files
-    robot, *beside = files_of(design, output.stem).items()
-    paths = [output.parent / name for name, _ in beside]
-    others = [folder_output(folder, path) for path in paths]
-    for file, (_, content) in zip((first, *others), (robot, *beside), strict=True):
-        file.write(content)
-    earlier = _earlier(output.parent, output.stem, {*paths}) if form == "urdf" else ()
-    notes = (*remarks(design), *_left_out_of(design, form), *earlier)
-    return WrittenExport((output, *paths), None, notes)
-
-
-def _written_scene(folder: Path, form: str, output: Path | None) -> WrittenExport:
-    target = None if output is None else folder_output(folder, output)
-    design = found_design(folder)
-    content, unsaid = _scene_file(design, form)
-    notes = (*remarks(design), *unsaid)
-    if target is None or output is None:
-        return WrittenExport((), content, notes)
-    target.write(content)
-    return WrittenExport((output,), None, notes)
-
-
-def _urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
+def urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
     """A URDF, the first, and what stands beside it, by names that begin with ``stem``.
 
     Raises:
@@ -306,7 +238,7 @@ def _urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
     return found | dict(zip(_hull_names(stem), hulls.values(), strict=False)) | seen
 
 
-def _mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) -> dict[str, bytes]:
+def mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) -> dict[str, bytes]:
     """An MJCF, the first, and the visuals that it names, by names that begin with ``stem``.
 
     Masses and moments of inertia of each body are times its factor, default 1.
@@ -325,7 +257,7 @@ def _mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) -
     return {f"{stem}.xml": _robot_text(design, text, factors).encode()} | seen
 
 
-def _left_out_of(design: FoundDesign, form: str) -> tuple[str, ...]:
+def left_out_of(design: FoundDesign, form: str) -> tuple[str, ...]:
     """What of its visuals the export of a robot, written with files beside it, does not show."""
     if form != "mjcf":
         return ()
@@ -334,58 +266,3 @@ def _left_out_of(design: FoundDesign, form: str) -> tuple[str, ...]:
 
 def _hull_names(stem: str) -> Iterator[str]:
     return (f"{stem}.hull_{number}.stl" for number in count(1))
-
-
-def _left_to_files(design: FoundDesign, form: str) -> tuple[str, ...]:
-    """What a URDF or an MJCF without files beside it does not say of a robot."""
-    robot = exported_robot(design)
-    seen = (NO_VISUALS,) if robot.visuals else ()
-    if form != "urdf":
-        return seen
-    joints = (UNSAID,) if joints_json(robot) else ()
-    return (*joints, NO_MESHES, *seen) if hull_files(robot) else (*joints, *seen)
-
-
-def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str]:
-    """Notes on what stands beside a URDF and belongs to another one."""
-    meshes = [path for kind in ("hull_*.stl", "visual_*.*")
-              for path in sorted(folder.glob(f"{glob.escape(stem)}.{kind}"))]  # fmt: skip
-    for path in (folder / f"{stem}{SUFFIX}", *meshes):
-        if path not in written and path.exists():
-            yield _of_an_earlier_export(path)
-
-
-def _strays(package: Path, written: Collection[Path]) -> Iterator[str]:
-    """Notes on robots and meshes in a package that are none of this one's."""
-    kinds = ("urdf/*.urdf", "urdf/*.urdf.xacro", "config/*.srdf", "meshes/*.stl")
-    for path in (path for kind in kinds for path in sorted(package.glob(kind))):
-        if path not in written:
-            yield _of_an_earlier_export(path)
-
-
-def _of_an_earlier_export(path: Path) -> str:
-    return f"{path} is of an earlier export: remove it"
-
-
-def _written_folder(folder: Path, form: str, output: Path | None) -> WrittenExport:
-    if output is None:
-        raise UsageFault(f"--to {form} writes several files; name a folder with -o")
-    files = {name: folder_output(folder, output / name) for name in FOLDER_FILES[form]}
-    made = export_folder(folder, form)
-    files |= {name: folder_output(folder, output / name) for name in made.files.keys() - files}
-    if any(files[name].name is None for name in made.files):
-        for place in dict.fromkeys((output / name).parent for name in made.files):
-            try:
-                place.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise UsageFault(f"{place}: {error.strerror}") from None
-    for name, content in made.files.items():
-        files[name].write(content)
-    # Gains or single precision of another design, say, would be taken for this one's.
-    other = sorted({*FOLDER_FILES[form]} - made.files.keys())
-    left = [name for name in other if (output / name).exists()]
-    paths = {output / name for name in (*made.files, *other)}
-    hulls = _earlier(output, Path(FILE_NAMES["urdf"]).stem, paths) if form == "all" else ()
-    strays = _strays(output, paths) if form == "ros2-package" else ()
-    notes = (*made.notes, *(_of_an_earlier_export(output / name) for name in left), *hulls, *strays)
-    return WrittenExport(tuple(output / name for name in sorted(made.files)), None, notes)

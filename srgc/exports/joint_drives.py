@@ -20,14 +20,15 @@ class JointDrive:
 
     ``damping`` is its viscous friction (N m s, N s/m), ``friction`` the effort of its dry friction
     (N m, N), ``armature`` the inertia of its rotor as the joint feels it, gears included (kg m^2,
-    kg): each 0 without.  ``acceleration`` bounds the size of the joint's own (rad/s^2, m/s^2);
-    None without.
+    kg): each 0 without.  ``acceleration`` bounds the size of the joint's own (rad/s^2, m/s^2), and
+    ``gear`` is how far the motor turns for the joint (1, rad/m): each None without.
     """
 
     damping: float = 0.0
     friction: float = 0.0
     armature: float = 0.0
     acceleration: float | None = None
+    gear: float | None = None
 
 
 def joint_drives(model: RobotModel, theta: Sequence[Fraction]) -> tuple[JointDrive, ...]:
@@ -47,6 +48,7 @@ def joint_drives(model: RobotModel, theta: Sequence[Fraction]) -> tuple[JointDri
             _double(dry[number]) if number in dry else 0.0,
             0.0 if dof.inertia is None else _double(dof.inertia),
             None if dof.accel is None else _double(dof.accel),
+            None if dof.gear is None else _double(dof.gear),
         )
         for number, dof in enumerate(model.dofs)
     )

@@ -13,10 +13,8 @@ from collections.abc import Iterator, Mapping
 
 from srgc.exports.exported_robot import ExportedRobot, Motor
 from srgc.exports.xml_lines import plain_line
+from srgc.joint_format import FORMAT
 
-FORMAT = "srgc joints 1"
-SUFFIX = ".joints.json"
-"""In place of the suffix of the URDF."""
 UNSAID = (
     "URDF has no place for rotors and limits of accelerations; "
     "name a file with -o, and a file beside it has them"

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from srgc.exports.design_export import (
-    FILE_NAMES,
-    FOLDERS,
-    SCENES,
-    WrittenExport,
-    written_export,
-)
+from srgc.exports.design_export import FILE_NAMES, FOLDERS, SCENES
+from srgc.exports.written_export import WrittenExport, prepared_export
+from srgc.exports.written_files import write_files
 from srgc.faults import UsageFault
-from srgc.results.folder_writer import folder_output
+from srgc.results.folder_writer import FolderOutput, folder_output
 from srgc.results.mission_folder import mission_folder
 from srgc.results.no_robot import no_robot
 
@@ -25,11 +21,12 @@ def written_mission_export(
     Args:
         folder: one that ``synth --mission`` or ``evolve`` has written, with the verdict found.
         form: as of one design.
-        output: the folder of these folders; it is made.
+        output: the folder of these folders; it is made with those that it is in.
         efforts: whether a ROS 2 message has efforts.
 
     Raises:
-        UsageFault: there are no robots, no folder is named, or the form cannot hold a robot.
+        UsageFault: there are no robots, no folder is named, or the form cannot hold a robot. Then
+            nothing is written.
         NoAnswer: ``controller``: a tube does not get to the end of the motion.
     """
     mission = mission_folder(folder)
@@ -38,16 +35,13 @@ def written_mission_export(
     if output is None:
         raise UsageFault("a mission has a design for each task: name a folder for them with -o")
     folder_output(folder, output)
-    written: list[Path] = []
+    files: list[tuple[FolderOutput, bytes]] = []
     notes: dict[str, None] = {}
     for task in mission.mission.tasks:
         place = output / task
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UsageFault(f"{place}: {error.strerror}") from None
         target = place if form in FOLDERS else place / {**FILE_NAMES, **SCENES}[form]
-        own = written_export(mission.of_task(task), form, target, efforts=efforts)
-        written += own.files
+        own = prepared_export(mission.of_task(task), form, target, efforts=efforts)
+        files += own.files
         notes |= dict.fromkeys(f"{task}: {note}" for note in own.notes)
-    return WrittenExport(tuple(written), None, tuple(notes))
+    write_files(files)
+    return WrittenExport(tuple(file.path for file, _ in files), None, tuple(notes))

@@ -66,7 +66,7 @@ class _Writer:
         for number, frame in enumerate(robot.tree.effectors):
             self.effector(number, robot.names.links[frame.link], frame.pose)
         for motor in robot.motors():
-            self.transmission(motor.name)
+            self.transmission(motor)
         xml.close()
         return xml.document()
 
@@ -157,6 +157,9 @@ class _Writer:
         self.xml.element("axis", xyz=axis_of(joint))
         most = UNLIMITED if motor.bound is None else motor.bound
         speed = UNLIMITED if joint.rate is None else max(abs(rate) for rate in joint.rate)
+        if joint.rate is not None and joint.rate[0] != -joint.rate[1]:
+            bounds = f"[{joint.rate[0]!r}, {joint.rate[1]!r}]"
+            self.xml.comment(f"the rate is in {bounds}, and URDF has one bound for both ways")
         if kind == "revolute" and joint.range is None:
             self.xml.element("limit", effort=most, velocity=speed)
         else:
@@ -182,17 +185,23 @@ class _Writer:
         self.xml.element("child", link=name)
         self.xml.close()
 
-    def transmission(self, joint: str) -> None:
-        xml = self.xml
+    def transmission(self, motor: Motor) -> None:
+        xml, joint, gear = self.xml, motor.name, motor.drive.gear
         xml.open("transmission", name=f"{joint}_transmission")
         xml.text("type", "transmission_interface/SimpleTransmission")
         xml.open("joint", name=joint)
         xml.text("hardwareInterface", "hardware_interface/EffortJointInterface")
         xml.close()
         xml.open("actuator", name=f"{joint}_motor")
-        xml.text("mechanicalReduction", "1")
+        # A reduction of 0 is none, and then nothing is felt of the rotor, either.
+        xml.text("mechanicalReduction", _ratio(gear or 1.0))
         xml.close()
         xml.close()
+
+
+def _ratio(gear: float) -> str:
+    """The number as it reads back, a whole one without a point."""
+    return repr(gear).removesuffix(".0")
 
 
 def _box_about(hull: Geometry) -> Geometry:

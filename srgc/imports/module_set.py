@@ -14,6 +14,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from srgc.imports.source_warning import SourceWarning
+
 Vector: TypeAlias = tuple[float, float, float]
 Axis: TypeAlias = Literal["x", "y", "z", "-x", "-y", "-z"]
 MotionKind: TypeAlias = Literal["revolute", "prismatic"]
@@ -244,9 +246,14 @@ class Family:
 
 @dataclass(slots=True)
 class ModuleSet:
-    """What a reader has read; ``remarks`` say what could not be carried over, one a line."""
+    """What a reader has read.
+
+    ``remarks`` say what could not be carried over, one a line, and ``warnings`` what of it has a
+    place in the file.
+    """
 
     comments: list[str] = field(default_factory=list)
     modules: list[Module] = field(default_factory=list)
     families: list[Family] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
+    warnings: Sequence[SourceWarning] = ()

@@ -24,8 +24,9 @@ def spec_text(modules: ModuleSet, *, exact: bool = False) -> str:
     """
     blocks = modules_text(modules, exact=exact)
     head = [*modules.comments]
-    if modules.remarks:
-        head += ["Not carried over, or changed:", *(f"- {line}" for line in modules.remarks)]
+    told = [*(warning.in_comment() for warning in modules.warnings), *modules.remarks]
+    if told:
+        head += ["Not carried over, or changed:", *(f"- {line}" for line in told)]
     return canonical_text([comment_lines(head), *blocks])
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from srgc.faults import UsageFault
+from srgc.imports.source_warning import SourceWarning
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,12 +21,14 @@ class Imported:
         text: the spec.
         files: by their paths relative to the spec, with ``/``, meshes that it names.
         remarks: what could not be carried over or was changed, one a line.
+        warnings: what of it has a place in the file.
     """
 
     name: str
     text: str
     files: Mapping[str, bytes] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    warnings: tuple[SourceWarning, ...] = ()
 
 
 def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:

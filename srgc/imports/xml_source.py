@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.source import Source, Span
 from srgc.imports.source_fault import WHOLE, SourceFault
+from srgc.imports.source_warning import SourceWarning
 
 if TYPE_CHECKING:
     from lxml.etree import _Element
@@ -31,16 +33,33 @@ class XmlFile:
         self, element: Element, message: str, hint: str | None = None, attribute: str | None = None
     ) -> SourceFault:
         """A fault of an element, which is one of those that were read, or of its attribute."""
-        span, text = self._span(element), self.source.text
-        if attribute is not None:
-            written = re.compile(rf"(?<=\s){re.escape(attribute)}\s*=\s*(\"[^\"]*\"|'[^']*')")
-            place = written.search(text, span.end, max(text.find(">", span.end), span.end))
-            span = Span(*place.span()) if place else span
+        span = self._place(element, attribute)
         return SourceFault(Code.FOREIGN_CONTENT, message, self.source, span, hint)
+
+    def warning(
+        self, element: Element, message: str, hint: str | None = None, attribute: str | None = None
+    ) -> SourceWarning:
+        """What is left out of an element, or its attribute."""
+        return SourceWarning(message, self.source, self._place(element, attribute), hint)
+
+    def _place(self, element: Element, attribute: str | None) -> Span:
+        span, text = self._span(element), self.source.text
+        if attribute is None:
+            return span
+        written = re.compile(rf"(?<=\s){re.escape(attribute)}\s*=\s*(\"[^\"]*\"|'[^']*')")
+        place = written.search(text, span.end, max(text.find(">", span.end), span.end))
+        return Span(*place.span()) if place else span
 
     def line(self, element: Element) -> int:
         """The line on which an element begins."""
         return self.source.position(self._span(element).start)[0]
+
+    def lines(self, elements: Sequence[Element]) -> list[int]:
+        """The lines on which elements begin, in the order of the file."""
+        wanted = set(elements)
+        starts = (each.start() for each in _TAG.finditer(self.source.text) if each["start"])
+        pairs = zip(self.root.iter(), starts, strict=False) if wanted else ()
+        return [self.source.position(at)[0] for each, at in pairs if each in wanted]
 
     def _span(self, element: Element) -> Span:
         """The beginning of the start tag: elements are counted, as lxml knows but their lines."""

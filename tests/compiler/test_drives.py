@@ -113,6 +113,8 @@ def test_driven_joints_are_not_merged_and_keys_tell_them_apart() -> None:
         for change in changes
     ]
     assert [len(other.dofs) for other in others] == [2, 2, 2]
+    geared = replace(model.dofs[1], gear=number(100))
+    assert len(normalise(replace(model, dofs=(model.dofs[0], geared))).dofs) == 2
     assert len({robot_key(other) for other in (normalise(model), *others)}) == 4
     assert provably_different(others[1], others[2])
 

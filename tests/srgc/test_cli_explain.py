@@ -48,7 +48,7 @@ def test_the_list_of_all_codes(srgc):
     [
         ("SRG0399", "SRG0311, SRG0310, SRG0309"),
         ("200", "SRG0201, SRG0202, SRG0203"),
-        ("9999", "SRG0803, SRG0802, SRG0801"),
+        ("9999", "SRG0804, SRG0803, SRG0802"),
         ("SRGO301", "SRG0301"),
         ("SRG03011", "SRG0301"),
     ],

@@ -11,6 +11,7 @@ from itertools import count
 from srgc.exports.exported_motion import ExportedMotion
 from srgc.exports.exported_robot import ExportedRobot
 from srgc.exports.hull_files import hull_files
+from srgc.exports.joint_file import joints_json
 from srgc.exports.motion_formats import joint_trajectory
 from srgc.exports.ros.moveit import moveit_files
 from srgc.exports.ros.package_name import package_name
@@ -20,6 +21,7 @@ from srgc.exports.ros.srdf import planning_groups
 from srgc.exports.urdf import urdf_text
 from srgc.exports.visual_meshes import visual_files, visual_names
 from srgc.exports.xml_lines import XmlLines
+from srgc.joint_format import SUFFIX
 from srgc.version import VERSION
 
 FOLDERS = ("config", "launch", "meshes", "rviz", "urdf")
@@ -58,6 +60,8 @@ def ros_package(robot: ExportedRobot, motion: ExportedMotion) -> dict[str, bytes
         "config/trajectory.yaml": joint_trajectory(motion),
         **moveit_files(name, robot, planning_groups(robot)),
     }
+    if joints := joints_json(robot):
+        texts[f"urdf/{name}{SUFFIX}"] = joints
     found = {path: text.encode() for path, text in texts.items()}
     found |= {places[hull]: content for hull, content in meshes.items()}
     return found | visual_files(robot.visuals, visuals)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -22,7 +23,9 @@ from srgc.imports.module_set import (
     Steps,
     Turn,
 )
-from srgc.imports.urdf.robot_model import UNLIMITED, UrdfRobot
+from srgc.imports.urdf.joint_file import DriveBeside
+from srgc.imports.urdf.robot_model import UrdfRobot
+from srgc.imports.urdf.written_numbers import UNLIMITED
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Joint
@@ -42,11 +45,16 @@ class JointMotion:
 
 @dataclass(slots=True)
 class JointMotions:
-    """Reads joints; ``held`` are values (rad, m) of joints that are to be fixed."""
+    """Reads joints.
+
+    ``held`` are values (rad, m) of joints that are to be fixed, ``beside`` what a file beside the
+    URDF says of joints.
+    """
 
     robot: UrdfRobot
     held: Mapping[str, float]
     remarks: list[str]
+    beside: Mapping[str, DriveBeside] = field(default_factory=dict[str, DriveBeside])
     unlimited: list[str] = field(default_factory=list)
 
     def of(self, name: str) -> JointMotion:
@@ -72,15 +80,9 @@ class JointMotions:
                 return self._axial(joint)
 
     def _mimicking(self, joint: Joint) -> JointMotion:
-        """A joint that follows another one is held where that one is at 0."""
+        """A joint that follows others is held where the first of them is at 0, or held."""
         name, leader = joint.name, joint.mimic.joint
-        if leader not in self.robot.joints:
-            near = nearest(leader, list(self.robot.joints))
-            hint = None if near is None else f"did you mean `{near}`?"
-            message = f"joint `{visible(name)}` mimics `{visible(leader)}`, which is no joint"
-            raise self.robot.fault("joint", name, message, hint)
-        leading = self.held.get(leader, 0.0)
-        value = float(joint.mimic.multiplier) * leading + float(joint.mimic.offset)
+        value = self._rest(name, ())
         unit = "m" if joint.type == "prismatic" else "rad"
         held = f"{value:g} {unit}"
         limit = joint.limit
@@ -93,6 +95,25 @@ class JointMotions:
             "joints of srgc move by themselves"
         )
         return JointMotion((), self._at(joint, value))
+
+    def _rest(self, name: str, followers: tuple[str, ...]) -> float:
+        """Where a joint stands when all that move by themselves are at 0 (rad, m)."""
+        joint = self.robot.joints[name]
+        if name in self.held:
+            return self.held[name]
+        if joint.mimic is None or joint.type == "fixed":
+            return _only_value(joint) or 0.0
+        leader = joint.mimic.joint
+        if leader not in self.robot.joints:
+            near = nearest(leader, list(self.robot.joints))
+            hint = None if near is None else f"did you mean `{near}`?"
+            message = f"joint `{visible(name)}` mimics `{visible(leader)}`, which is no joint"
+            raise self.robot.fault("joint", name, message, hint)
+        if leader in (*followers, name):
+            message = f"joint `{visible(name)}` mimics `{visible(leader)}`, and so itself"
+            raise self.robot.fault("joint", name, message, "one joint has to move by itself")
+        leading = self._rest(leader, (*followers, name))
+        return float(joint.mimic.multiplier) * leading + float(joint.mimic.offset)
 
     def _at(self, joint: Joint, value: float) -> Steps:
         """The steps of a joint that is held at a value."""
@@ -125,8 +146,7 @@ class JointMotions:
         axis = self._axis(joint)
         along = _coordinate(axis)
         limits = self._limits(joint)
-        if limits[0] is not None and limits[0][0] == limits[0][1]:
-            value = limits[0][0]
+        if (value := _only_value(joint)) is not None:
             self.remarks.append(
                 f"joint `{visible(joint.name)}` has a range of one value and is held at {value:g}"
             )
@@ -139,8 +159,11 @@ class JointMotions:
 
     def _planar(self, joint: Joint) -> JointMotion:
         """Two shifts across the axis, then a turn about it, as the format says."""
+        parts = {"limit": joint.limit, "dynamics": joint.dynamics}
+        left = " and ".join(f"<{tag}>" for tag, part in parts.items() if part is not None)
         self.remarks.append(
             f"joint `{visible(joint.name)}` is planar: two shifts and a turn, without limits"
+            + (f"; {left} {'are' if ' ' in left else 'is'} left out" if left else "")
         )
         dofs = (
             Dof("sx", "prismatic", "x"),
@@ -153,23 +176,28 @@ class JointMotions:
 
     def _limits(
         self, joint: Joint
-    ) -> tuple[tuple[float, float] | None, float | None, None, float | None]:
-        """Range, rate, no acceleration, and effort; None where there is no limit."""
-        limit = joint.limit
+    ) -> tuple[tuple[float, float] | None, float | None, float | None, float | None]:
+        """Range, rate, acceleration and effort; None where there is no limit."""
+        limit, beside = joint.limit, self.beside.get(joint.name)
+        most = None if beside is None else beside.acceleration
         if limit is None:
             if joint.type in ("revolute", "prismatic"):
                 message = f"joint `{visible(joint.name)}` lacks <limit lower=... upper=...>"
                 hint = 'one without a range has type="continuous"'
                 raise self.robot.fault("joint", joint.name, message, hint)
-            return None, None, None, None
+            return None, None, most, None
         found = None
-        if joint.type != "continuous":
-            low, high = float(limit.lower or 0.0), float(limit.upper or 0.0)
+        low, high = float(limit.lower or 0.0), float(limit.upper or 0.0)
+        if joint.type == "continuous":
+            if low != high:
+                said = f"its range from {low:g} to {high:g} is left out"
+                self.remarks.append(f"joint `{visible(joint.name)}` is continuous: {said}")
+        else:
             if low > high:
                 message = f"joint `{visible(joint.name)}` has a range from {low:g} down to {high:g}"
                 raise self.robot.fault("joint", joint.name, message)
             found = None if min(-low, high) >= UNLIMITED else (low, high)
-        return found, self._bound(joint, "velocity"), None, self._bound(joint, "effort")
+        return found, self._bound(joint, "velocity"), most, self._bound(joint, "effort")
 
     def _bound(self, joint: Joint, name: str) -> float | None:
         """A bound above 0 and below what stands for none."""
@@ -193,8 +221,32 @@ class JointMotions:
                 message = f"joint `{visible(joint.name)}` has the {name} {value:g}, below 0"
                 raise self.robot.fault("joint", joint.name, message)
             said[name] = value or None
-        gear = self.robot.gears.get(joint.name) if joint.type != "prismatic" else None
-        return Drive(gear=gear, viscous=said["damping"], coulomb=said["friction"])
+        gear, beside = self.robot.gears.get(joint.name), self.beside.get(joint.name)
+        rotor = None
+        if beside is not None and beside.armature is not None:
+            rotor = _rotor(beside.armature, gear or 1.0)
+            if joint.type == "prismatic":
+                gear = gear or 1.0  # of such a joint the language wants it said
+        return Drive(gear, rotor, viscous=said["damping"], coulomb=said["friction"])
+
+
+def _rotor(armature: float, gear: float) -> float:
+    """The inertia of the rotor that a joint feels as ``armature``: the shortest decimal for it."""
+    ratio = Fraction(repr(gear)) ** 2
+    for digits in range(1, 17):
+        text = f"{armature / gear**2:.{digits}g}"
+        if float(ratio * Fraction(text)) == armature:
+            return float(text)
+    return armature / gear**2
+
+
+def _only_value(joint: Joint) -> float | None:
+    """The value of a joint whose range has no other (rad, m)."""
+    limit = joint.limit
+    if limit is None or joint.type not in ("revolute", "prismatic"):
+        return None
+    low, high = float(limit.lower or 0.0), float(limit.upper or 0.0)
+    return low if low == high else None
 
 
 def held_values(robot: UrdfRobot, texts: Iterable[str]) -> dict[str, float]:
@@ -216,6 +268,10 @@ def held_values(robot: UrdfRobot, texts: Iterable[str]) -> dict[str, float]:
             raise UsageFault(f"--fix {text}: `{value}` is no number") from None
         if not math.isfinite(found[name]):
             raise UsageFault(f"--fix {text}: `{value}` is not finite")
+        kind = robot.joints[name].type
+        if found[name] and kind in ("fixed", "floating", "planar"):
+            message = f"joint `{visible(name)}` is {kind}, and one number does not say where it is"
+            raise UsageFault(f"--fix {text}: {message}; --fix {name} holds it where its origin is")
     return found
 
 

@@ -6,51 +6,30 @@ things stood; so numbers and names are looked at first, in the elements that lxm
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import visible
-from srgc.imports.module_set import Move, Steps, Turn, Vector
+from srgc.imports.module_set import Move, Steps, Turn, Vector, turns_of
 from srgc.imports.source_fault import SourceFault, file_fault
+from srgc.imports.source_warning import SourceWarning
+from srgc.imports.urdf.known_parts import BESIDE, unknown_parts
+from srgc.imports.urdf.transmissions import Gears
+from srgc.imports.urdf.written_numbers import check_numbers
 from srgc.imports.xml_source import Element, XmlFile, xml_file
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Joint, Link
 
 TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-NUMBERS = {
-    "origin": {"xyz": 3, "rpy": 3},
-    "axis": {"xyz": 3},
-    "mass": {"value": 1},
-    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
-    "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), 1),
-    "dynamics": {"damping": 1, "friction": 1},
-    "mimic": {"multiplier": 1, "offset": 1},
-    "sphere": {"radius": 1},
-    "cylinder": {"radius": 1, "length": 1},
-    "capsule": {"radius": 1, "length": 1},
-    "box": {"size": 3},
-}
-"""By element and attribute how many numbers it holds."""
-NEEDED = {
-    "mass": ("value",),
-    "inertia": ("ixx", "iyy", "izz"),
-    "sphere": ("radius",),
-    "cylinder": ("radius", "length"),
-    "box": ("size",),
-    "mesh": ("filename",),
-    "mimic": ("joint",),
-}
 Elements: TypeAlias = "Mapping[tuple[str, str], Element]"
-LARGEST = 1e9
-UNLIMITED = LARGEST
-"""From here on a limit is none: exporters write such numbers where URDF demands one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +44,8 @@ class UrdfRobot:
         below: by link the joints that it carries, in the order of the file.
         root: the link that no joint carries.
         elements: by ``("link", name)`` and ``("joint", name)`` where they stand.
-        gears: by joint the reduction of its transmission.
-        geared_otherwise: transmissions of no or several joints, or without a reduction, by name.
+        gears: by joint the reduction of its transmission, where that is not 1.
+        warnings: what of the file is not carried over.
         others: how many elements there are that say nothing of a robot's body, by their names.
     """
 
@@ -78,7 +57,7 @@ class UrdfRobot:
     root: str
     elements: Mapping[tuple[str, str], Element]
     gears: Mapping[str, float]
-    geared_otherwise: tuple[str, ...]
+    warnings: tuple[SourceWarning, ...] = ()
     others: Mapping[str, int] = field(default_factory=dict)
 
     def fault(self, kind: str, name: str, message: str, hint: str | None = None) -> SourceFault:
@@ -91,6 +70,8 @@ class UrdfRobot:
         if origin is None:
             return ()
         xyz = _vector(origin, "xyz")
+        if (quaternion := origin.get("quat_xyzw")) is not None:
+            return (Move(xyz), *turns_of(_rotation(quaternion)))
         roll, pitch, yaw = _vector(origin, "rpy")
         return (Move(xyz), Turn("z", yaw), Turn("y", pitch), Turn("x", roll))
 
@@ -108,14 +89,18 @@ def robot_model(data: bytes, path: Path, *, expanded: bool = False) -> UrdfRobot
     """
     file = xml_file(data, f"{path} (expanded)" if expanded else path)
     root = file.root
+    _without_namespace(root)
     if root.tag != "robot":
         hint = "srgc reads URDF, whose root is <robot>"
         raise file.fault(file.root, f"the root is <{visible(str(root.tag))}>", hint)
     for loop in root.iter("loop_joint"):
         raise file.fault(loop, "a <loop_joint> closes a chain", "srgc has trees of links")
+    warnings = unknown_parts(file)
     elements = _named(file)
-    _check_numbers(file)
+    check_numbers(file)
     below, top = _tree(file, elements)
+    gears = Gears(file, {name: each for (kind, name), each in elements.items() if kind == "joint"})
+    gears.read()
     from yourdfpy import URDF
 
     if "name" not in root.attrib:
@@ -137,10 +122,36 @@ def robot_model(data: bytes, path: Path, *, expanded: bool = False) -> UrdfRobot
         below,
         top,
         elements,
-        dict(_gears(file, elements)),
-        tuple(_geared_otherwise(file, elements)),
-        _others(root),
+        gears.ratios,
+        (*warnings, *gears.warnings),
+        {tag: count for tag in BESIDE if (count := len(root.findall(tag)))},
     )
+
+
+def _rotation(quaternion: str) -> NDArray[np.float64]:
+    """The matrix (3, 3) of a quaternion `x y z w`, which is made a unit one."""
+    four = np.array([float(part) for part in quaternion.split()])
+    x, y, z, w = four / np.linalg.norm(four)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    matrix: NDArray[np.float64] = np.eye(3) + 2 * w * cross + 2 * cross @ cross
+    return matrix
+
+
+def _vector(element: Element, name: str) -> Vector:
+    x, y, z = (float(part) for part in element.get(name, "0 0 0").split())
+    return x, y, z
+
+
+def _without_namespace(root: Element) -> None:
+    """Give elements of the default namespace plain names, as parsers of ROS see them."""
+    from lxml import etree
+
+    if None not in root.nsmap:
+        return
+    begun = f"{{{root.nsmap[None]}}}"
+    for element in root.iter():
+        element.tag = str(element.tag).removeprefix(begun)
+    etree.cleanup_namespaces(root)
 
 
 def _plain(root: Element) -> bytes:
@@ -169,69 +180,6 @@ def _named(file: XmlFile) -> dict[tuple[str, str], Element]:
     if not any(kind == "link" for kind, _ in found):
         raise file.fault(file.root, "a robot without links")
     return found
-
-
-# --- Numbers --------------------------------------------------------------------------------------
-
-
-def _check_numbers(file: XmlFile) -> None:
-    parts = (each for top in file.root if top.tag in ("link", "joint") for each in top.iter())
-    for element in parts:
-        tag = str(element.tag)
-        for name in NEEDED.get(tag, ()):
-            if element.get(name) is None:
-                raise file.fault(element, f"<{tag}> lacks `{name}`")
-        for name, count in NUMBERS.get(tag, {}).items():
-            if (text := element.get(name)) is not None:
-                _check(file, element, name, text, count)
-        if tag == "geometry":
-            _check_geometry(file, element)
-        if tag in ("visual", "collision") and element.find("geometry") is None:
-            raise file.fault(element, f"<{tag}> lacks a <geometry>")
-
-
-def _check(file: XmlFile, element: Element, name: str, text: str, count: int) -> None:
-    """Refuse what is not so many finite numbers of a usual size."""
-
-    def fault(said: str) -> SourceFault:
-        shown = f"`{name}` is `{visible(text[:60])}`, {said}"
-        return file.fault(element, shown, attribute=name)
-
-    try:
-        values = [float(part) for part in text.split()]
-    except ValueError:
-        raise fault("no number") from None
-    if len(values) != count:
-        due = "a number is" if count == 1 else f"{count} numbers are"
-        raise fault(f"where {due} due")
-    if not all(math.isfinite(value) for value in values):
-        if element.tag != "limit" or any(math.isnan(value) for value in values):
-            raise fault("which is not finite")
-        # Some write infinity for no limit.
-        element.set(name, repr(math.copysign(UNLIMITED, values[0])))
-        return
-    if element.tag != "limit" and max(map(abs, values)) > LARGEST:
-        raise fault(f"larger than {LARGEST:g}")
-    if name in ("radius", "length", "size") and min(values) <= 0:
-        raise fault("and has to be above 0")
-
-
-def _check_geometry(file: XmlFile, element: Element) -> None:
-    kinds = [str(child.tag) for child in element]
-    if len(kinds) != 1:
-        raise file.fault(element, f"a <geometry> of {len(kinds)} shapes, where one is due")
-    if kinds[0] not in ("box", "cylinder", "sphere", "mesh"):
-        hint = "known: box, cylinder, sphere, mesh"
-        raise file.fault(element, f"a <geometry> of <{visible(kinds[0])}>", hint)
-    scale = element[0].get("scale")
-    if kinds[0] == "mesh" and scale is not None:
-        parts = scale.replace(",", " ").split()
-        _check(file, element[0], "scale", " ".join(parts), 1 if len(parts) == 1 else 3)
-
-
-def _vector(element: Element, name: str) -> Vector:
-    x, y, z = (float(part) for part in element.get(name, "0 0 0").split())
-    return x, y, z
 
 
 # --- The tree of links ----------------------------------------------------------------------------
@@ -302,38 +250,3 @@ def _reached(
                 found.add(link)
                 due.append(link)
     return found
-
-
-# --- What stands beside links and joints ----------------------------------------------------------
-
-
-def _gears(file: XmlFile, elements: Elements) -> Iterator[tuple[str, float]]:
-    """The reductions of transmissions with one joint; 1 says nothing."""
-    for transmission in file.root.iter("transmission"):
-        for reduction in transmission.iter("mechanicalReduction"):
-            text = reduction.text or ""
-            _check(file, reduction, "mechanicalReduction", text, 1)
-            value = abs(float(text))
-            joint = _one_joint(transmission, elements)
-            if joint is not None and value not in (0.0, 1.0):
-                yield joint, value
-
-
-def _geared_otherwise(file: XmlFile, elements: Elements) -> Iterator[str]:
-    """Transmissions that say nothing of the gear of one joint."""
-    for transmission in file.root.iter("transmission"):
-        reductions = [float(each.text or 0) for each in transmission.iter("mechanicalReduction")]
-        if _one_joint(transmission, elements) is None or 0.0 in reductions:
-            yield transmission.get("name") or "transmission"
-
-
-def _one_joint(transmission: Element, elements: Elements) -> str | None:
-    """The joint that a transmission is about, if that is one of the robot alone."""
-    named = [str(joint.get("name")) for joint in transmission.findall("joint")]
-    return named[0] if len(named) == 1 and ("joint", named[0]) in elements else None
-
-
-def _others(root: Element) -> dict[str, int]:
-    known = ("link", "joint", "transmission", "material")
-    counts = Counter(str(element.tag).rpartition("}")[2] for element in root)
-    return {tag: count for tag, count in sorted(counts.items()) if tag not in known}

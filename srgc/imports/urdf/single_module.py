@@ -61,6 +61,8 @@ class SingleModule:
         self._check_ports(said)
         part = RigidPart(self.name, None, names=self.names)
         self._collect(part, {each.link: each.name for each in said if each.name != "in"})
+        if said and all(each.name != "in" for each in said):
+            self._without_input(said, moves=bool(part.dofs))
         said = said or list(self._usual(part))
         part.named += [
             Frame(each.name, Placement(part.links[each.link]))
@@ -94,6 +96,25 @@ class SingleModule:
                     f"--port in={each.link}: `in` is where a module stands, and that is its root "
                     f"link `{self.robot.root}`"
                 )
+
+    def _without_input(self, said: Sequence[_Said], *, moves: bool) -> None:
+        """A module without a port ``in`` stands on the ground: right for a base that never moves.
+
+        Raises:
+            UsageFault: this one has joints.
+        """
+        root = self.robot.root
+        if not moves:
+            self.remarks.append(
+                f"no port is called `in`: this is a base, which no module carries; "
+                f"--port in={visible(root)}:TYPE makes it one that is carried"
+            )
+            return
+        there = next((each for each in said if each.link == root), None)
+        message = "--port: none is called `in`, by which a module with joints is carried"
+        if there is not None:
+            raise UsageFault(f"{message}; `{there.name}` is at the root link: call it `in`")
+        raise UsageFault(f"{message}; add --port in={visible(root)}:{USUAL}")
 
     def _usual(self, part: RigidPart) -> Iterator[_Said]:
         """The root, and frames at the ends."""

@@ -11,6 +11,7 @@ from srgc.imports.module_set import ModuleSet
 from srgc.imports.names import Names
 from srgc.imports.source_files import source_files
 from srgc.imports.spec_text import spec_text
+from srgc.imports.urdf.joint_file import joint_file
 from srgc.imports.urdf.joint_motion import JointMotions, held_values
 from srgc.imports.urdf.link_parts import LinkParts
 from srgc.imports.urdf.robot_model import UrdfRobot, robot_model
@@ -60,6 +61,8 @@ def urdf_import(
         raise UsageFault("--effector does not go with --module")
     files = source_files(file, packages)
     is_xacro = file.suffix == ".xacro"
+    if arguments and not is_xacro:
+        raise UsageFault(f"--arg goes with xacro, and the name of {file} does not end in .xacro")
     data = expanded_xacro(files, arguments) if is_xacro else files.main_bytes()
     robot = robot_model(data, file, expanded=is_xacro)
     held = held_values(robot, fixed)
@@ -67,20 +70,24 @@ def urdf_import(
     prefix = Names().camel(name or robot.name)
     meshes = BodyMeshes(files, f"{prefix.lower()}_meshes", remarks, pieces, detail)
     parts = LinkParts(robot, meshes, density, remarks)
-    motions = JointMotions(robot, held, remarks)
+    beside = joint_file(files, robot, remarks)
+    motions = JointMotions(robot, held, remarks, beside.drives if beside else {})
     if module:
         from srgc.imports.urdf.single_module import SingleModule
 
         made = SingleModule(robot, parts, motions, prefix, remarks, ports).module_set()
     else:
         made = RobotModules(robot, parts, motions, prefix, remarks, effectors).module_set()
+    made.warnings = robot.warnings
     _add_remarks(made, robot, parts, motions)
     made.comments[:0] = [
         f"{robot.name}, imported by srgc {VERSION} from {file.name}.",
         "A module is what moves as one body; its frames are those of the links there.",
     ]
+    if beside:
+        made.comments.append(f"Rotors and limits of accelerations are those of {beside.name}.")
     text = spec_text(made, exact=exact)
-    return Imported(prefix.lower(), text, meshes.written, tuple(made.remarks))
+    return Imported(prefix.lower(), text, meshes.written, tuple(made.remarks), robot.warnings)
 
 
 def _add_remarks(
@@ -101,9 +108,10 @@ def _add_remarks(
     if soft:
         many = "1 joint" if len(soft) == 1 else f"{len(soft)} joints"
         made.remarks.append(f"safety controllers of {many}; ranges are those of <limit>")
-    if robot.geared_otherwise:
-        listed = ", ".join(f"`{name}`" for name in robot.geared_otherwise)
-        made.remarks.append(f"transmissions that are not the gear of one joint: {listed}")
+    told = [name for name, joint in robot.joints.items() if joint.calibration is not None]
+    if told:
+        many = "1 joint" if len(told) == 1 else f"{len(told)} joints"
+        made.remarks.append(f"calibrations of {many}, which say nothing of how they move")
     if parts.plain_looks:
         listed = ", ".join(f"`{name}`" for name in dict.fromkeys(parts.plain_looks))
         made.remarks.append(f"pictures that are no meshes: {listed}")

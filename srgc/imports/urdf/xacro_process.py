@@ -2,7 +2,8 @@
 
 Macros are programs: they open files, compute without end, and read the environment.  So the
 process has limits of time and memory and an empty environment, and an audit hook ends whatever
-opens a file elsewhere or starts something.  Standard input is a JSON object, standard output XML.
+opens a file elsewhere or starts something.  Standard input is a JSON object, and so is standard
+output: the XML, and the arguments that the file has.
 """
 
 from __future__ import annotations
@@ -37,7 +38,26 @@ def fence(roots: Sequence[str]) -> None:
     sys.addaudithook(hook)
 
 
-def expanded(file: str, packages: Mapping[str, str], arguments: Mapping[str, str]) -> str:
+class Arguments(dict[str, str]):
+    """The arguments of a file by their names, and ``known``: those that it declares or reads.
+
+    The library asks for an argument at both, whether it is given or not.
+    """
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self.known: dict[str, None] = {}
+
+    def __contains__(self, name: object) -> bool:
+        self.known[str(name)] = None
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.known[name] = None
+        return super().__getitem__(name)
+
+
+def expanded(file: str, packages: Mapping[str, str], arguments: Arguments) -> str:
     """The text of a xacro file without macros."""
     from xml.dom import minidom
 
@@ -59,7 +79,7 @@ def expanded(file: str, packages: Mapping[str, str], arguments: Mapping[str, str
     # There is no other way to tell the library where packages are, without an index of ROS.
     substitution_args._eval_find = find  # noqa: SLF001
     fence([str(Path(file).parent), *packages.values()])
-    document = xacro.process_file(file, mappings=dict(arguments))
+    document = xacro.process_file(file, mappings=arguments)
     text: str = document.toprettyxml(indent="  ")
     return text
 
@@ -69,14 +89,15 @@ def main() -> int:
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
     resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
     asked = json.load(sys.stdin)
+    arguments = Arguments(asked["arguments"])
     try:
-        text = expanded(asked["file"], asked["packages"], asked["arguments"])
+        text = expanded(asked["file"], asked["packages"], arguments)
     except BaseException as error:
         cause = getattr(error, "exc", None) or error
         said = " ".join(str(cause).split()) or type(cause).__name__
         sys.stderr.write(f"\n{said[:500]}\n")
         return 1
-    sys.stdout.write(text)
+    json.dump({"text": text, "arguments": list(arguments.known)}, sys.stdout)
     return 0
 
 

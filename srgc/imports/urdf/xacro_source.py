@@ -6,8 +6,10 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import SequenceMatcher
 
+from grammar_lang.files.file_tree import visible
 from srgc.faults import UsageFault
 from srgc.imports.source_fault import file_fault
 from srgc.imports.source_files import SourceFiles
@@ -22,13 +24,16 @@ def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
         arguments: each ``NAME:=VALUE``, as on the command line of xacro.
 
     Raises:
-        UsageFault: it cannot be expanded, or not within limits of time and memory.
+        UsageFault: it cannot be expanded, or not within limits of time and memory, or has no such
+            argument.
     """
     values = dict[str, str]()
     for text in arguments:
         name, separator, value = text.partition(":=")
         if not separator or not name:
             raise UsageFault(f"--arg {text}: write NAME:=VALUE")
+        if name in values:
+            raise UsageFault(f"--arg {text}: `{visible(name)}` is given twice")
         values[name] = value
     packages = {files.folder.name: files.folder} | dict(files.packages)
     asked = {
@@ -46,7 +51,20 @@ def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
         check=False,
     )
     if done.returncode == 0:
-        return done.stdout
+        answer = json.loads(done.stdout)
+        _refuse_unknown(files, values, answer["arguments"])
+        return str(answer["text"]).encode()
     lines = done.stderr.decode(errors="replace").strip().splitlines()
     said = lines[-1] if lines and done.returncode == 1 else f"it takes more than {SECONDS} s"
     raise file_fault(files.main, f"xacro cannot expand it: {said}")
+
+
+def _refuse_unknown(files: SourceFiles, values: Mapping[str, str], known: Sequence[str]) -> None:
+    """Refuse an argument that the file neither declares nor reads."""
+    for name, value in values.items():
+        if name not in known:
+            near = sorted(known, key=lambda each: -SequenceMatcher(None, name, each).ratio())
+            listed = ", ".join(f"`{visible(each)}`" for each in near)
+            has = f"it has {listed}" if near else "it has none"
+            said = f"{files.main} has no argument `{visible(name)}`; {has}"
+            raise UsageFault(f"--arg {name}:={value}: {said}")

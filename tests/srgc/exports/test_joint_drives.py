@@ -186,6 +186,8 @@ def test_the_file_beside_a_urdf_has_what_it_has_no_place_for(
     root = ET.parse(urdf).getroot()
     joints = [item for item in root.findall("joint") if item.get("type") != "fixed"]
     assert [item.get("name") for item in joints] == list(arm.JOINTS)
+    reductions = [item.text for item in root.iter("mechanicalReduction")]
+    assert reductions == ["160", "160", "120", "1"]
     friction = [item.find("dynamics").attrib["friction"] for item in joints]  # type: ignore[union-attr]
     assert [float(text) for text in friction] == arm.COULOMB.tolist()
 

@@ -35,6 +35,7 @@ FILES = {
     "config/kinematics.yaml", "config/moveit_controllers.yaml", f"config/{NAME}.srdf",
     "config/ros2_controllers.yaml", "config/trajectory.yaml", "launch/display.launch.py",
     "meshes/hull_1.stl", "rviz/display.rviz", f"urdf/{NAME}.urdf", f"urdf/{NAME}.urdf.xacro",
+    f"urdf/{NAME}.joints.json",
 }  # fmt: skip
 
 

@@ -91,10 +91,11 @@ def test_what_is_not_carried_over_is_told(tmp_path: Path) -> None:
         '<transmission name="both"><joint name="j"/><joint name="k"/></transmission>',
         '<transmission name="other"><joint name="nobody"/></transmission>',
     )  # fmt: skip
-    told = "\n".join(found.remarks)
+    told = "\n".join([*found.remarks, *(warning.message for warning in found.warnings)])
     assert "link `b` has moments of inertia and no mass: they are left out" in told
     assert "pictures that are no meshes: `a`" in told
-    assert "transmissions that are not the gear of one joint: `both`, `other`" in told
+    assert "transmission `both` is not the gear of one joint" in told
+    assert "transmission `other` is left out: there is no joint `nobody`" in told
     assert "held at 5 rad, outside of its range from -1 to 1.5" in told
 
 
