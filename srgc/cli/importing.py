@@ -141,7 +141,7 @@ def import_(
     _refuse(kind, given, known)
     try:
         # Meshes are in a folder that is called like what is written.
-        stem = None if output in (None, Path("-")) else output.stem
+        stem = None if output is None or output == Path("-") else output.stem
         imported = _function(place)(file, stem=stem, **{name: options[name] for name in known})
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in LIBRARIES:

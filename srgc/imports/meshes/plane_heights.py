@@ -78,19 +78,19 @@ class Heights:
         may[within] = (found <= doubt).all(axis=1)
         open_to = np.zeros(len(used), dtype=bool)
         open_to[corners[may[corners].all(axis=1)]] = True
-        beyond = found > -doubt
+        beyond: Bools = np.greater(found, -doubt)
         for row in np.flatnonzero((open_to & may & ~sure)[within]).tolist():
             point = places.of(int(used[within[row]]))
             sure[within[row]] = all(
                 self._holds(self.piece.planes[i], point) for i in np.flatnonzero(beyond[row])
             )
-        held: Bools = sure[corners].all(axis=1)
+        held: Bools = np.logical_and.reduce(sure[corners], axis=1)
         return held
 
     def _holds(self, plane: Plane, point: Point) -> bool:
         a, b, c, d = plane
         x, y, z = point
-        return (a * x + b * y + c * z) * 10**self.piece.digits <= d
+        return bool((a * x + b * y + c * z) * 10**self.piece.digits <= d)
 
     def over(self, sides: Floats) -> tuple[Floats, Floats]:
         """Heights (n, 3, f) of the corners of triangles (n, 3, 3), and bounds of errors (n, f).
@@ -105,8 +105,8 @@ class Heights:
     def crossings(self, numbers: Ints, sides: Floats) -> Iterator[tuple[int, Crossing]]:
         """How triangles (n, 3, 3) meet the piece, with their numbers; not those surely apart."""
         found, doubt = self.over(sides)
-        apart = (found > doubt[:, None]).all(axis=1).any(axis=1)
-        crossed = (found > -doubt[:, None]).any(axis=1)
+        apart = np.greater(found, doubt[:, None]).all(axis=1).any(axis=1)
+        crossed = np.greater(found, -doubt[:, None]).any(axis=1)
         unit = Fraction(1, 10**self.piece.digits)
         for row in np.flatnonzero(~apart).tolist():
             chosen = np.flatnonzero(crossed[row])

@@ -164,7 +164,8 @@ def balanced(faces: Ints) -> bool:
 
 def _undirected(edges: Ints) -> Ints:
     """A number for each edge (m, 2) whichever way it is passed."""
-    return edges.min(axis=1) * (int(edges.max()) + 1) + edges.max(axis=1)
+    found: Ints = edges.min(axis=1) * (int(edges.max()) + 1) + edges.max(axis=1)
+    return found
 
 
 def _signs(edges: Ints) -> Ints:
@@ -206,7 +207,8 @@ def _rewound(faces: Ints) -> Ints:
     marked = np.array(turned)
     if 2 * marked.sum() > size:
         marked = ~marked
-    return np.where(marked[:, None], faces[:, ::-1], faces)
+    found: Ints = np.where(marked[:, None], faces[:, ::-1], faces)
+    return found
 
 
 def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:

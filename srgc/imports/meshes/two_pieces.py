@@ -78,15 +78,15 @@ def _meetings(
         if not len(near):
             continue
         over, doubt = each.over(sides[near])
-        apart = (over > doubt[:, None]).all(axis=1).any(axis=1)
-        crossed = (over > -doubt[:, None]).any(axis=1)
+        apart = np.greater(over, doubt[:, None]).all(axis=1).any(axis=1)
+        crossed = np.greater(over, -doubt[:, None]).any(axis=1)
         rows = np.flatnonzero(~apart & (crossed.sum(axis=1) <= PLANES))
         order = np.argsort(~crossed[rows], axis=1, kind="stable")[:, :PLANES]
         missing = PLANES - order.shape[1]
         chosen = np.take_along_axis(over[rows], order[:, None], axis=2)
         yield _Met(
             near[rows],
-            (over[rows] <= -doubt[rows][:, None]).all(axis=2).sum(axis=1),
+            np.less_equal(over[rows], -doubt[rows][:, None]).all(axis=2).sum(axis=1),
             np.pad(chosen, ((0, 0), (0, 0), (0, missing))),
             np.pad(np.take_along_axis(doubt[rows], order, axis=1), ((0, 0), (0, missing))),
             np.pad(np.take_along_axis(crossed[rows], order, axis=1), ((0, 0), (0, missing))),
@@ -118,5 +118,5 @@ def _union_holds(one: Floats, doubt: Floats, other: Floats, other_doubt: Floats)
     least = np.where(slope < 0, limit, 0.0).max(axis=1)
     share = np.clip((np.clip(least, 0.0, 1.0) + np.clip(most, 0.0, 1.0)) / 2, 0.0, 1.0)
     mean = share[:, None] * a + (1 - share[:, None]) * b
-    held: Bools = (mean <= -bound[:, None]).all(axis=1)
+    held: Bools = np.less_equal(mean, -bound[:, None]).all(axis=1)
     return held
