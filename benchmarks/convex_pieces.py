@@ -5,6 +5,7 @@ grown until they hold every triangle, which is checked exactly), so that all thr
 promise.  Run each in turn, one mesh after another:
 
     python benchmarks/convex_pieces.py --packages DIR [--way cuts] [--part 1/2] [--out FILE]
+    python benchmarks/convex_pieces.py --packages DIR --only "kuka_iiwa/meshes/link_[1-7].stl"
 
 ``DIR`` is the ``site-packages`` of an environment with ``pybullet`` and ``example-robot-data``,
 whose meshes are not copied here: their licences differ.  Without it, only random meshes are taken.
@@ -20,6 +21,7 @@ import resource
 import sys
 import time
 from collections.abc import Callable, Iterator
+from fnmatch import fnmatch
 from pathlib import Path
 from statistics import median
 
@@ -39,12 +41,14 @@ from tests.srgc.imports.random_meshes import bumpy_ball, open_mesh, random_mesh
 SEED, LARGEST = 30, 100_000
 
 
-def package_meshes(folder: Path, number: int) -> Iterator[tuple[str, object]]:
+def package_meshes(folder: Path, number: int, only: str) -> Iterator[tuple[str, object]]:
     """Meshes of packages, by a seed; of the thousand made by a generator, few."""
     files = [
         path
         for path in sorted(folder.rglob("*"))
-        if path.suffix.lower() in {".stl", ".obj", ".dae"} and "random_urdfs" not in path.parts
+        if path.suffix.lower() in {".stl", ".obj", ".dae"}
+        and "random_urdfs" not in path.parts
+        and fnmatch(path.as_posix(), f"*{only}")
     ]
     random.Random(SEED).shuffle(files)
     for path in files:
@@ -97,6 +101,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--packages", type=Path)
     parser.add_argument("--meshes", type=int, default=50)
+    parser.add_argument("--only", default="", help="those whose paths end like this pattern")
     parser.add_argument("--random", type=int, default=12)
     parser.add_argument("--way", choices=WAYS, action="append")
     parser.add_argument("--large", action="store_true", help="a mesh of 100,000 triangles, too")
@@ -111,7 +116,7 @@ def main() -> None:
             done[row["mesh"], row["way"]] = row
     meshes = list(random_meshes(asked.random))
     if asked.packages:
-        meshes = [*package_meshes(asked.packages, asked.meshes), *meshes]
+        meshes = [*package_meshes(asked.packages, asked.meshes, asked.only), *meshes]
     if asked.large:
         meshes.append(("bumpy ball", bumpy_ball(LARGEST)))
     meshes = meshes[part - 1 :: parts]

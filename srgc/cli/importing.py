@@ -142,7 +142,9 @@ def import_(
     given = {name: value for name, value in options.items() if value not in (None, (), False)}
     _refuse(kind, given, known)
     try:
-        imported = _function(place)(file, **{name: options[name] for name in known})
+        # Meshes are in a folder that is called like what is written.
+        stem = None if output is None or output == Path("-") else output.stem
+        imported = _function(place)(file, stem=stem, **{name: options[name] for name in known})
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] not in LIBRARIES:
             raise

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 from grammar_lang.files.file_tree import visible
 from srgc.imports.module_set import Placement, Shape
-from srgc.imports.names import Names
+from srgc.imports.names import Names, legible
 from srgc.imports.solid_moments import Moments
 from srgc.imports.source_files import SourceFiles
 from srgc.version import VERSION
 
 if TYPE_CHECKING:
     from srgc.imports.meshes.decomposition import Pieces
-    from srgc.imports.meshes.mesh import Floats, Ints
+    from srgc.imports.meshes.mesh import Mesh
 
 VISUALS = (".stl", ".obj", ".dae", ".glb")
 
@@ -35,7 +35,7 @@ class BodyMeshes:
     pieces: int | None = None
     detail: float | None = None
     written: dict[str, bytes] = field(default_factory=dict)
-    names: Names = field(default_factory=Names)
+    names: Names = field(default_factory=lambda: Names(ignore_case=True))
     _cut: dict[tuple[str, tuple[float, float, float]], list[str]] = field(default_factory=dict)
     _looks: dict[str, str] = field(default_factory=dict)
 
@@ -53,13 +53,15 @@ class BodyMeshes:
         from srgc.imports.meshes.decomposition import DETAIL, decomposed
         from srgc.imports.meshes.piece_files import pieces_text
 
-        vertices, triangles = self._mesh(file, scale)
+        mesh = self._mesh(file, scale)
         detail = DETAIL if self.detail is None else self.detail
-        cut = decomposed(vertices, triangles, detail=detail, pieces=self.pieces)
-        stem = posixpath.splitext(posixpath.basename(file))[0]
+        cut = decomposed(
+            mesh.vertices, mesh.triangles, detail=detail, pieces=self.pieces, places=mesh.places
+        )
+        stem = legible(posixpath.splitext(posixpath.basename(file))[0], "mesh")
         count = len(cut.pieces)
         wanted = [stem] if count == 1 else [f"{stem}_{number + 1}" for number in range(count)]
-        names = [self.names.name(each) for each in wanted]
+        names = [self.names.name(each, "mesh") for each in wanted]
         origin = f"of {visible(file)}, imported by srgc {VERSION}"
         for name, piece in zip(names, cut.pieces, strict=True):
             text = pieces_text([piece], [name], [origin])
@@ -67,25 +69,20 @@ class BodyMeshes:
         self.remarks.append(_told(owner, file, cut))
         return [f"{self.folder}/{name}.obj" for name in names]
 
-    def _mesh(self, file: str, scale: Sequence[float]) -> tuple[Floats, Ints]:
-        """Corners in metres and triangles; a mirrored mesh has its triangles turned."""
-        import numpy as np
-
+    def _mesh(self, file: str, scale: Sequence[float]) -> Mesh:
+        """A mesh in metres."""
+        from srgc.imports.meshes.exact_places import rational
         from srgc.imports.meshes.mesh_file import read_mesh
 
-        mesh = read_mesh(self.files.path_of(file))
-        triangles = mesh.triangles
-        if np.prod(scale) < 0:
-            triangles = triangles[:, ::-1]
-        return mesh.vertices * np.asarray(scale, dtype=float), triangles
+        return read_mesh(self.files.path_of(file)).scaled([rational(factor) for factor in scale])
 
     def moments(self, file: str, scale: Sequence[float]) -> Moments | None:
         """The moments of a closed mesh for a density of 1 kg/m^3, None of an open one."""
         import numpy as np
         import trimesh
 
-        vertices, triangles = self._mesh(file, scale)
-        mesh = trimesh.Trimesh(vertices, triangles)
+        scaled = self._mesh(file, scale)
+        mesh = trimesh.Trimesh(scaled.vertices, scaled.triangles)
         if not mesh.is_volume:
             return None
         found = mesh.mass_properties
@@ -108,7 +105,8 @@ class BodyMeshes:
             return
         if file not in self._looks:
             stem, suffix = posixpath.splitext(posixpath.basename(file))
-            name = f"{self.folder}/{self.names.name(stem)}{suffix.lower()}"
+            called = self.names.name(stem, "mesh")
+            name = f"{self.folder}/{called}{suffix.lower()}"
             self.written[name] = self.files.bytes_of(file)
             self._looks[file] = name
         yield Shape("visual", place, (scale[0],), self._looks[file])

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from srgc.imports.comment_lines import comment_lines, printable
 from srgc.imports.module_set import (
     Body,
     Dof,
-    Drive,
     Family,
     Frame,
     Module,
@@ -18,14 +18,14 @@ from srgc.imports.module_set import (
     Shape,
     Turn,
 )
-from srgc.imports.quantities import Quantities, decimal_text
+from srgc.imports.quantities import Quantities
 
 _AXES = "xyz"
 
 
 def module_text(module: Module, quantities: Quantities) -> str:
     """The block of a module, with the comments above it; not in canonical form yet."""
-    lines = [f"// {line}" for line in module.comments]
+    lines = [comment_lines(module.comments)] if module.comments else []
     lines.append(f"module {module.name} {{")
     lines += [f"  {line}" for line in _Writer(module, quantities).items()]
     lines.append("}")
@@ -34,7 +34,7 @@ def module_text(module: Module, quantities: Quantities) -> str:
 
 def family_text(family: Family) -> str:
     """The block of a grammar from ports."""
-    lines = [f"// {line}" for line in family.comments]
+    lines = [comment_lines(family.comments)] if family.comments else []
     lines.append(f"grammar {family.name} from ports {{")
     lines.append(f"  start {family.start};")
     if family.carried:
@@ -71,16 +71,31 @@ class _Writer:
             written = self.write.angles if turns else self.write.interval
             parts.append(f"in {written(*dof.range)}")
         if dof.rate is not None:
-            rate = decimal_text(dof.rate)
+            rate = self.write.number(dof.rate)
             parts.append(f"rate in [-{rate}, {rate}] {unit}/s")
         if dof.accel is not None:
-            parts.append(f"accel <= {decimal_text(dof.accel)} {unit}/s^2")
+            parts.append(f"accel <= {self.write.number(dof.accel)} {unit}/s^2")
         if dof.effort is not None:
-            parts.append(f"effort <= {decimal_text(dof.effort)} {'N*m' if turns else 'N'}")
+            parts.append(f"effort <= {self.write.number(dof.effort)} {'N*m' if turns else 'N'}")
         yield f"{' '.join(parts)};{_behind(dof.comment)}"
-        yield from _drive(dof.name, dof.drive, turns=turns)
+        yield from self.drive(dof, turns=turns)
         if dof.passive:
             yield f"torque({dof.name}) = 0 {'N*m' if turns else 'N'};"
+
+    def drive(self, dof: Dof, *, turns: bool) -> Iterator[str]:
+        units = {
+            "gear": "" if turns else " m^-1",
+            "rotor": " kg*m^2",
+            "viscous": " N*m*s" if turns else " N*s/m",
+            "coulomb": " N*m" if turns else " N",
+        }
+        said = [
+            f"{part} {self.write.number(value)}{unit}"
+            for part, unit in units.items()
+            if (value := getattr(dof.drive, part)) is not None
+        ]
+        if said:
+            yield f"drive {dof.name}: {' '.join(said)};"
 
     def port(self, port: Port) -> str:
         gender = "" if port.gender is None else f" {port.gender}"
@@ -91,8 +106,8 @@ class _Writer:
 
     def body(self, body: Body) -> str:
         text = (
-            f"solid(frame: {self.place(body.place)}, mass: {decimal_text(body.mass)} kg, "
-            f"com: {self.write.vector(body.com)}, inertia: {self.write.inertia(body.inertia)});"
+            f"solid(frame: {self.place(body.place)}, mass: {self.write.number(body.mass)} kg, "
+            f"com: {self.write.centre(body.com)}, inertia: {self.write.inertia(body.inertia)});"
         )
         return f"{text}{_behind(body.comment)}"
 
@@ -137,21 +152,5 @@ class _Writer:
             yield f"move(({', '.join(texts)}) {unit})"
 
 
-def _drive(name: str, drive: Drive, *, turns: bool) -> Iterator[str]:
-    units = {
-        "gear": "" if turns else " m^-1",
-        "rotor": " kg*m^2",
-        "viscous": " N*m*s" if turns else " N*s/m",
-        "coulomb": " N*m" if turns else " N",
-    }
-    said = [
-        f"{part} {decimal_text(value)}{unit}"
-        for part, unit in units.items()
-        if (value := getattr(drive, part)) is not None
-    ]
-    if said:
-        yield f"drive {name}: {' '.join(said)};"
-
-
 def _behind(comment: str) -> str:
-    return f"  // {comment}" if comment else ""
+    return f"  // {printable(comment)}" if comment else ""

@@ -1,9 +1,10 @@
 """Numbers with units as a person writes them, and what rounding them has changed.
 
 Files of other tools hold 1.570796325 for a right angle and 1e-17 for nothing.  Such noise is taken
-away: a number gets at most twelve decimals in SI units, and an angle that is within 1e-5 rad of a
-multiple of 15 degrees is that multiple, a length below a micrometre is 0.  With ``exact`` they stay
-as they are.
+away: lengths and angles get at most twelve decimals in SI units, other numbers ten digits, which
+changes no effort by more than 1e-9 of itself; an angle that is within 1e-5 rad of a multiple of
+15 degrees is that multiple, a length below a micrometre is 0.  With ``exact`` numbers keep the
+fifteen digits that a double holds, and angles and lengths stay as they are.
 """
 
 from __future__ import annotations
@@ -13,29 +14,35 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
+import numpy as np
+
 NOISE = 1e-5
 """Angles this near a multiple of 15 degrees are taken for it (rad)."""
 SHORT = 1e-6
 """Lengths below it are taken for 0 (m)."""
 WORTH_SAYING = 1e-9
 """What is rounded by less (rad, m) is not told of."""
+DIGITS, ALL_DIGITS = 10, 15
+"""Digits of what is no length and no angle; those of a double."""
+THIN = 5e-15
+"""What rounding may take from the least second moment of a body, as a share of their sum."""
 _DECIMALS = Decimal("1e-12")
 _STEP = 15
 
 
-def decimal_text(value: float | Decimal) -> str:
-    """A number with at most twelve decimals, or digits where it is small, without an exponent."""
+def decimal_text(value: float | Decimal, digits: int = DIGITS) -> str:
+    """A number to so many digits without an exponent; 0 where it is below 1e-12."""
     number = value if isinstance(value, Decimal) else Decimal(repr(float(value)))
     if not number.is_finite():
         raise ValueError(f"{value} is no finite number")
-    rounded = number.quantize(_DECIMALS) if abs(number) < 1 else _significant(number)
-    text = f"{rounded.normalize():f}"
-    return "0" if text in ("-0", "") else text
+    rounded = Decimal(f"{number:.{digits}g}")
+    text = f"{rounded.normalize():f}" if abs(rounded) >= _DECIMALS else "0"
+    return "0" if text == "-0" else text
 
 
-def _significant(number: Decimal) -> Decimal:
-    """At most fifteen digits, which is what a double holds."""
-    return Decimal(f"{number:.15g}")
+def placed_text(value: float) -> str:
+    """A number with the decimals of lengths and angles, or the digits of a double."""
+    return decimal_text(Decimal(repr(float(value))).quantize(_DECIMALS), ALL_DIGITS)
 
 
 @dataclass(slots=True)
@@ -65,14 +72,18 @@ class Quantities:
         most = 4e-16 * abs(value) if self.exact else WORTH_SAYING
         if abs(math.radians(float(whole)) - value) <= most:
             return f"{decimal_text(whole)} deg"
-        return f"{decimal_text(value)} rad"
+        return f"{placed_text(value)} rad"
+
+    def number(self, value: float) -> str:
+        """What is no length and no angle."""
+        return decimal_text(value, ALL_DIGITS if self.exact else DIGITS)
 
     def angles(self, low: float, high: float) -> str:
         """An interval of angles."""
         first, second = self.angle(low), self.angle(high)
         units = {text.split()[1] for text in (first, second) if text != "0 rad"}
         if len(units) > 1:
-            first, second = f"{decimal_text(low)} rad", f"{decimal_text(high)} rad"
+            first, second = f"{placed_text(low)} rad", f"{placed_text(high)} rad"
             units = {"rad"}
         unit = units.pop() if units else "rad"
         return f"[{first.split()[0]}, {second.split()[0]}] {unit}"
@@ -80,8 +91,8 @@ class Quantities:
     def lengths(self, values: Sequence[float]) -> tuple[list[str], str]:
         """Lengths in metres or millimetres, whichever is shorter, and that unit."""
         exact = [Decimal(repr(float(self._kept(value)))).quantize(_DECIMALS) for value in values]
-        in_m = [decimal_text(value) for value in exact]
-        in_mm = [decimal_text(value * 1000) for value in exact]
+        in_m = [decimal_text(value, ALL_DIGITS) for value in exact]
+        in_mm = [decimal_text(value * 1000, ALL_DIGITS) for value in exact]
         use_m = sum(map(len, in_m)) < sum(map(len, in_mm)) or not any(exact)
         return (in_m, "m") if use_m else (in_mm, "mm")
 
@@ -102,19 +113,49 @@ class Quantities:
         texts, unit = self.lengths(values)
         return f"({', '.join(texts)}) {unit}"
 
+    def centre(self, values: Sequence[float]) -> str:
+        """A centre of mass: a vector whose largest part has so many digits as a mass."""
+        largest = max(map(abs, values))
+        if self.exact or not largest:
+            return self.vector(values)
+        decimals = DIGITS - 1 - math.floor(math.log10(largest))
+        return self.vector([round(value, decimals) for value in values])
+
     def interval(self, low: float, high: float) -> str:
         """An interval of lengths."""
         texts, unit = self.lengths([low, high])
         return f"[{', '.join(texts)}] {unit}"
 
     def inertia(self, values: Sequence[float]) -> str:
-        """Six moments of inertia; what is noise beside the largest is 0."""
+        """Six moments of inertia; what is noise beside the largest is 0.
+
+        They get more digits where a thin body would be none with fewer.
+        """
         largest = max(map(abs, values), default=0.0)
         kept = [0.0 if abs(value) < 1e-9 * largest else value for value in values]
-        return f"({', '.join(_digits(value) for value in kept)}) kg*m^2"
+        least = min(_thinness(kept), 0.0) - THIN
+        enough = (
+            digits
+            for digits in range(ALL_DIGITS if self.exact else DIGITS, ALL_DIGITS)
+            if _thinness([_rounded(value, digits) for value in kept]) >= least
+        )
+        digits = next(enough, ALL_DIGITS)
+        return f"({', '.join(_digits(value, digits) for value in kept)}) kg*m^2"
 
 
-def _digits(value: float) -> str:
-    """A number to fifteen digits, which moments of small parts need."""
-    text = f"{Decimal(f'{value:.15g}').normalize():f}" if value else "0"
-    return text if len(text) <= 20 else f"{value:.15g}"
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+def _digits(value: float, digits: int) -> str:
+    """A number to so many digits, however small it is."""
+    text = f"{Decimal(f'{value:.{digits}g}').normalize():f}" if value else "0"
+    return text if len(text) <= digits + 5 else f"{value:.{digits}g}"
+
+
+def _thinness(six: Sequence[float]) -> float:
+    """The least second moment of a body as a share of their sum; below 0 there is no such body."""
+    xx, yy, zz, xy, xz, yz = six
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    total = float(np.trace(tensor)) / 2
+    return float(total - np.linalg.eigvalsh(tensor)[-1]) / total if total else 0.0

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable
 
 from grammar_lang.diagnostics.diagnostic import Sink
 from grammar_lang.formatting.formatter import canonical
+from srgc.imports.comment_lines import comment_lines
 from srgc.imports.module_set import ModuleSet
 from srgc.imports.module_text import family_text, module_text
 from srgc.imports.quantities import Quantities
-
-WIDTH = 97
-"""Columns of a comment behind its slashes."""
 
 
 def spec_text(modules: ModuleSet, *, exact: bool = False) -> str:
@@ -45,22 +42,6 @@ def modules_text(modules: ModuleSet, *, exact: bool = False) -> list[str]:
         lengths = "1 length" if quantities.left_out == 1 else f"{quantities.left_out} lengths"
         modules.remarks.append(f"{lengths} below 1 um taken for 0; --exact keeps them")
     return blocks
-
-
-def comment_lines(lines: Iterable[str]) -> str:
-    """Lines as a comment; long ones are wrapped."""
-    found = list[str]()
-    for line in lines:
-        indent = "  " if line.startswith("- ") else ""
-        found += textwrap.wrap(
-            _printable(line), WIDTH, subsequent_indent=indent, break_on_hyphens=False
-        ) or [""]
-    return "\n".join(f"// {line}".rstrip() for line in found)
-
-
-def _printable(line: str) -> str:
-    """A line without what would end the comment or upset a terminal."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in line)
 
 
 def canonical_text(blocks: Iterable[str]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -29,6 +30,15 @@ class Imported:
     files: Mapping[str, bytes] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     warnings: tuple[SourceWarning, ...] = ()
+
+
+def mesh_folder(stem: str) -> str:
+    """The folder of the meshes of a spec, beside it: that of ``ur5.srg`` is ``ur5_meshes``.
+
+    What a path in a text would not hold becomes ``_``.
+    """
+    plain = re.sub(r"[^\w .+-]", "_", stem)
+    return f"{plain}_meshes"
 
 
 def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:
@@ -75,7 +85,7 @@ def _refuse_shared(meshes: list[Path], path: Path) -> None:
             if f'"{mesh.relative_to(path.parent).as_posix()}"'.encode() in text:
                 raise UsageFault(
                     f"{mesh} is there already, and {spec} needs it as it is; "
-                    "`-o` with another folder keeps both"
+                    "`-o` with another name or folder keeps both"
                 )
 
 

@@ -42,8 +42,10 @@ class CarriedSet:
     accel: bool = False
 
 
-def carried_set(given: Path | None, *, name: str | None, base: str | None) -> CarriedSet:
+def carried_set(given: Path | None, *, name: str | None, base: str | None, stem: str) -> CarriedSet:
     """The modules that ``--modules`` names: a set of Timor, or a spec that was imported before.
+
+    ``stem`` is how the spec of the task is called.
 
     Raises:
         UsageFault: it cannot be read, or has no base.
@@ -56,7 +58,7 @@ def carried_set(given: Path | None, *, name: str | None, base: str | None) -> Ca
         return _spec(given)
     from srgc.imports.timor.timor_import import SetOptions, read_modules
 
-    found = read_modules(given, SetOptions(name))
+    found = read_modules(given, SetOptions(name, stem=stem))
     families = [each for each in found.modules.families if base in (None, each.start)]
     if not families:
         starts = ", ".join(each.start for each in found.modules.families) or "none"

@@ -20,12 +20,13 @@ from srgc.imports.cobra.pose_data import ToleratedPose
 from srgc.imports.cobra.region_sets import RegionSets
 from srgc.imports.cobra.rule_clauses import Rules, avoid_clauses, rules_of, tool_clauses
 from srgc.imports.cobra.task_data import TaskData, read_task
+from srgc.imports.comment_lines import comment_lines, printable
 from srgc.imports.json_place import json_file
 from srgc.imports.names import Names
 from srgc.imports.quantities import Quantities, decimal_text
 from srgc.imports.source_files import SourceFiles, source_files
-from srgc.imports.spec_text import canonical_text, comment_lines, modules_text
-from srgc.imports.written_import import Imported
+from srgc.imports.spec_text import canonical_text, modules_text
+from srgc.imports.written_import import Imported, mesh_folder
 
 ROOM = 1.0
 """The bounds reach so far beyond what the task names (m), to the next half metre."""
@@ -49,6 +50,7 @@ class TaskOptions:
     cost: str | None = None
     pieces: int | None = None
     detail: float | None = None
+    stem: str | None = None
 
 
 def cobra_import(
@@ -62,6 +64,7 @@ def cobra_import(
     cost: str | None = None,
     pieces: int | None = None,
     detail: float | None = None,
+    stem: str | None = None,
 ) -> Imported:
     """The spec of a task.
 
@@ -76,15 +79,19 @@ def cobra_import(
         cost: a cost function of CoBRA, such as ``cyc`` or ``mass,cyc``; that of the file if None.
         pieces: at most so many convex pieces of a mesh.
         detail: what they may add to its volume, as a share.
+        stem: how the spec is called, without its end, after which the folder of meshes is; the
+            task if None.
 
     Raises:
         UsageFault: a file cannot be read, or is against the schema.
     """
-    options = TaskOptions(modules, name, base, any_order, cost, pieces, detail)
     files = source_files(file)
     place = json_file(files)
     task = read_task(place)
-    carried = carried_set(modules, name=name, base=base)
+    called = Names().name(task.id.rpartition("/")[2], "task").lower()
+    stem = called if stem is None else stem
+    options = TaskOptions(modules, name, base, any_order, cost, pieces, detail, stem)
+    carried = carried_set(modules, name=name, base=base, stem=stem)
     made = _Written(task, carried, options, files, Quantities(exact))
     blocks = made.blocks()
     modules_blocks = modules_text(carried.modules, exact=exact)
@@ -94,8 +101,7 @@ def cobra_import(
     if remarks:
         head += ["", "Not carried over, or changed:", *(f"- {line}" for line in remarks)]
     text = canonical_text([comment_lines(head), carried.head, *modules_blocks, *blocks])
-    stem = Names().name(task.id.rpartition("/")[2]).lower()
-    return Imported(stem, text, {**carried.files, **made.meshes.written}, tuple(remarks))
+    return Imported(called, text, {**carried.files, **made.meshes.written}, tuple(remarks))
 
 
 @dataclass(slots=True)
@@ -106,7 +112,7 @@ class _Written:
     files: SourceFiles
     write: Quantities
     remarks: list[str] = field(default_factory=list)
-    names: Names = field(default_factory=Names)
+    names: Names = field(default_factory=lambda: Names(ignore_case=True))
     meshes: MeshObstacles = field(init=False)
 
     def __post_init__(self) -> None:
@@ -117,6 +123,7 @@ class _Written:
             self.write,
             self.options.pieces,
             self.options.detail,
+            mesh_folder(self.options.stem or "task"),
         )
 
     def title(self, file: Path) -> str:
@@ -155,7 +162,7 @@ class _Written:
             return lines, named, points
         for obstacle in self.task.obstacles:
             for each in obstacle_sets(obstacle, self.names, self.write):
-                behind = f"  // {each.comment}" if each.comment else ""
+                behind = f"  // {printable(each.comment)}" if each.comment else ""
                 lines.append(f"obstacle {each.name} {each.text};{behind}")
                 named.append(each.name)
                 points.append(each.points)

@@ -231,5 +231,5 @@ def _say_moving(stops: Sequence[Stop], sets: RegionSets) -> None:
 
 
 def _named(identifier: str) -> str:
-    plain = Names().camel(identifier)
+    plain = Names().camel(identifier, "Goal")
     return plain if plain[:1].isalpha() else f"Goal{plain.lstrip('_')}"

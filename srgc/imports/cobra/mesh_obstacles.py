@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srgc.imports.cobra.task_data import Obstacle
+from srgc.imports.comment_lines import printable
 from srgc.imports.module_set import Move, Turn, steps_of
-from srgc.imports.names import Names
+from srgc.imports.names import Names, is_legible
 from srgc.imports.quantities import Quantities
 
 if TYPE_CHECKING:
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from srgc.imports.meshes.decomposition import Pieces
     from srgc.imports.source_files import SourceFiles
     from srgc.imports.timor.geometry_data import Geometry
-
-FOLDER = "obstacles"
-"""Where the pieces stand beside the spec."""
 
 
 @dataclass(slots=True)
@@ -34,6 +32,7 @@ class MeshObstacles:
         names: of obstacles of the workspace, with which those of files are.
         pieces: at most so many of a mesh.
         detail: what they may add to its volume, as a share.
+        folder: where the pieces stand beside the spec.
         written: the files of pieces by their paths.
     """
 
@@ -43,6 +42,7 @@ class MeshObstacles:
     write: Quantities
     pieces: int | None = None
     detail: float | None = None
+    folder: str = "task_meshes"
     written: dict[str, bytes] = field(default_factory=dict)
 
     def statements(self, obstacle: Obstacle) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
@@ -59,9 +59,9 @@ class MeshObstacles:
         self, geometry: Geometry, obstacle: Obstacle
     ) -> tuple[str, str, NDArray[np.float64]]:
         stem = posixpath.splitext(posixpath.basename(geometry.file))[0]
-        name = self.names.name(Names().camel(obstacle.name or stem))
+        name = self.names.name(Names().camel(obstacle.name or stem, "Obstacle"))
         text, points = self._cut(geometry)
-        path = f"{FOLDER}/{name}.obj"
+        path = f"{self.folder}/{name}.obj"
         self.written[path] = text.encode()
         at = [
             f"move({self.write.vector(step.by)})"
@@ -73,23 +73,31 @@ class MeshObstacles:
         ]
         place = f" at {' * '.join(at)}" if at else ""
         placed = points @ geometry.pose[:3, :3].T + geometry.pose[:3, 3]
-        return name, f'obstacles from "{path}"{place};', placed
+        behind = "" if is_legible(obstacle.name) else f"  // `{printable(obstacle.name)}`"
+        return name, f'obstacles from "{path}"{place};{behind}', placed
 
     def _cut(self, geometry: Geometry) -> tuple[str, NDArray[np.float64]]:
         """The OBJ file of the pieces of a mesh in metres, and its corners."""
         from srgc.imports.meshes.decomposition import DETAIL, decomposed
+        from srgc.imports.meshes.exact_places import rational
         from srgc.imports.meshes.mesh_file import read_mesh
         from srgc.imports.meshes.piece_files import pieces_text
 
         mesh = read_mesh(self.files.path_of(geometry.file), geometry.size[0])
-        vertices = mesh.vertices * (np.array(geometry.size) / geometry.size[0])
+        unit = rational(geometry.size[0])
+        mesh = mesh.scaled([rational(factor) / unit for factor in geometry.size])
         found = decomposed(
-            vertices, mesh.triangles, detail=self.detail or DETAIL, pieces=self.pieces
+            mesh.vertices,
+            mesh.triangles,
+            detail=self.detail or DETAIL,
+            pieces=self.pieces,
+            places=mesh.places,
         )
         self.remarks += [f"{geometry.file}: {note}" for note in (*mesh.notes, *found.notes)]
         self.remarks.append(_added(geometry.file, found))
         names = [f"piece_{number + 1}" for number in range(len(found.pieces))]
-        return pieces_text(found.pieces, names, [f"convex pieces of {geometry.file}"]), vertices
+        origin = f"convex pieces of {printable(geometry.file)}"
+        return pieces_text(found.pieces, names, [origin]), mesh.vertices
 
 
 def _added(file: str, found: Pieces) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from srgc.imports.cobra.region_sets import ALIGNED
 from srgc.imports.cobra.task_data import Obstacle
-from srgc.imports.names import Names
+from srgc.imports.names import Names, is_legible
 from srgc.imports.quantities import Quantities
 from srgc.imports.timor.geometry_data import Geometry
 
@@ -28,8 +28,10 @@ class ObstacleSet:
 
 def obstacle_sets(obstacle: Obstacle, names: Names, write: Quantities) -> Iterator[ObstacleSet]:
     """A set for each shape of an obstacle that is no mesh."""
-    wanted = Names().camel(obstacle.name or f"Obstacle {obstacle.id}")
-    comment = "" if obstacle.name in ("", obstacle.id) else f"ID {obstacle.id}"
+    wanted = Names().camel(obstacle.name or f"Obstacle {obstacle.id}", "Obstacle")
+    said = [] if is_legible(obstacle.name) else [f"`{obstacle.name}`"]
+    said += [] if obstacle.name in ("", obstacle.id) else [f"ID {obstacle.id}"]
+    comment = ", ".join(said)
     for geometry in obstacle.shapes:
         if geometry.kind != "mesh":
             text, points = _set(geometry, write)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from srgc.imports.cobra.pose_data import Tolerance, ToleratedPose
 from srgc.imports.module_set import Turn, turns_of
-from srgc.imports.quantities import Quantities, decimal_text
+from srgc.imports.quantities import Quantities, placed_text
 
 DEFAULT_LENGTH, DEFAULT_ANGLE = 1e-3, math.radians(0.5)
 """What Timor takes where a pose has no tolerances: 1 mm along each axis, and half a degree."""
@@ -194,7 +194,7 @@ class RegionSets:
             # A tilt t of the free axis has a rotation vector whose other part is at most
             # pi sin(t / 2), whatever the turn about that axis.
             tilt = 2 * math.asin(min(1.0, min(bounds.values()) / math.pi))
-            direction = ", ".join(map(decimal_text, pose.nominal[:3, free].tolist()))
+            direction = ", ".join(map(placed_text, pose.nominal[:3, free].tolist()))
             self.remarks.append(f"{pose.place.path}: a tilt within two bounds of turns")
             yield f"aligned {'xyz'[free]} to ({direction}) within {self.write.angle(tilt)}"
         elif bounds:
@@ -238,13 +238,13 @@ def _towards(axis: NDArray[np.float64], slabs: Sequence[Slab]) -> Iterator[Slab]
 def _inequalities(slab: Slab) -> Iterator[str]:
     terms = list[str]()
     for factor, name in zip(slab.direction.tolist(), "xyz", strict=True):
-        text = decimal_text(abs(factor))
+        text = placed_text(abs(factor))
         if text == "0":
             continue
         sign = "-" if factor < 0 else "+" if terms else ""
         terms.append(f"{sign} {name}" if text == "1" else f"{sign} {text} * {name}")
     left = " ".join(terms).strip()
     if math.isfinite(slab.low):
-        yield f"{left} >= {decimal_text(slab.low)}"
+        yield f"{left} >= {placed_text(slab.low)}"
     if math.isfinite(slab.high):
-        yield f"{left} <= {decimal_text(slab.high)}"
+        yield f"{left} <= {placed_text(slab.high)}"

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from grammar_lang.files.file_tree import visible
+from srgc.imports.meshes.exact_places import (
+    LONGEST,
+    ExactPlaces,
+    exact_decimal,
+    longer_decimals,
+)
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
 from srgc.imports.source_fault import SourceFault, file_fault
 from srgc.imports.xml_source import Element, XmlFile, xml_file
@@ -55,6 +63,7 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
     ignored = [faults.DaeUnsupportedError, faults.DaeBrokenRefError]
     try:
         read: Any = collada.Collada(io.BytesIO(tostring(root)), ignore=ignored)
+        words = _in_doubles(read)
         parts = list(_parts(read, path))
     except SourceFault:
         raise
@@ -62,19 +71,55 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
         said = " ".join(str(error).split())[:120]
         raise file_fault(path, f"it cannot be read as COLLADA: {said}") from None
     notes = tuple(f"{path.name}: {' '.join(str(error).split())[:120]}" for error in read.errors)
-    turn = np.array(UP[up], dtype=np.float64).T * (scale if own_unit else 1.0)
-    whole = joined([(name, (points @ turn, faces)) for name, points, faces in parts])
-    return Mesh(whole.vertices, whole.triangles, whole.objects, notes)
+    whole = joined([(name, (points, faces)) for name, points, faces, _ in parts])
+    longer, before = dict[tuple[int, int], Fraction](), 0
+    for _, points, _, source in parts:
+        rows = words.get(source or "", ())
+        made = longer_decimals(rows, points, partial(file_fault, path))
+        longer |= {(before + row, column): exact for (row, column), exact in made.items()}
+        before += len(points)
+    places = ExactPlaces(whole.vertices, longer=longer)
+    places = places.placed(np.array(UP[up], dtype=np.float64), (Fraction(0),) * 3)
+    if own_unit:
+        places = places.scaled([scale] * 3)
+    return Mesh(places.vertices(), whole.triangles, whole.objects, notes, places)
 
 
-def _asset(file: XmlFile) -> tuple[float, str]:
+def _in_doubles(read: Any) -> dict[str, list[list[str]]]:
+    """Give all sources of a file their numbers in doubles, which pycollada reads in single ones.
+
+    The words of each by its ID, in the rows of its data.
+    """
+    found = dict[str, list[list[str]]]()
+    for geometry in read.geometries:
+        doubles = dict[int, tuple[Any, Floats]]()
+        for source in geometry.sourceById.values():
+            data, node = getattr(source, "data", None), getattr(source, "xmlnode", None)
+            array = None if node is None else node.find("{*}float_array")
+            words = [] if array is None else (array.text or "").split()
+            if not isinstance(data, np.ndarray) or len(words) != data.size or data.ndim != 2:
+                continue
+            source.data = np.array(words, dtype=np.float64).reshape(data.shape)
+            doubles[id(data)] = (data, source.data)
+            width = data.shape[1]
+            rows = [words[i : i + width] for i in range(0, len(words), width)]
+            found[source.id] = rows
+        for primitive in geometry.primitives:
+            vertex = getattr(primitive, "_vertex", None)
+            primitive._vertex = doubles.get(id(vertex), (vertex, vertex))[1]  # noqa: SLF001
+    return found
+
+
+def _asset(file: XmlFile) -> tuple[Fraction, str]:
     """The unit in metres, and the axis that is up."""
-    scale, up = 1.0, "Y_UP"
+    scale, up = Fraction(1), "Y_UP"
     for element in file.root.iter():
         tag = _tag(element)
         if tag == "unit":
-            scale = _metres(element.get("meter", "1"))
-            if not 0 < scale < 1e6:
+            text = element.get("meter", "1").strip()
+            if 0 < _metres(text) < 1e6 and len(text) <= LONGEST:
+                scale = exact_decimal(text)
+            else:
                 message = "its unit is no positive number of metres"
                 raise file.fault(element, message, "name one with --unit")
         elif tag == "up_axis":
@@ -105,8 +150,11 @@ def _strip(root: Element) -> None:
                 parent.remove(child)
 
 
-def _parts(read: Any, path: Path) -> Iterator[tuple[str, Floats, Ints]]:
-    """The name, vertices and triangles of each primitive of the scene, in its place."""
+def _parts(read: Any, path: Path) -> Iterator[tuple[str, Floats, Ints, str | None]]:
+    """The name, vertices and triangles of each primitive of the scene, in its place.
+
+    The ID of the source of the vertices is with them where no node moves these.
+    """
     if read.scene is None:
         raise file_fault(path, "it has no scene")
     for bound in read.scene.objects("geometry"):
@@ -122,4 +170,11 @@ def _parts(read: Any, path: Path) -> Iterator[tuple[str, Floats, Ints]]:
                 continue
             if faces.min() < 0 or faces.max() >= len(points):
                 raise file_fault(path, "a triangle names a vertex that is not there")
-            yield str(name), points, faces
+            still = np.array_equal(bound.matrix, np.eye(4))
+            yield str(name), points, faces, _source(primitive) if still else None
+
+
+def _source(primitive: Any) -> str | None:
+    """The ID of the source of the vertices of a primitive in its place."""
+    inputs = getattr(primitive.original, "sources", {}).get("VERTEX", ())
+    return inputs[0][4].id if inputs else None

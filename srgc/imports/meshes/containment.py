@@ -10,18 +10,19 @@ Nothing here knows how the pieces were found.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
-from srgc.imports.meshes.convex_piece import ROUNDING, ConvexPiece, Plane
+from srgc.imports.meshes.convex_piece import ConvexPiece, Plane
+from srgc.imports.meshes.exact_places import ExactPlaces, Point
 from srgc.imports.meshes.mesh import Bools, Floats, Ints
+from srgc.imports.meshes.plane_heights import Crossing, Heights
+from srgc.imports.meshes.two_pieces import in_two
 
-Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
 Polygon: TypeAlias = list[Point]
 Weights: TypeAlias = tuple[int, int, int]
 
@@ -38,27 +39,36 @@ class Uncovered:
 
 
 def uncovered(
-    vertices: Floats, triangles: Ints, pieces: Sequence[ConvexPiece]
+    vertices: Floats,
+    triangles: Ints,
+    pieces: Sequence[ConvexPiece],
+    places: ExactPlaces | None = None,
 ) -> tuple[Uncovered, ...]:
     """The triangles that are not in the union of the pieces, in their order; none: all are.
 
     Args:
-        vertices: (n, 3) in metres, finite; each double is the rational that it is.
+        vertices: (n, 3) in metres, finite.
         triangles: (m, 3) of their numbers; they may be segments or points.
         pieces: closed convex polytopes.
+        places: the vertices as rationals, to which the doubles are near; each double is the
+            rational that it is if None.
     """
-    heights = [_Heights(piece) for piece in pieces]
-    single = np.zeros(len(triangles), dtype=bool)
+    places = ExactPlaces(vertices, binary=True) if places is None else places
+    heights = [Heights(piece, places.slack()) for piece in pieces]
+    sides = vertices[triangles]
+    lower, upper = sides.min(axis=1), sides.max(axis=1)
+    across = np.arange(len(triangles))
     for each in heights:
-        near = np.flatnonzero(~single)
-        single[near] = each.surely_hold(vertices)[triangles[near]].all(axis=1)
-    across = np.flatnonzero(~single)
-    meetings = _meetings(vertices[triangles[across]], heights)
+        near = each.around(lower[across], upper[across])
+        held = each.hold(vertices, places, triangles[across[near]])
+        across = np.delete(across, near[held])
+    across = across[~in_two(sides[across], heights)]
+    meetings = _meetings(sides[across], heights)
     missing = list[Uncovered]()
     for number, crossings in zip(across.tolist(), meetings, strict=True):
-        if _surely_in_two(crossings) or _surely_covered(crossings):
+        if _surely_covered(crossings):
             continue
-        left = [polygon_of(vertices[triangles[number]])]
+        left = [[places.of(corner) for corner in triangles[number].tolist()]]
         for crossing in crossings:
             left = _beyond_all(left, crossing.planes, crossing.unit)
         if left:
@@ -66,9 +76,9 @@ def uncovered(
     return tuple(missing)
 
 
-def _meetings(sides: Floats, heights: Sequence[_Heights]) -> list[list[_Crossing]]:
+def _meetings(sides: Floats, heights: Sequence[Heights]) -> list[list[Crossing]]:
     """For each triangle (n, 3, 3) how it meets the pieces that it may meet, in their order."""
-    found: list[list[_Crossing]] = [[] for _ in range(len(sides))]
+    found: list[list[Crossing]] = [[] for _ in range(len(sides))]
     lower, upper = sides.min(axis=1), sides.max(axis=1)
     for each in heights:
         near = np.flatnonzero(((lower <= each.upper) & (upper >= each.lower)).all(axis=1))
@@ -79,101 +89,10 @@ def _meetings(sides: Floats, heights: Sequence[_Heights]) -> list[list[_Crossing
 
 def surely_inside(points: Floats, piece: ConvexPiece) -> Bools:
     """Whether doubles are sure of each of the points (n, 3) that the piece holds it."""
-    return _Heights(piece).surely_hold(points)
+    return Heights(piece).surely_hold(points)
 
 
 # --- In doubles, with a bound of their rounding ---------------------------------------------------
-
-
-class _Crossing(NamedTuple):
-    """The planes of a piece that a triangle may be beyond, with the heights of its corners (3, f).
-
-    It is surely within all others.
-    """
-
-    planes: tuple[Plane, ...]
-    unit: Fraction
-    heights: Floats
-    doubt: Floats
-
-
-class _Heights:
-    """How far points are beyond the planes of a piece, in doubles, and how sure that is."""
-
-    def __init__(self, piece: ConvexPiece) -> None:
-        self.piece = piece
-        self.scale = 10.0**piece.digits
-        planes = np.array(piece.planes, dtype=object)
-        self.origin = np.array([float(x) for x in piece.corners[0]])
-        # Offsets from a corner, in integers: heights are no differences of large numbers then.
-        local = planes[:, 3] - planes[:, :3] @ np.array(piece.corners[0], dtype=object)
-        self.normals = planes[:, :3].astype(np.float64)
-        self.offsets = local.astype(np.float64)
-        self.weights = np.abs(self.normals).sum(axis=1)
-        points = np.array(piece.corners, dtype=np.float64) / self.scale
-        slack = 1e-9 * np.abs(points).max() + 1e-300
-        self.lower, self.upper = points.min(axis=0) - slack, points.max(axis=0) + slack
-
-    def of(self, points: Floats) -> tuple[Floats, Floats]:
-        """Heights (n, f) of points (n, 3) over the planes, and bounds of their errors."""
-        scaled = points * self.scale
-        local = scaled - self.origin
-        size = (np.abs(scaled) + np.abs(self.origin)).max(axis=1, initial=0.0) + 1.0
-        found = local @ self.normals.T - self.offsets
-        return found, ROUNDING * (size[:, None] * self.weights + np.abs(self.offsets))
-
-    def surely_hold(self, points: Floats) -> Bools:
-        """Whether each of the points (n, 3) is surely in the piece."""
-        held: Bools = ((points >= self.lower) & (points <= self.upper)).all(axis=1)
-        near = np.flatnonzero(held)
-        found, doubt = self.of(points[near])
-        held[near] = (found <= -doubt).all(axis=1)
-        return held
-
-    def crossings(self, numbers: Ints, sides: Floats) -> Iterator[tuple[int, _Crossing]]:
-        """How triangles (n, 3, 3) meet the piece, with their numbers; not those surely apart."""
-        found, doubts = self.of(sides.reshape(-1, 3))
-        found = found.reshape(len(sides), 3, len(self.offsets))
-        doubt = doubts.reshape(found.shape).max(axis=1) + ROUNDING * np.abs(found).max(axis=1)
-        apart = (found > doubt[:, None]).all(axis=1).any(axis=1)
-        crossed = (found > -doubt[:, None]).any(axis=1)
-        unit = Fraction(1, 10**self.piece.digits)
-        for row in np.flatnonzero(~apart).tolist():
-            chosen = np.flatnonzero(crossed[row])
-            planes = tuple(self.piece.planes[i] for i in chosen.tolist())
-            crossing = _Crossing(planes, unit, found[row][:, chosen], doubt[row][chosen])
-            yield int(numbers[row]), crossing
-
-
-TRIED = 3
-"""Two of so many pieces are tried that hold the most corners of a triangle."""
-
-
-def _surely_in_two(crossings: Sequence[_Crossing]) -> bool:
-    """Whether two pieces are found in doubles whose union holds a triangle; False says nothing.
-
-    A point is in neither piece if and only if it is beyond a plane of either.  By the minimax
-    theorem no point of the triangle is beyond both planes if and only if a mean of their heights is
-    at most zero at all three corners.
-    """
-    inside = [-int((each.heights <= -each.doubt).all(axis=1).sum()) for each in crossings]
-    likely = [crossings[i] for i in np.argsort(inside, kind="stable")[:TRIED]]
-    return any(_union_holds(one, other) for one, other in combinations(likely, 2))
-
-
-def _union_holds(one: _Crossing, other: _Crossing) -> bool:
-    a, b = one.heights[:, :, None], other.heights[:, None, :]
-    doubt = one.doubt[:, None] + other.doubt[None, :]
-    doubt = doubt + ROUNDING * (np.abs(a).max(axis=0) + np.abs(b).max(axis=0))
-    # The share s of the first that makes s a + (1 - s) b least at the worst corner lies between
-    # bounds that the corners give; any is sound, since the mean is looked at again.
-    slope, rest = a - b, -b - doubt
-    with np.errstate(all="ignore"):
-        limit = rest / slope
-    most = np.where(slope > 0, limit, 1.0).min(axis=0)
-    least = np.where(slope < 0, limit, 0.0).max(axis=0)
-    share = np.clip((np.clip(least, 0.0, 1.0) + np.clip(most, 0.0, 1.0)) / 2, 0.0, 1.0)
-    return bool((share * a + (1 - share) * b <= -doubt).all())
 
 
 MOST_PARTS = 64
@@ -182,7 +101,7 @@ STEPS = 1 << 24
 """Edges are cut at multiples of one part in so many."""
 
 
-def _surely_covered(crossings: Sequence[_Crossing]) -> bool:
+def _surely_covered(crossings: Sequence[Crossing]) -> bool:
     """Whether pieces are found in doubles that cover a triangle; False says nothing.
 
     The parts are polygons whose corners are exact means of those of the triangle, so they cover it

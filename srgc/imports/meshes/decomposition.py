@@ -16,6 +16,7 @@ from srgc.faults import UsageFault
 from srgc.imports.meshes.containment import uncovered
 from srgc.imports.meshes.convex_piece import ConvexPiece
 from srgc.imports.meshes.enclosing import enclosing
+from srgc.imports.meshes.exact_places import ExactPlaces
 from srgc.imports.meshes.few_corners import hull_volume
 from srgc.imports.meshes.measures import Measures, measured, not_covered
 from srgc.imports.meshes.mesh import Floats, Ints
@@ -51,7 +52,12 @@ class Pieces:
 
 
 def decomposed(
-    vertices: Floats, triangles: Ints, *, detail: float = DETAIL, pieces: int | None = None
+    vertices: Floats,
+    triangles: Ints,
+    *,
+    detail: float = DETAIL,
+    pieces: int | None = None,
+    places: ExactPlaces | None = None,
 ) -> Pieces:
     """Convex pieces whose union holds every triangle, and the inside of what is closed.
 
@@ -61,6 +67,7 @@ def decomposed(
         detail: the volume that may be added, as a share of that of the mesh (of the hull of an
             open part).  It is kept unless :data:`MOST_PIECES` or ``pieces`` do not allow it.
         pieces: at most so many.
+        places: the vertices as rationals; each double is the rational that it is if None.
 
     Raises:
         UsageFault: there is no triangle, or the detail or the number of pieces is not positive.
@@ -73,7 +80,7 @@ def decomposed(
     allowed, trials = detail * reference, 0
     while True:
         regions = refined(regions, allowed, most)
-        found, thickened = covering(vertices, triangles, parts, regions)
+        found, thickened = covering(vertices, triangles, parts, regions, places)
         measures = measured(parts, reference, found, vertices, triangles)
         trials += 1
         if measures.added <= detail or len(regions) >= most or trials == TRIALS:
@@ -110,7 +117,11 @@ def reference_volume(parts: Anatomy) -> float:
 
 
 def covering(
-    vertices: Floats, triangles: Ints, parts: Anatomy, regions: Sequence[Region]
+    vertices: Floats,
+    triangles: Ints,
+    parts: Anatomy,
+    regions: Sequence[Region],
+    places: ExactPlaces | None = None,
 ) -> tuple[list[ConvexPiece], set[int]]:
     """Pieces that hold every triangle, exactly, and the solids; and which were thickened."""
     held = [region.points for region in regions]
@@ -118,7 +129,7 @@ def covering(
     for turn in range(ROUNDS):
         missing = [
             np.array([[float(x) for x in point] for point in polygon])
-            for each in uncovered(vertices, triangles, [e.piece for e in found])
+            for each in uncovered(vertices, triangles, [e.piece for e in found], places)
             for polygon in each.polygons
         ]
         if not missing:

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from srgc.imports.meshes.containment import beyond, polygon_of, surely_inside
+from srgc.imports.meshes.containment import polygon_of, surely_inside
 from srgc.imports.meshes.convex_piece import LARGEST, MOST_CORNERS, ConvexPiece, convex_piece
 from srgc.imports.meshes.few_corners import few_corners, hull_corners, principal_axes
 from srgc.imports.meshes.mesh import Floats
@@ -19,6 +19,8 @@ FINE = 1000
 SAME = 1e-9
 """Coordinates that differ by less, as a share of the size, are the same but for rounding."""
 LEAST_DIGITS, MOST_DIGITS = 3, 9
+FEW, OWN_DIGITS = 8, 6
+"""Pieces of few corners that are decimals of so many digits keep them."""
 THINNEST, THINNEST_SHARE = 1e-5, 1e-4
 """A piece is at least so thick, in metres and as a share of its size."""
 
@@ -31,23 +33,27 @@ class Enclosed:
     thickened: bool
 
 
-def enclosing(points: Floats, fine: int = FINE) -> Enclosed:
+def enclosing(points: Floats, fine: int = FINE, slack: float = 0.0) -> Enclosed:
     """A convex piece that holds the points (n, 3), n >= 1, in metres.
 
     ``fine`` is how many steps of the grid its least width has at least.
     It is deterministic, and holds them exactly: this is checked here, and it grows until it does.
+    With a ``slack`` (m) it holds them to within so much in each coordinate, and what is so near a
+    step of the grid is there: 0.1 in doubles is a bit more than the 1/10 that was meant.
     """
     points, thickened, width = _full(np.unique(points, axis=0))
     corners = few_corners(points, MOST_CORNERS)
     digits = _digits(corners, width / fine)
-    for rounded in _roundings(corners, digits, 10.0**-digits / width):
+    if slack and len(corners) <= FEW:
+        digits = _own_digits(corners, digits, slack)
+    for rounded in _roundings(corners, digits, 10.0**-digits / width, slack):
         piece = convex_piece(((int(x), int(y), int(z)) for x, y, z in rounded.tolist()), digits)
-        if piece is not None and holds(piece, points):
+        if piece is not None and holds(piece, points, slack):
             return Enclosed(piece, thickened)
     raise ArithmeticError("no piece of the grid holds the points")
 
 
-def _roundings(corners: Floats, digits: int, step: float) -> Iterator[Floats]:
+def _roundings(corners: Floats, digits: int, step: float, slack: float) -> Iterator[Floats]:
     """The corners in steps of the grid: the nearest, then farther and farther from their middle."""
     yield np.rint(corners * 10.0**digits)
     middle = corners.mean(axis=0)
@@ -56,7 +62,7 @@ def _roundings(corners: Floats, digits: int, step: float) -> Iterator[Floats]:
         farther = level if power < 0 else middle + (1 + step * 2.0**power) * (level - middle)
         yield np.array(
             [
-                [_away(x, m, digits) for x, m in zip(row, middle.tolist(), strict=True)]
+                [_away(x, m, digits, slack) for x, m in zip(row, middle.tolist(), strict=True)]
                 for row in farther.tolist()
             ]
         )
@@ -78,16 +84,28 @@ def _level(corners: Floats, middle: Floats) -> Floats:
     return found
 
 
-def _away(value: float, middle: float, digits: int) -> int:
-    """The step of the grid next to a value, on the side that is away from the middle; exact."""
+def _away(value: float, middle: float, digits: int, slack: float) -> int:
+    """The step of the grid next to a value, on the side that is away from the middle; exact.
+
+    One within the slack is that.
+    """
     steps = Fraction(value) * Fraction(10) ** digits
+    if slack and abs(steps - round(steps)) <= Fraction(slack) * 10**digits:
+        return round(steps)
     return math.ceil(steps) if value >= middle else math.floor(steps)
 
 
-def holds(piece: ConvexPiece, points: Floats) -> bool:
-    """Whether a piece holds all points (n, 3), exactly."""
+def holds(piece: ConvexPiece, points: Floats, slack: float = 0.0) -> bool:
+    """Whether a piece holds all points (n, 3), exactly, or to within a slack (m) along the axes."""
     sure = surely_inside(points, piece)
-    return not any(beyond([polygon_of(p[None])], [piece]) for p in points[~sure])
+    more = Fraction(slack) * 10**piece.digits
+    limits = [d + more * (abs(a) + abs(b) + abs(c)) for a, b, c, d in piece.planes]
+    return not any(
+        (a * x + b * y + c * z) * 10**piece.digits > limit
+        for point in points[~sure]
+        for x, y, z in polygon_of(point[None])
+        for (a, b, c, _), limit in zip(piece.planes, limits, strict=True)
+    )
 
 
 def _full(points: Floats) -> tuple[Floats, bool, float]:
@@ -108,8 +126,23 @@ def _full(points: Floats) -> tuple[Floats, bool, float]:
     return hull_corners(points), thickened, max(float(widths.min()), least)
 
 
+def _own_digits(corners: Floats, digits: int, slack: float) -> int:
+    """The decimals that the corners have, if these are not many; else those given."""
+    most = min(OWN_DIGITS, _most_digits(corners))
+    for own in range(digits, most + 1):
+        steps = corners * 10.0**own
+        if np.abs(steps - np.rint(steps)).max() <= slack * 10.0**own:
+            return own
+    return digits
+
+
+def _most_digits(corners: Floats) -> int:
+    """The decimals of the finest grid on which the corners fit."""
+    size = float(np.ptp(corners, axis=0).max())
+    return min(MOST_DIGITS, math.floor(math.log10(LARGEST / (4 * size))))
+
+
 def _digits(corners: Floats, step: float) -> int:
     """So many decimals that the grid has such steps or less, and the corners fit on it."""
     digits = max(LEAST_DIGITS, math.ceil(-math.log10(step)))
-    size = float(np.ptp(corners, axis=0).max())
-    return min(digits, MOST_DIGITS, math.floor(math.log10(LARGEST / (4 * size))))
+    return min(digits, _most_digits(corners))

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from srgc.imports.meshes.exact_places import ExactPlaces
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -27,13 +30,29 @@ class MeshObject:
 class Mesh:
     """Vertices (n, 3) in metres, and triangles (m, 3) of their numbers, in the order of the file.
 
-    ``notes`` says what of the file was not taken.
+    ``notes`` says what of the file was not taken.  ``places`` are the vertices as rationals;
+    without them each double is the rational that it is.
     """
 
     vertices: Floats
     triangles: Ints
     objects: tuple[MeshObject, ...] = ()
     notes: tuple[str, ...] = ()
+    places: ExactPlaces | None = None
+
+    def exact(self) -> ExactPlaces:
+        """The vertices as rationals."""
+        return ExactPlaces(self.vertices, binary=True) if self.places is None else self.places
+
+    def moved(self, places: ExactPlaces) -> Mesh:
+        """The mesh with its vertices at other places."""
+        return replace(self, vertices=places.vertices(), places=places)
+
+    def scaled(self, factors: Sequence[Fraction]) -> Mesh:
+        """The mesh with each axis times a factor; one that is mirrored has its triangles turned."""
+        found = self.moved(self.exact().scaled(factors))
+        mirrored = sum(factor < 0 for factor in factors) % 2
+        return replace(found, triangles=found.triangles[:, ::-1]) if mirrored else found
 
     def part(self, item: MeshObject) -> Mesh:
         """The mesh of one object."""
@@ -43,6 +62,7 @@ class Mesh:
             self.vertices[used],
             inverse.reshape(-1, 3).astype(np.int64),
             (MeshObject(item.name, 0, len(triangles)),),
+            places=None if self.places is None else self.places.part(used),
         )
 
     def corners(self) -> Floats:

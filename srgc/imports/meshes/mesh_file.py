@@ -9,11 +9,14 @@ import io
 import re
 import struct
 import warnings
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from srgc.imports.meshes.exact_places import ExactPlaces, longer_decimals, rational
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
 from srgc.imports.meshes.mesh_limits import LARGEST, too_many
 from srgc.imports.source_fault import SourceFault, file_fault
@@ -94,21 +97,22 @@ def _read(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
 
 
 def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
-    """The mesh scaled; vertices that equal others become one, and triangles of a point are left."""
+    """The mesh scaled."""
     if not 0 < unit < LARGEST:
         raise file_fault(path, f"a unit of {unit} m is none")
     if len(mesh.triangles) == 0:
         raise file_fault(path, "it has no triangle")
     too_many(len(mesh.triangles), path)
-    vertices = np.asarray(mesh.vertices, dtype=np.float64)
+    vertices = mesh.vertices
     if not np.isfinite(vertices).all():
         bad = int(np.argmin(np.isfinite(vertices).all(axis=1)))
         raise file_fault(path, f"vertex {bad + 1} has a coordinate that is no finite number")
-    vertices = vertices * unit
-    if np.abs(vertices).max(initial=0.0) >= LARGEST:
+    if unit != 1.0:
+        mesh = mesh.scaled([rational(unit)] * 3)
+    if np.abs(mesh.vertices).max(initial=0.0) >= LARGEST:
         hint = "is the unit right? --unit mm reads millimetres"
         raise file_fault(path, f"a vertex is {LARGEST:g} m away or farther", hint)
-    return Mesh(vertices, np.asarray(mesh.triangles, dtype=np.int64), mesh.objects, mesh.notes)
+    return mesh
 
 
 # --- STL ------------------------------------------------------------------------------------------
@@ -140,7 +144,12 @@ def _stl(content: bytes, path: Path) -> Mesh:
     mesh = joined([(path.stem, _vertices(part, path)) for part in parts])
     if len(mesh.triangles) != facets:
         raise file_fault(path, f"{facets} triangles are begun and {len(mesh.triangles)} are read")
-    return mesh
+    words = re.findall(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", lowered)
+    if len(words) != len(mesh.vertices):
+        raise file_fault(path, "a corner has no three coordinates")
+    rows = ([word.decode("ascii", "replace") for word in row] for row in words)
+    longer = longer_decimals(rows, mesh.vertices, partial(file_fault, path))
+    return replace(mesh, places=ExactPlaces(mesh.vertices, longer=longer))
 
 
 # --- What loaders give, as meshes -----------------------------------------------------------------

@@ -7,6 +7,8 @@ takes no faces of mixed sizes in one, so lines are read here.  Materials are not
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,10 +16,13 @@ import numpy as np
 
 from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.source import Source
-from srgc.imports.meshes.mesh import Ints, Mesh, MeshObject
+from srgc.imports.meshes.exact_places import SHORT, ExactPlaces, longer_decimals
+from srgc.imports.meshes.mesh import Floats, Ints, Mesh, MeshObject
 from srgc.imports.meshes.mesh_limits import too_many
 from srgc.imports.source_fault import SourceFault, file_fault, line_span
 
+FLAT = 1e-9
+"""A corner that turns back by less, as a share of the area, is straight."""
 Corners = list[tuple[float, float, float]]
 
 
@@ -25,14 +30,18 @@ Corners = list[tuple[float, float, float]]
 class _Lines:
     """What has been read; ``starts`` are the names of objects and their first triangles.
 
-    ``groups`` are, of each object, the names of groups with faces where objects are by ``o``.
+    ``polygons`` are, by their number of corners, faces of more than three with their first
+    triangles.  ``groups`` are, of each object, the names of groups with faces where objects are
+    by ``o``.
     """
 
     path: Path
     text: str
     by_object: bool
     vertices: Corners = field(default_factory=Corners)
+    longer: dict[tuple[int, int], Fraction] = field(default_factory=dict)
     triangles: list[tuple[int, int, int]] = field(default_factory=list)
+    polygons: dict[int, list[tuple[int, list[int]]]] = field(default_factory=dict)
     starts: list[tuple[str, int]] = field(default_factory=list)
     groups: dict[int, set[str]] = field(default_factory=dict)
     group: str = ""
@@ -57,10 +66,13 @@ class _Lines:
             x, y, z = map(float, words)
         except ValueError:
             raise self.fault(number, "a vertex has no three coordinates") from None
+        if max(map(len, words)) > SHORT:
+            made = longer_decimals([words], np.array([[x, y, z]]), partial(self.fault, number))
+            self.longer |= {(len(self.vertices), axis): exact for (_, axis), exact in made.items()}
         return x, y, z
 
     def face(self, number: int, words: list[str]) -> None:
-        """A convex polygon as a fan; negative numbers count from the last vertex."""
+        """A polygon as a fan; negative numbers count from the last vertex."""
         if len(words) < 3:
             self.left_out += 1
             return
@@ -70,8 +82,10 @@ class _Lines:
             raise self.fault(number, "a face has a corner that is no number") from None
         count = len(self.vertices)
         corners = [index - 1 if index > 0 else count + index for index in given]
-        if any(corner < 0 for corner in corners):
+        if 0 in given or any(corner < 0 for corner in corners):
             raise self.fault(number, "a face names a vertex that is not there")
+        if len(corners) > 3:
+            self.polygons.setdefault(len(corners), []).append((len(self.triangles), corners))
         self.triangles += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
         too_many(len(self.triangles), self.path)
         if self.by_object and self.group:
@@ -107,13 +121,45 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
     triangles: Ints = np.array(lines.triangles, dtype=np.int64)
     if triangles.max() >= len(lines.vertices):
         raise file_fault(path, "a face names a vertex that is not there", "was the file cut off?")
+    vertices = np.array(lines.vertices, dtype=np.float64)
+    for polygons in lines.polygons.values():
+        _divide(vertices, triangles, polygons)
     notes = list[str]()
     if lines.left_out:
         notes.append(f"{path.name}: {lines.left_out} faces of one or two corners: left out")
     if any(len(names) > 1 for names in lines.groups.values()):
         notes.append(f"{path.name}: groups (`g`) in an object (`o`), which is one with all of them")
-    vertices = np.array(lines.vertices, dtype=np.float64)
-    return Mesh(vertices, triangles, _objects(lines, path.stem), tuple(notes))
+    places = ExactPlaces(vertices, longer=lines.longer)
+    return Mesh(vertices, triangles, _objects(lines, path.stem), tuple(notes), places)
+
+
+def _divide(vertices: Floats, triangles: Ints, polygons: list[tuple[int, list[int]]]) -> None:
+    """Divide polygons of n corners that are not convex into their triangles, instead of fans."""
+    from manifold3d import triangulate
+
+    corners = np.array([each for _, each in polygons])
+    points = vertices[corners]
+    points = points - points[:, :1]
+    # Newell's normal, and how much each corner turns about it.
+    following = np.roll(points, -1, axis=1)
+    normals = np.cross(points, following).sum(axis=1)
+    edges = following - points
+    turns = np.einsum("ijk,ik->ij", np.cross(np.roll(edges, 1, axis=1), edges), normals)
+    bent = (turns < -FLAT * (normals**2).sum(axis=1)[:, None]).any(axis=1)
+    for number in np.flatnonzero(bent & np.isfinite(normals).all(axis=1)).tolist():
+        start, own = polygons[number][0], corners[number]
+        found = triangulate([_in_plane(points[number], normals[number])])
+        if len(found) == len(own) - 2:
+            triangles[start : start + len(found)] = own[np.asarray(found, dtype=np.int64)]
+
+
+def _in_plane(points: Floats, normal: Floats) -> Floats:
+    """Points (n, 3) seen against a normal, (n, 2)."""
+    side = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+    side /= np.linalg.norm(side)
+    across = np.cross(normal, side)
+    found: Floats = np.column_stack([points @ side, points @ (across / np.linalg.norm(across))])
+    return found
 
 
 def _objects(lines: _Lines, stem: str) -> tuple[MeshObject, ...]:

@@ -24,6 +24,10 @@ GAIN = 0.02
 """A split has to save so much of the hull, else the part is halved across its length."""
 
 
+NEAR = 2.0**-48
+"""The points of a region are off by so much, as a share of their size."""
+
+
 class Region(ABC):
     """A part of a mesh: ``points`` (n, 3) with its hull, and the ``volume`` of what is solid."""
 
@@ -39,8 +43,8 @@ class Region(ABC):
 
     @cached_property
     def enclosed(self) -> Enclosed:
-        """The piece that holds it."""
-        return enclosing(self.points)
+        """The piece that holds it, but for the rounding of its points."""
+        return enclosing(self.points, slack=NEAR * float(np.abs(self.points).max()))
 
     @cached_property
     def piece_volume(self) -> float:

@@ -69,14 +69,14 @@ def _closed(
     points: Floats, part: Ints, weld: float, counts: dict[str, int]
 ) -> tuple[Floats, Ints] | None:
     """Vertices and triangles of a part as a closed surface; None where it is open."""
-    corners, faces = _used(points, part)
+    corners, faces = _used(points, _one_sided(part))
     if balanced(faces):
         return corners, faces
     joined_corners, joined_faces = _welded(corners, faces, weld)
     if len(joined_faces) and balanced(joined_faces):
         counts["welded"] += 1
         return joined_corners, joined_faces
-    turned = _rewound(corners, faces)
+    turned = _rewound(faces)
     if balanced(turned):
         counts["turned"] += 1
         return corners, turned
@@ -86,6 +86,15 @@ def _closed(
             counts["filled"] += 1
             return filled
     return None
+
+
+def _one_sided(faces: Ints) -> Ints:
+    """Half of the triangles where each is there a second time, seen from its other side."""
+    _, first, counts = np.unique(
+        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    found: Ints = faces[np.sort(first)] if (counts == 2).all() else faces
+    return found
 
 
 def _used(points: Floats, faces: Ints) -> tuple[Floats, Ints]:
@@ -134,8 +143,7 @@ def parts(faces: Ints) -> list[Ints]:
 
     if len(faces) == 0:
         return []
-    edges = np.sort(_edges(faces), axis=1)
-    _, numbers = np.unique(edges, axis=0, return_inverse=True)
+    _, numbers = np.unique(_undirected(_edges(faces)), return_inverse=True)
     numbers = numbers.reshape(-1)
     owner = np.repeat(np.arange(len(faces)), 3)
     size = len(faces) + int(numbers.max()) + 1
@@ -150,24 +158,57 @@ def parts(faces: Ints) -> list[Ints]:
 def balanced(faces: Ints) -> bool:
     """Whether every edge is passed as often one way as the other."""
     edges = _edges(faces)
-    low, high = edges.min(axis=1), edges.max(axis=1)
-    sign = np.where(edges[:, 0] == low, 1, -1)
-    key = low.astype(np.int64) * (int(faces.max()) + 1) + high
-    _, numbers = np.unique(key, return_inverse=True)
-    return not np.bincount(numbers.reshape(-1), weights=sign).any()
+    _, numbers = np.unique(_undirected(edges), return_inverse=True)
+    return not np.bincount(numbers.reshape(-1), weights=_signs(edges)).any()
 
 
-def _rewound(corners: Floats, faces: Ints) -> Ints:
-    """Triangles turned so that neighbours agree, where no edge has more than two."""
-    edges = np.sort(_edges(faces), axis=1)
-    _, counts = np.unique(edges, axis=0, return_counts=True)
-    if (counts > 2).any():
+def _undirected(edges: Ints) -> Ints:
+    """A number for each edge (m, 2) whichever way it is passed."""
+    found: Ints = edges.min(axis=1) * (int(edges.max()) + 1) + edges.max(axis=1)
+    return found
+
+
+def _signs(edges: Ints) -> Ints:
+    """1 of edges (m, 2) that lead to the larger number, -1 of others."""
+    return np.where(edges[:, 0] < edges[:, 1], 1, -1)
+
+
+def _rewound(faces: Ints) -> Ints:
+    """Connected triangles turned so that neighbours agree, where no edge has more than two.
+
+    Most of them stay as they are.
+    """
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import breadth_first_order
+
+    edges = _edges(faces)
+    keys = _undirected(edges)
+    order = np.argsort(keys, kind="stable")
+    same = np.flatnonzero(np.diff(keys[order]) == 0)
+    if (np.diff(same) == 1).any():
         return faces
-    import trimesh
-
-    mesh = trimesh.Trimesh(corners, faces, process=False)
-    trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]
-    return np.asarray(mesh.faces, dtype=np.int64)
+    first, second = order[same], order[same + 1]
+    one, other = first // 3, second // 3
+    disagree = _signs(edges)[first] == _signs(edges)[second]
+    size = len(faces)
+    ends = np.concatenate([one, other]), np.concatenate([other, one])
+    graph = csr_matrix((np.ones(len(ends[0])), ends), shape=(size, size))
+    visited, before = breadth_first_order(graph, 0, directed=False)
+    pairs = np.concatenate([one * size + other, other * size + one])
+    by_pair = np.argsort(pairs, kind="stable")
+    steps = before[visited[1:]].astype(np.int64) * size + visited[1:]
+    places = by_pair[np.searchsorted(pairs[by_pair], steps)]
+    flips = np.tile(disagree, 2)[places].tolist()
+    turned = np.zeros(size, dtype=bool).tolist()
+    for child, parent, flip in zip(
+        visited[1:].tolist(), before[visited[1:]].tolist(), flips, strict=True
+    ):
+        turned[child] = turned[parent] != flip
+    marked = np.array(turned)
+    if 2 * marked.sum() > size:
+        marked = ~marked
+    found: Ints = np.where(marked[:, None], faces[:, ::-1], faces)
+    return found
 
 
 def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:
@@ -188,14 +229,16 @@ def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:
 
 def _borders(faces: Ints) -> list[list[int]]:
     """Rings of directed edges that are passed more often than the other way round."""
-    surplus = dict[tuple[int, int], int]()
-    for a, b in _edges(faces).tolist():
-        key, sign = ((a, b), 1) if a < b else ((b, a), -1)
-        surplus[key] = surplus.get(key, 0) + sign
+    edges = _edges(faces)
+    _, first, numbers = np.unique(_undirected(edges), return_index=True, return_inverse=True)
+    surplus = np.bincount(numbers.reshape(-1), weights=_signs(edges)).astype(np.int64)
     onward = dict[int, list[int]]()
-    for (a, b), count in surplus.items():
-        start, end = (a, b) if count > 0 else (b, a)
-        onward.setdefault(start, []).extend([end] * abs(count))
+    for number in np.argsort(first, kind="stable").tolist():
+        count = int(surplus[number])
+        if count:
+            one, other = sorted(edges[first[number]].tolist())
+            start, end = (one, other) if count > 0 else (other, one)
+            onward.setdefault(start, []).extend([end] * abs(count))
     rings = list[list[int]]()
     for start in list(onward):
         while onward.get(start):

@@ -13,6 +13,7 @@ import numpy as np
 
 from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.source import Source
+from srgc.imports.meshes.exact_places import ExactPlaces, longer_decimals
 from srgc.imports.meshes.mesh import Mesh
 from srgc.imports.meshes.mesh_limits import LARGEST, too_many
 from srgc.imports.scenes.scene import (
@@ -37,13 +38,14 @@ MOST_SHAPES = 10_000
 
 
 class _Lines:
-    """The lines of a file, and the number of the next."""
+    """The lines of a file, the number of the next, and the words of the last numbers."""
 
     def __init__(self, path: Path) -> None:
         text = source_bytes(path).decode("utf-8-sig", errors="replace")
         text = text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n")
         self.path, self.source = path, Source(str(path), text)
         self.rows, self.at = text.split("\n"), 0
+        self.words: list[str] = []
 
     def fault(self, said: str) -> SourceFault:
         span = line_span(self.source.text, min(self.at, len(self.rows)) or 1)
@@ -65,8 +67,10 @@ class _Lines:
     def numbers(self, count: int, due: str) -> list[float]:
         """So many numbers, which may stand in several lines."""
         found = list[float]()
+        self.words = []
         while len(found) < count:
             words = self.line(due).split()
+            self.words += words
             try:
                 found += [float(word) for word in words]
             except ValueError:
@@ -83,10 +87,11 @@ class _Lines:
 
     def pose(self, what: str) -> Pose:
         shift = self.numbers(3, f"the place of {what}")
+        words = self.words
         turn = self.numbers(4, f"the quaternion of {what}")
         if max(map(abs, shift)) >= LARGEST:
             raise self.fault(f"{what} is {LARGEST:g} m away or farther")
-        return quaternion_pose(shift, turn, self.fault_of(what))
+        return quaternion_pose(shift, turn, self.fault_of(what), words)
 
 
 def moveit_scene(path: Path) -> Scene:
@@ -168,11 +173,16 @@ def _mesh(lines: _Lines, what: str) -> Mesh:
     too_many(max(count, corners // 3), lines.path)
     if corners < 3 or count < 1:
         raise lines.fault(f"the mesh of {what} has no triangle")
-    vertices = [lines.numbers(3, f"a vertex of {what}") for _ in range(corners)]
+    vertices, words = list[list[float]](), list[list[str]]()
+    for _ in range(corners):
+        vertices.append(lines.numbers(3, f"a vertex of {what}"))
+        words.append(lines.words)
     triangles = [lines.numbers(3, f"a triangle of {what}") for _ in range(count)]
     numbers = np.array(triangles)
     if (numbers < 0).any() or (numbers >= corners).any() or (numbers % 1).any():
         raise lines.fault(f"a triangle of {what} names a vertex that is not there")
     if np.abs(vertices).max() >= LARGEST:
         raise lines.fault(f"a vertex of {what} is {LARGEST:g} m away or farther")
-    return Mesh(np.array(vertices), numbers.astype(np.int64))
+    places = np.array(vertices)
+    longer = longer_decimals(words, places, lines.fault)
+    return Mesh(places, numbers.astype(np.int64), places=ExactPlaces(places, longer=longer))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
 
+from srgc.imports.meshes.exact_places import Point, exact_decimal, rational
 from srgc.imports.meshes.mesh import Floats, Mesh
 from srgc.imports.source_fault import SourceFault
 
@@ -16,6 +18,8 @@ Fault: TypeAlias = Callable[[str], SourceFault]
 """What makes a fault at some place of a file of what is said."""
 ALIGNED = 1e-6
 """A turn that differs by less from one by right angles is that one: it was written as decimals."""
+
+ORIGIN: Point = (Fraction(0), Fraction(0), Fraction(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,18 +65,51 @@ Shape: TypeAlias = BoxShape | BallShape | RodShape | PointsShape | MeshShape
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A turn (3, 3), then a shift (3,) in metres."""
+    """A turn (3, 3), then a shift (3,) in metres.
+
+    ``exact`` is the shift in rationals, where that is known: not after other turns than by right
+    angles.
+    """
 
     turn: Floats = field(default_factory=lambda: np.eye(3))
     shift: Floats = field(default_factory=lambda: np.zeros(3))
+    exact: Point | None = None
+
+    def rationals(self) -> Point | None:
+        """The shift in rationals, where that is known."""
+        return self.exact if self.exact is not None or self.shift.any() else ORIGIN
 
     def then(self, inner: Pose) -> Pose:
         """The pose in the world of what has the pose ``inner`` in this one."""
-        return Pose(_aligned(self.turn @ inner.turn), self.turn @ inner.shift + self.shift)
+        exact = _sum(self.rationals(), self._turned(inner.rationals()))
+        shift = self.turn @ inner.shift + self.shift
+        return Pose(_aligned(self.turn @ inner.turn), shift, exact)
 
     def inverse(self) -> Pose:
         """The pose of the world in this one."""
-        return Pose(_aligned(self.turn.T), -self.turn.T @ self.shift)
+        turned = Pose(_aligned(self.turn.T))
+        exact = turned._turned(self.rationals())
+        back = None if exact is None else (-exact[0], -exact[1], -exact[2])
+        return Pose(turned.turn, -self.turn.T @ self.shift, back)
+
+    def _turned(self, shift: Point | None) -> Point | None:
+        """A shift of what is turned by this pose."""
+        if shift is None or not any(shift):
+            return shift
+        if not self.along_axes():
+            return None
+        x, y, z = (
+            sum((int(by) * part for by, part in zip(row, shift, strict=True)), start=Fraction(0))
+            for row in self.turn.tolist()
+        )
+        return x, y, z
+
+    def of_mesh(self, mesh: Mesh) -> Mesh:
+        """A mesh of this pose in the world; its places are exact after turns by right angles."""
+        exact = self.rationals()
+        if exact is None or not self.along_axes():
+            return replace(mesh, vertices=self.of(mesh.vertices), places=None)
+        return mesh.moved(mesh.exact().placed(self.turn, exact))
 
     def of(self, points: Floats) -> Floats:
         """Points (n, 3) of this pose in the world."""
@@ -98,13 +135,15 @@ class SceneObject:
 class Scene:
     """Objects, and what of the file could not be carried over.
 
-    ``ground`` is the height of a horizontal plane below everything (m).
+    ``ground`` is the height of a horizontal plane below everything (m), and ``notes`` are what may
+    be meant otherwise.
     """
 
     name: str
     objects: list[SceneObject] = field(default_factory=list)
     dropped: list[str] = field(default_factory=list)
     ground: float | None = None
+    notes: list[str] = field(default_factory=list)
 
     def plane(self, name: str, normal: Floats, through: Floats) -> None:
         """Take note of a plane without bounds, which is no obstacle; facing up it is a floor."""
@@ -117,14 +156,24 @@ class Scene:
         self.dropped.append(f"{name}: {said}")
 
 
+def _sum(one: Point | None, other: Point | None) -> Point | None:
+    if one is None or other is None:
+        return None
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+
+
 def _aligned(turn: Floats) -> Floats:
     near = np.rint(turn)
     close = np.abs(turn - near).max() <= ALIGNED and abs(abs(np.linalg.det(near)) - 1) < 0.5
     return near + 0.0 if close else turn
 
 
-def quaternion_pose(shift: Sequence[float], turn: Sequence[float], fault: Fault) -> Pose:
+def quaternion_pose(
+    shift: Sequence[float], turn: Sequence[float], fault: Fault, words: Sequence[str] | None = None
+) -> Pose:
     """The pose of a place and a quaternion (x, y, z, w), which need not be a unit one.
+
+    ``words`` are the numbers of the place as the file has them.
 
     Raises:
         SourceFault: a number is not finite, or the quaternion is zero.
@@ -138,11 +187,33 @@ def quaternion_pose(shift: Sequence[float], turn: Sequence[float], fault: Fault)
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
-    return Pose(_aligned(np.array(rows)), np.array(shift, dtype=np.float64))
+    return Pose(
+        _aligned(np.array(rows)), np.array(shift, dtype=np.float64), _exact(shift, words, fault)
+    )
 
 
-def angle_pose(shift: Sequence[float], angles: Sequence[float], fault: Fault) -> Pose:
+def _exact(shift: Sequence[float], words: Sequence[str] | None, fault: Fault) -> Point:
+    """A place as the rationals that its words are, or those of doubles.
+
+    Raises:
+        SourceFault: a number is too long.
+    """
+    try:
+        x, y, z = map(rational, shift) if words is None else map(exact_decimal, words)
+    except ValueError as error:
+        raise fault(f"its pose has {error}") from None
+    return x, y, z
+
+
+def angle_pose(
+    shift: Sequence[float],
+    angles: Sequence[float],
+    fault: Fault,
+    words: Sequence[str] | None = None,
+) -> Pose:
     """The pose of a place and of turns about the fixed axes x, y, z in this order, in radians.
+
+    ``words`` are the numbers of the place as the file has them.
 
     Raises:
         SourceFault: a number is not finite.
@@ -155,7 +226,9 @@ def angle_pose(shift: Sequence[float], angles: Sequence[float], fault: Fault) ->
         [sc * cb, sc * sb * sa + cc * ca, sc * sb * ca - cc * sa],
         [-sb, cb * sa, cb * ca],
     ]
-    return Pose(_aligned(np.array(rows)), np.array(shift, dtype=np.float64))
+    return Pose(
+        _aligned(np.array(rows)), np.array(shift, dtype=np.float64), _exact(shift, words, fault)
+    )
 
 
 def positive(values: Sequence[float], fault: Fault) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from srgc.faults import UsageFault
 from srgc.imports.meshes.decomposition import DETAIL
+from srgc.imports.meshes.exact_places import exact_decimal, rational
 from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
 from srgc.imports.scenes.moveit_scene import moveit_scene
 from srgc.imports.scenes.scene import MeshShape, Pose, Scene, SceneObject
@@ -21,6 +22,9 @@ from srgc.imports.written_import import Imported
 from srgc.paths import refuse_impossible
 
 LENGTHS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
+FARTHEST = 1e6
+WITHOUT_UNIT, HUGE = (".stl", ".obj"), 50.0
+"""A file that says no unit and is larger, in metres, may be one in millimetres."""
 SCENE, WORLDS = ".scene", (".sdf", ".world")
 _PLACE = re.compile(r"\(?([^(),]+),([^(),]+),([^(),]+?)\)?\s*(mm|cm|m)?")
 
@@ -34,6 +38,7 @@ def scene_import(
     packages: Sequence[str] = (),
     pieces: int | None = None,
     detail: float | None = None,
+    stem: str | None = None,
 ) -> Imported:
     """A workspace with the obstacles of a scene.
 
@@ -46,6 +51,8 @@ def scene_import(
         packages: each ``NAME=DIR``: where ``package://NAME`` and ``model://NAME`` lead.
         pieces: at most so many convex pieces of each mesh.
         detail: what pieces may add to the volume of a mesh, as a share.
+        stem: how the spec is called, without its end, after which the folder of meshes is; the
+            scene if None.
 
     Raises:
         UsageFault: it is no such file, has nothing that collides, or something of it cannot be
@@ -53,7 +60,7 @@ def scene_import(
     """
     refuse_impossible(path)
     scene = read_scene(path, unit=unit, at=at, packages=packages)
-    wanted = Wanted(DETAIL if detail is None else detail, pieces, name)
+    wanted = Wanted(DETAIL if detail is None else detail, pieces, name, stem)
     return scene_spec(scene, path.name, wanted)
 
 
@@ -73,7 +80,7 @@ def read_scene(
         UsageFault: it is no such file, or something of it cannot be read.
     """
     suffix = path.suffix.lower()
-    place = Pose() if at is None else Pose(shift=np.array(_place(at)))
+    place = Pose() if at is None else _place(at)
     if suffix in SUFFIXES:
         scene = _of_mesh(path, None if unit is None else LENGTHS[unit])
     elif suffix in (SCENE, *WORLDS):
@@ -99,11 +106,15 @@ def _of_mesh(path: Path, unit: float | None) -> Scene:
         for each in mesh.objects
         if each.stop > each.start
     ]
-    return Scene(path.stem, objects, list(mesh.notes))
+    notes = list[str]()
+    size = float(np.ptp(mesh.vertices, axis=0).max())
+    if unit is None and path.suffix.lower() in WITHOUT_UNIT and size > HUGE:
+        notes.append(f"{path.name} is {size:.4g} m large; --unit mm if it is in millimetres")
+    return Scene(path.stem, objects, list(mesh.notes), notes=notes)
 
 
-def _place(text: str) -> list[float]:
-    """The coordinates of a place in metres.
+def _place(text: str) -> Pose:
+    """The pose of a place.
 
     Raises:
         UsageFault: it is none.
@@ -114,8 +125,10 @@ def _place(text: str) -> list[float]:
             raise ValueError(text)
         *numbers, unit = found.groups()
         place = [float(number) * LENGTHS[unit or "m"] for number in numbers]
+        words = [number.strip() for number in numbers]
+        if not all(abs(x) < FARTHEST for x in place):
+            raise UsageFault(f"`{text}` is no place: its coordinates are less than 1000 km")
+        x, y, z = (exact_decimal(word) * rational(LENGTHS[unit or "m"]) for word in words)
     except ValueError:
         raise UsageFault(f"`{text}` is no place; write one such as `(0.5, 0, 0) m`") from None
-    if not all(abs(x) < 1e6 for x in place):
-        raise UsageFault(f"`{text}` is no place: its coordinates are less than 1000 km")
-    return place
+    return Pose(shift=np.array(place), exact=(x, y, z))

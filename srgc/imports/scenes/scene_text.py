@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from grammar_lang.diagnostics.diagnostic import Code
-from grammar_lang.names.declarations import map_name
+from srgc.imports.comment_lines import comment_lines
 from srgc.imports.meshes.convex_piece import decimal_text
 from srgc.imports.meshes.decomposition import DETAIL, Pieces, decomposed
 from srgc.imports.meshes.enclosing import enclosing
 from srgc.imports.meshes.piece_files import pieces_text
-from srgc.imports.names import Names
+from srgc.imports.names import Names, is_legible
 from srgc.imports.scenes.scene import (
     BallShape,
     BoxShape,
@@ -25,8 +26,8 @@ from srgc.imports.scenes.scene import (
     SceneObject,
 )
 from srgc.imports.source_fault import file_fault
-from srgc.imports.spec_text import canonical_text, comment_lines
-from srgc.imports.written_import import Imported
+from srgc.imports.spec_text import canonical_text
+from srgc.imports.written_import import Imported, mesh_folder
 from srgc.version import VERSION
 
 if TYPE_CHECKING:
@@ -39,8 +40,6 @@ UNITS = {"m": 0, "cm": 2, "mm": 3}
 """The units of texts, and the power of ten that a metre is of them."""
 DIGITS, FINER, SMALL = 6, 9, 1e-3
 """Places are rounded to 10^-6 m, and to 10^-9 m where an object is smaller than a millimetre."""
-FOLDER = "obstacles"
-"""Where the pieces of meshes stand beside the spec."""
 EXACT = 20_000
 """A turned box is rounded to so many parts of its least edge."""
 FEW = 8
@@ -51,11 +50,15 @@ MARGIN = 0.25
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What is asked for: of pieces as of :func:`decomposed`, and the name of the workspace."""
+    """What is asked for: of pieces as of :func:`decomposed`, and names.
+
+    ``name`` is that of the workspace, and ``stem`` that of the spec without its end.
+    """
 
     detail: float = DETAIL
     pieces: int | None = None
     name: str | None = None
+    stem: str | None = None
 
 
 def scene_spec(scene: Scene, source: str, wanted: Wanted) -> Imported:
@@ -67,40 +70,48 @@ def scene_spec(scene: Scene, source: str, wanted: Wanted) -> Imported:
     if not scene.objects:
         hint = "; ".join(scene.dropped[:20]) or None
         raise file_fault(source, "nothing in it collides", hint, Code.FOREIGN_CONTENT)
-    writer = _Writer(wanted)
+    called = Names().name(wanted.name or scene.name, "scene")
+    writer = _Writer(wanted, mesh_folder(wanted.stem or called))
     for item in scene.objects:
         writer.add(item)
-    head = [f"{source}, imported by srgc {VERSION}."]
+    title = source if is_legible(scene.name) else f"`{scene.name}` of {source}"
+    head = [f"{title}, imported by srgc {VERSION}."]
     if writer.rounded:
         head.append("Places are rounded to 0.001 mm.")
     if scene.dropped:
         head += ["Not carried over:", *(f"- {each}" for each in scene.dropped)]
-    name = Names().camel(wanted.name or scene.name)
+    name = Names().camel(wanted.name or scene.name, "Scene")
     body = [*writer.bounds(scene.ground), *writer.lines]
     block = "\n".join([f"workspace {name} {{", "  space xyz;", *body, "}"])
     return Imported(
-        name=map_name(wanted.name or scene.name),
+        name=called,
         text=canonical_text([comment_lines(head), block]),
         files=writer.files,
-        remarks=(*writer.notes, *(f"not carried over: {each}" for each in scene.dropped)),
+        remarks=(
+            *scene.notes,
+            *writer.notes,
+            *(f"not carried over: {each}" for each in scene.dropped),
+        ),
     )
 
 
 class _Writer:
     """Collects the lines of obstacles."""
 
-    def __init__(self, wanted: Wanted) -> None:
-        self.wanted = wanted
+    def __init__(self, wanted: Wanted, folder: str) -> None:
+        self.wanted, self.folder = wanted, folder
         self.lines: list[str] = []
         self.notes: list[str] = []
         self.files: dict[str, bytes] = {}
         self.rounded = False
-        self.names = Names()
+        self.names = Names(ignore_case=True)
         self.lower, self.upper = np.full(3, np.inf), np.full(3, -np.inf)
 
     def add(self, item: SceneObject) -> None:
         """Write an object as one obstacle."""
-        name = self.names.name(item.name)
+        name = self.names.name(item.name, "obstacle")
+        if not (isinstance(item.shape, MeshShape) or item.note or _told(item.name, name)):
+            self.lines.append(f"  {comment_lines([f'`{item.name}` in the file.'])}")
         if item.note:
             self.lines.append(f"  {comment_lines([f'{item.name} is {item.note}.'])}")
             self.notes.append(f"{item.name} is {item.note}")
@@ -118,11 +129,13 @@ class _Writer:
                 self._mesh(name, item, item.shape)
 
     def _mesh(self, name: str, item: SceneObject, shape: MeshShape) -> None:
+        mesh = item.pose.of_mesh(shape.mesh)
         found = decomposed(
-            item.pose.of(shape.mesh.vertices),
-            shape.mesh.triangles,
+            mesh.vertices,
+            mesh.triangles,
             detail=self.wanted.detail,
             pieces=self.wanted.pieces,
+            places=mesh.places,
         )
         said = "; ".join([described(found), *found.notes])
         self.lines.append(f"  {comment_lines([f'{item.name} of {shape.source}: {said}.'])}")
@@ -134,7 +147,7 @@ class _Writer:
             points = piece.points()
             self._reach(points.min(axis=0), points.max(axis=0))
         numbers = [f"piece_{number + 1}" for number in range(len(found.pieces))]
-        path = f"{FOLDER}/{name}.obj"
+        path = f"{self.folder}/{name}.obj"
         origin = f"{_line(item.name)} of {_line(shape.source)}, in metres, by srgc {VERSION}"
         self.files[path] = pieces_text(found.pieces, numbers, [origin]).encode()
         self.lines.append(f'  obstacles from "{path}";')
@@ -208,6 +221,12 @@ class _Writer:
             f"  bounds box {_sides(places, digits)};",
             "",
         ]
+
+
+def _told(source: str, name: str) -> bool:
+    """Whether a name shows what it was in the file: other characters alone became ``_``."""
+    plain = re.sub(r"[^A-Za-z0-9_]+", "_", source).strip("_")
+    return source.isascii() and plain == name.removeprefix("_")
 
 
 def _line(text: str) -> str:

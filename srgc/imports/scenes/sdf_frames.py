@@ -218,19 +218,20 @@ def _default(element: Element, file: XmlFile) -> str:
 def _pose(pose: Element, file: XmlFile) -> Pose:
     fault = partial(_pose_fault, file, pose)
     try:
-        numbers = [float(word) for word in (pose.text or "").split()]
+        words = (pose.text or "").split()
+        numbers = [float(word) for word in words]
     except ValueError:
         raise fault("its pose is no list of numbers") from None
     if not numbers:
         return Pose()
     if pose.get("rotation_format") == "quat_xyzw" and len(numbers) == 7:
-        return quaternion_pose(numbers[:3], numbers[3:], fault)
+        return quaternion_pose(numbers[:3], numbers[3:], fault, words[:3])
     if len(numbers) != 6:
         raise fault(f"its pose has {len(numbers)} numbers, and 6 are due")
     angles = numbers[3:]
     if is_true(pose.get("degrees")):
         angles = [math.radians(angle) for angle in angles]
-    return angle_pose(numbers[:3], angles, fault)
+    return angle_pose(numbers[:3], angles, fault, words[:3])
 
 
 def _pose_fault(file: XmlFile, pose: Element, said: str) -> SourceFault:

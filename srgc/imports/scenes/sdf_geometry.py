@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from srgc.imports.meshes.mesh import Floats, Mesh
+from srgc.imports.meshes.exact_places import ExactPlaces, exact_decimal
+from srgc.imports.meshes.mesh import Mesh
 from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
 from srgc.imports.scenes.scene import (
     BallShape,
@@ -70,7 +71,7 @@ class Geometries:
 
     def _mesh(self, element: Element, name: str, fault: Fault) -> Iterator[tuple[Shape, Pose, str]]:
         uri = (element.findtext("uri") or "").strip()
-        scale = np.array(_numbers(element, "scale", 3, fault, "1 1 1"))
+        scale = _numbers(element, "scale", 3, fault, "1 1 1")
         if Path(uri).suffix.lower() not in SUFFIXES:
             self.scene.dropped.append(f"{name}: its mesh {uri or '(without an address)'}")
             return
@@ -85,17 +86,24 @@ class Geometries:
                 return
             mesh = mesh.part(objects[0])
             if is_true(part.findtext("center")):
-                mesh = replace(mesh, vertices=mesh.vertices - _middle(mesh.vertices))
+                mesh = mesh.moved(mesh.exact().placed(np.eye(3), _to_middle(mesh)))
         self.scene.dropped += mesh.notes
-        if not np.isfinite(scale).all() or (scale == 0).any():
-            raise fault("a scale of its mesh is zero or not finite")
-        triangles = mesh.triangles[:, ::-1] if np.prod(scale) < 0 else mesh.triangles
-        yield MeshShape(Mesh(mesh.vertices * scale, triangles), path.name), Pose(), ""
+        if 0 in scale:
+            raise fault("a scale of its mesh is zero")
+        words = (element.findtext("scale") or "1 1 1").split()
+        try:
+            factors = [exact_decimal(word) for word in words]
+        except ValueError as error:
+            raise fault(f"its scale has {error}") from None
+        yield MeshShape(mesh.scaled(factors), path.name), Pose(), ""
 
 
-def _middle(vertices: Floats) -> Floats:
-    """The middle of the box about vertices (n, 3), which Gazebo takes for their centre."""
-    found: Floats = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+def _to_middle(mesh: Mesh) -> list[Fraction]:
+    """The shift that brings the middle of the box about a mesh, its centre in Gazebo, to 0."""
+    places, found = mesh.exact(), list[Fraction]()
+    for axis, column in enumerate(mesh.vertices.T):
+        low, high = (places.of(int(i))[axis] for i in (column.argmin(), column.argmax()))
+        found.append(-(low + high) / 2)
     return found
 
 
@@ -130,10 +138,9 @@ def _polyline(element: Element, fault: Fault) -> Shape:
     points = [_parsed(point.text or "", 2, "a point", fault) for point in element.findall("point")]
     corners, triangles = triangulated(points, fault)
     solid = extrude_triangulation(corners, triangles, height)
-    return MeshShape(
-        Mesh(np.asarray(solid.vertices, dtype=np.float64), np.asarray(solid.faces, dtype=np.int64)),
-        "a polyline",
-    )
+    vertices = np.asarray(solid.vertices, dtype=np.float64)
+    faces = np.asarray(solid.faces, dtype=np.int64)
+    return MeshShape(Mesh(vertices, faces, places=ExactPlaces(vertices)), "a polyline")
 
 
 def _sizes(element: Element, tag: str, count: int, fault: Fault) -> list[float]:

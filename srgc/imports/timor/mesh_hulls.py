@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from decimal import Decimal
 
 import numpy as np
 
 from srgc.imports.body_meshes import BodyMeshes
 from srgc.imports.module_set import Placement, Shape, steps_of
+from srgc.imports.names import legible
 from srgc.imports.source_files import source_bytes
 from srgc.imports.timor.geometry_data import Geometry
 from srgc.imports.timor.vrml_file import vrml_pieces
@@ -44,20 +46,31 @@ class MeshHulls:
         """A hull for each shape of a VRML file, which is one point set each."""
         key = (geometry.file, geometry.size)
         if key not in self._pieces:
-            stem = posixpath.basename(geometry.file).split(".")[0]
+            stem = legible(posixpath.basename(geometry.file).split(".")[0], "mesh")
             self._pieces[key] = []
             path = self.meshes.files.path_of(geometry.file)
             pieces = vrml_pieces(source_bytes(path), path)
             for number, points in enumerate(pieces):
                 end = f"_{number + 1}" if len(pieces) > 1 else ""
                 name = f"{self.meshes.folder}/{self.meshes.names.name(stem + end)}.obj"
-                self.meshes.written[name] = _points_file(points * np.array(geometry.size))
+                self.meshes.written[name] = _points_file(points, geometry.size)
                 self._pieces[key].append(name)
         for name in self._pieces[key]:
             yield Shape("hull", place, (1.0,), name)
 
 
-def _points_file(points: np.ndarray) -> bytes:
-    """An OBJ file of points, whose hull is the piece; three of them make its only triangle."""
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+def _points_file(points: np.ndarray, scale: Sequence[float]) -> bytes:
+    """An OBJ file of points, whose hull is the piece; three of them make its only triangle.
+
+    Their decimals are those of the file, times the scale.
+    """
+    factors = [Decimal(repr(each)) for each in scale]
+    lines = [
+        f"v {' '.join(_times(x, by) for x, by in zip(point, factors, strict=True))}"
+        for point in points.tolist()
+    ]
     return ("\n".join([*lines, "f 1 2 3"]) + "\n").encode()
+
+
+def _times(value: float, factor: Decimal) -> str:
+    return f"{(Decimal(repr(value)) * factor).normalize() + 0:f}"

@@ -18,7 +18,7 @@ from srgc.imports.timor.mounted_module import Mounting, mounted_module
 from srgc.imports.timor.mountings import arranged, mountings_of, open_module
 from srgc.imports.timor.port_types import PortTypes
 from srgc.imports.timor.set_data import EFFECTOR, SetData, read_set
-from srgc.imports.written_import import Imported
+from srgc.imports.written_import import Imported, mesh_folder
 
 FILE = "modules.json"
 """What Timor calls the file of a set, in a folder that is called like the set."""
@@ -55,12 +55,15 @@ class SetOptions:
         any_end: modules may stand on any of their ends.
         pieces: at most so many convex pieces of a mesh.
         detail: what they may add to its volume, as a share.
+        stem: how the spec is called, without its end, after which the folder of meshes is; the
+            grammar if None.
     """
 
     name: str | None = None
     any_end: bool = False
     pieces: int | None = None
     detail: float | None = None
+    stem: str | None = None
 
 
 def timor_import(
@@ -71,6 +74,7 @@ def timor_import(
     any_end: bool = False,
     pieces: int | None = None,
     detail: float | None = None,
+    stem: str | None = None,
 ) -> Imported:
     """The spec of a module set.
 
@@ -81,11 +85,12 @@ def timor_import(
         any_end: see there.
         pieces: see there.
         detail: see there.
+        stem: see there.
 
     Raises:
         UsageFault: the file cannot be read, or is against the schema.
     """
-    found = read_modules(file, SetOptions(name, any_end, pieces, detail))
+    found = read_modules(file, SetOptions(name, any_end, pieces, detail, stem))
     text = spec_text(found.modules, exact=exact)
     return Imported(_file_name(found.name), text, found.files, tuple(found.modules.remarks))
 
@@ -99,13 +104,13 @@ def read_modules(file: Path, options: SetOptions) -> ReadSet:
     place = json_file(files)
     data = read_set(place)
     folder = path.absolute().parent.name
-    stem = folder if path.name == FILE else path.stem
-    family = Names().camel(options.name or stem)
+    called_like = folder if path.name == FILE else path.stem
+    family = Names().camel(options.name or called_like, "Modules")
     prefix = "" if options.name is None else f"{family}_"
     types = PortTypes(each for module in data.modules for each in module.connectors)
     result = ModuleSet(comments=_comments(data, path, folder))
     names = Names()
-    folder_of_meshes = f"{family.lower()}_meshes"
+    folder_of_meshes = mesh_folder(options.stem or _file_name(family))
     meshes = BodyMeshes(files, folder_of_meshes, result.remarks, options.pieces, options.detail)
     named = list[tuple[str, Mounting]]()
     for module in data.modules:
@@ -115,7 +120,7 @@ def read_modules(file: Path, options: SetOptions) -> ReadSet:
         for way in ways:
             wanted = _wanted(module.id, module.name)
             end = f"_{way.entry.id}" if len(ways) > 1 else ""
-            named.append((names.name(f"{prefix}{Names().camel(wanted)}{end}"), way))
+            named.append((names.name(f"{prefix}{Names().camel(wanted, 'Module')}{end}"), way))
     arrangement = arranged(named, names, family)
     hulls = MeshHulls(meshes)
     for called, way in named:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 
+from grammar_lang.files.file_tree import visible
 from srgc.imports.module_set import (
     Body,
     Dof,
@@ -16,11 +17,13 @@ from srgc.imports.module_set import (
     acts,
     joined,
 )
-from srgc.imports.names import Names
+from srgc.imports.names import Names, is_legible
 from srgc.imports.urdf.link_parts import LinkParts
 
 MEMBERS = ("in", "out", "q", "s", "sx", "sy")
 """Names that modules have for other things than links."""
+MOVED = ("turned", "moved")
+"""Frames of links that joints carry."""
 
 
 @dataclass(slots=True)
@@ -70,6 +73,13 @@ class RigidPart:
     def place_of(self, joint: str) -> Placement:
         """Where a joint that leaves the part begins."""
         return self.places[joint]
+
+    def called(self) -> Iterator[str]:
+        """The links as the file calls them, with their frames where that is not plain to see."""
+        named = {frame.name for frame in self.named}
+        for link, frame in self.links.items():
+            shown = frame in named and frame not in MOVED and not is_legible(link)
+            yield f"{visible(link)} (`{frame}`)" if shown else visible(link)
 
     def frame(self, wanted: str, place: Placement) -> str:
         """The name of a frame; that of its base where it is the same frame."""

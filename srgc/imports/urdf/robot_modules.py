@@ -16,7 +16,7 @@ from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import visible
 from srgc.faults import UsageFault
 from srgc.imports.module_set import Family, Frame, Module, ModuleSet, Placement, Port, Role
-from srgc.imports.names import Names
+from srgc.imports.names import Names, legible
 from srgc.imports.urdf.joint_motion import JointMotion, JointMotions
 from srgc.imports.urdf.link_parts import LinkParts
 from srgc.imports.urdf.rigid_part import RigidPart
@@ -96,12 +96,12 @@ class RobotModules:
                 else:
                     child = self.robot.joints[joint].child
                     steps = (*origin, *motion.steps)
-                    due.append((child, part.frame(_snake(child), Placement(frame, steps))))
+                    due.append((child, part.frame(_snake(child, "link"), Placement(frame, steps))))
 
     def _short(self, link: str) -> str:
         """The name of a link without that of the robot before and `link` behind."""
-        plain = _snake(link)
-        begun = f"{_snake(self.robot.name)}_"
+        plain = _snake(link, "link")
+        begun = f"{_snake(self.robot.name, 'robot')}_"
         plain = plain.removeprefix(begun)
         shorter = plain.removesuffix("_link")
         return shorter or plain
@@ -151,7 +151,7 @@ class RobotModules:
                 "effector",
                 [port],
                 effectors=[Placement("in")],
-                comments=[f"The frame of link {_plain(link)}."],
+                comments=[f"The frame of link {visible(link)}."],
             )
 
     # --- From parts to modules --------------------------------------------------------------------
@@ -164,14 +164,14 @@ class RobotModules:
         leads = [("joint", *each) for each in part.outputs.items()]
         leads += [("link", *each) for each in part.tips.items()]
         for kind, lead, place in leads:
-            name = "out" if len(leads) == 1 else part.names.name(f"to_{_snake(lead)}")
+            name = "out" if len(leads) == 1 else part.names.name(f"to_{_snake(lead, kind)}")
             ports.append(Port(name, self._type(kind, lead)))
             part.named.append(Frame(name, place))
         part.inline({port.name for port in ports})
-        links = ", ".join(map(_plain, part.links))
+        links = ", ".join(part.called())
         many = "links" if len(part.links) > 1 else "link"
         said = f"{many} {links}"
-        joint = "" if part.joint is None else f"joint {_plain(part.joint)}; "
+        joint = "" if part.joint is None else f"joint {visible(part.joint)}; "
         said = f"{joint}{said}"
         return Module(
             part.name,
@@ -188,7 +188,7 @@ class RobotModules:
         """The type of the ports where a joint, or the tip at a link, begins: each has its own."""
         key = (kind, lead)
         if key not in self.types:
-            wanted = f"{self.prefix}_{_camel(_snake(lead).removesuffix('_joint'))}"
+            wanted = f"{self.prefix}_{_camel(_snake(lead, kind).removesuffix('_joint'))}"
             self.types[key] = self.type_names.name(wanted)
         return self.types[key]
 
@@ -216,13 +216,9 @@ def _rank(link: str) -> int:
     return next((rank for rank, word in enumerate(_LIKELY) if word in words), len(_LIKELY))
 
 
-def _snake(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "_"
+def _snake(name: str, otherwise: str) -> str:
+    return re.sub("_+", "_", legible(name, otherwise)) or "_"
 
 
 def _camel(name: str) -> str:
     return "".join(word[:1].upper() + word[1:] for word in name.split("_")) or "Part"
-
-
-def _plain(name: str) -> str:
-    return visible(name)

@@ -12,7 +12,7 @@ from grammar_lang.files.file_tree import visible
 from grammar_lang.parsing.tables import RESERVED
 from srgc.faults import UsageFault
 from srgc.imports.module_set import Frame, Module, ModuleSet, Motion, Placement, Port, Role
-from srgc.imports.names import Names
+from srgc.imports.names import Names, is_legible, legible
 from srgc.imports.urdf.joint_motion import JointMotion, JointMotions
 from srgc.imports.urdf.link_parts import LinkParts
 from srgc.imports.urdf.rigid_part import MEMBERS, RigidPart
@@ -23,6 +23,7 @@ USUAL = "Flange"
 """The type of ports where none is said."""
 
 Gender = Literal["male", "female"]
+_PORT = re.compile(r"([A-Za-z_]\w*)=([^:]+):([A-Za-z_]\w*)(?::(male|female))?", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +84,7 @@ class SingleModule:
             part.bodies,
             part.shapes,
             effectors=[] if outputs else [Placement(last)],
-            comments=[f"Links {', '.join(map(visible, part.links))}."],
+            comments=[f"Links {', '.join(part.called())}."],
         )
         return ModuleSet(modules=[module], remarks=self.remarks)
 
@@ -126,7 +127,7 @@ class SingleModule:
         ]
         for link in ends:
             frame = part.links[link]
-            wanted = "out" if len(ends) == 1 else _word(link)
+            wanted = "out" if len(ends) == 1 else _word(link, "link")
             name = frame if frame == wanted != "in" else self.names.name(wanted)
             yield _Said(name, link, USUAL, None)
         if not ends:
@@ -136,7 +137,8 @@ class SingleModule:
 
     def _collect(self, part: RigidPart, outputs: dict[str, str]) -> None:
         """All links, from the root on; degrees of freedom have names of their own."""
-        self.names.given |= set(outputs.values())
+        for output in outputs.values():
+            self.names.take(output)
         due = [(self.robot.root, "in")]
         while due:
             link, frame = due.pop(0)
@@ -151,14 +153,14 @@ class SingleModule:
                     part.named.append(Frame(outputs[child], place))
                     due.append((child, outputs[child]))
                 else:
-                    due.append((child, part.frame(_word(child), place)))
+                    due.append((child, part.frame(_word(child, "link"), place)))
 
     def _named(self, motion: JointMotion, joint: str) -> JointMotion:
         """Degrees of freedom called after their joints, where there are several."""
         moving = sum(each.type not in ("fixed", "floating") for each in self.robot.joints.values())
         if moving <= 1:
             return motion
-        short = _word(joint).removesuffix("_joint")
+        short = _word(joint, "joint").removesuffix("_joint")
         names = {
             dof.name: self.names.name(short if len(motion.dofs) == 1 else f"{short}_{dof.name}")
             for dof in motion.dofs
@@ -166,12 +168,15 @@ class SingleModule:
         steps = tuple(
             Motion(names[step.dof]) if isinstance(step, Motion) else step for step in motion.steps
         )
-        return JointMotion(tuple(replace(dof, name=names[dof.name]) for dof in motion.dofs), steps)
+        comment = "" if is_legible(joint) else f"joint {visible(joint)}"
+        return JointMotion(
+            tuple(replace(dof, name=names[dof.name], comment=comment) for dof in motion.dofs), steps
+        )
 
 
 def _port(text: str, robot: UrdfRobot) -> _Said:
     """A port ``NAME=LINK:TYPE`` or ``NAME=LINK:TYPE:GENDER``."""
-    known = re.fullmatch(r"([A-Za-z_]\w*)=([^:]+):([A-Za-z_]\w*)(?::(male|female))?", text)
+    known = _PORT.fullmatch(text)
     if known is None:
         raise UsageFault(f"--port {text}: {FORM}")
     name, link, kind, gender = known.groups()
@@ -185,5 +190,5 @@ def _port(text: str, robot: UrdfRobot) -> _Said:
     return _Said(name, link, kind, cast("Gender | None", gender))
 
 
-def _word(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "_"
+def _word(name: str, otherwise: str) -> str:
+    return re.sub("_+", "_", legible(name, otherwise)) or "_"

@@ -17,7 +17,7 @@ from srgc.imports.urdf.link_parts import LinkParts
 from srgc.imports.urdf.robot_model import UrdfRobot, robot_model
 from srgc.imports.urdf.robot_modules import RobotModules
 from srgc.imports.urdf.xacro_source import expanded_xacro
-from srgc.imports.written_import import Imported
+from srgc.imports.written_import import Imported, mesh_folder
 from srgc.version import VERSION
 
 
@@ -35,6 +35,7 @@ def urdf_import(
     arguments: Sequence[str] = (),
     pieces: int | None = None,
     detail: float | None = None,
+    stem: str | None = None,
 ) -> Imported:
     """The spec of a robot, whose one word it is; or of one module.
 
@@ -51,6 +52,8 @@ def urdf_import(
         arguments: of a xacro file, each ``NAME:=VALUE``.
         pieces: at most so many convex pieces of a mesh.
         detail: what they may add to its volume, as a share.
+        stem: how the spec is called, without its end, after which the folder of meshes is; the
+            robot if None.
 
     Raises:
         UsageFault: the file cannot be read, or an option does not fit it.
@@ -67,8 +70,9 @@ def urdf_import(
     robot = robot_model(data, file, expanded=is_xacro)
     held = held_values(robot, fixed)
     remarks = list[str]()
-    prefix = Names().camel(name or robot.name)
-    meshes = BodyMeshes(files, f"{prefix.lower()}_meshes", remarks, pieces, detail)
+    prefix = Names().camel(name or robot.name, "Robot")
+    folder = mesh_folder(stem or prefix.lower())
+    meshes = BodyMeshes(files, folder, remarks, pieces, detail)
     parts = LinkParts(robot, meshes, density, remarks)
     beside = joint_file(files, robot, remarks)
     motions = JointMotions(robot, held, remarks, beside.drives if beside else {})

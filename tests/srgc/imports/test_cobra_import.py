@@ -266,7 +266,7 @@ def test_a_mesh_is_pieces_that_the_workspace_names(
     assert ran.status == 0
     assert "convex pieces that hold every triangle" in ran.err
     text = spec.read_text(encoding="utf-8")
-    assert 'obstacles from "obstacles/Machine.obj" at move((340, 0, 0) mm);' in text
+    assert 'obstacles from "mill_meshes/Machine.obj" at move((340, 0, 0) mm);' in text
     assert {each.code.value for each in interface.check(spec)} <= ACCEPTED
 
 

@@ -165,9 +165,9 @@ def test_doubles_never_contradict_integers(seed, monkeypatch):
     triangles = rng.integers(0, 120, size=(60, 3))
     quick = [each.triangle for each in uncovered(vertices, triangles, pieces)]
     assert 0 < len(quick) < 60
-    monkeypatch.setattr(containment, "_surely_in_two", lambda _: False)
+    monkeypatch.setattr(containment, "in_two", lambda sides, _: np.zeros(len(sides), dtype=bool))
     monkeypatch.setattr(containment, "_surely_covered", lambda _: False)
-    nothing = staticmethod(lambda points: np.zeros(len(points), dtype=bool))
-    monkeypatch.setattr(containment._Heights, "surely_hold", nothing)
+    nothing = staticmethod(lambda *given: np.zeros(len(given[-1]), dtype=bool))
+    monkeypatch.setattr(containment.Heights, "hold", nothing)
     whole = [each.triangle for each in uncovered(vertices, triangles, pieces)]
     assert quick == whole

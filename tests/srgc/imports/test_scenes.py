@@ -121,10 +121,10 @@ def test_a_mesh_of_moveit_is_pieces_that_hold_it(tmp_path):
     lines += [" ".join(map(str, row)) for row in ring.faces.tolist()]
     path = scene_file(tmp_path, obj("ring", "\n".join(lines), own="1 0 0\n0 0 0 1\n"))
     imported = scene_import(path)
-    assert list(imported.files) == ["obstacles/ring.obj"]
+    assert list(imported.files) == ["cell_meshes/ring.obj"]
     (found,) = regions(tmp_path, imported).maps
     assert found.name == "ring"
-    _, *blocks = imported.files["obstacles/ring.obj"].decode().split("\no ")
+    _, *blocks = imported.files["cell_meshes/ring.obj"].decode().split("\no ")
     parts = [
         hull([line.split()[1:] for line in block.split("\n") if line[:2] == "v "])
         for block in blocks
@@ -366,12 +366,8 @@ def test_an_stl_in_millimetres_at_a_place(tmp_path):
     assert "workspace BigCell {" in imported.text
     ((name, found),) = named(regions(tmp_path, imported)).items()
     assert name == "_2nd_part"
-    # 0.1 in doubles is more than 1/10, so a step of the grid is added there.
-    step = Fraction(1, 10**5)
     due = [(50, 60), (0, 5), (10, Fraction(25, 2))]
-    for (lower, upper), (low, high) in zip(sides(found), due, strict=True):
-        assert Fraction(low, 100) - step <= lower <= Fraction(low, 100)
-        assert Fraction(high) / 100 <= upper <= Fraction(high) / 100 + step
+    assert sides(found) == [(Fraction(low, 100), Fraction(high) / 100) for low, high in due]
 
 
 def test_the_command_writes_a_clean_spec(srgc, tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from srgc.faults import UsageFault
-from srgc.imports.written_import import Imported, write_import
+from srgc.imports.written_import import Imported, mesh_folder, write_import
 
 MESH = "arm_meshes/part.obj"
 
@@ -35,3 +35,39 @@ def test_force_replaces_the_meshes_of_the_spec(tmp_path):
         write_import(spec_with(b"second"), tmp_path / "one.srg", force=False)
     write_import(spec_with(b"second"), tmp_path / "one.srg", force=True)
     assert (tmp_path / MESH).read_bytes() == b"second"
+
+
+def bent(size):
+    """A sheet of two triangles across an edge, which two pieces hold."""
+    corners = f"v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv {size} {size} {size}\n"
+    other = corners.replace("v ", "v 9")
+    return f"{corners}f 1 2 3\nf 2 4 3\n{other}f 5 6 7\nf 6 8 7\n"
+
+
+@pytest.mark.parametrize("kind", ["scene", "urdf"])
+def test_imports_of_one_name_beside_each_other(kind, tmp_path, srgc):
+    """Each has a folder of meshes that is called like its spec."""
+    for name, size in (("one", 1), ("two", 2)):
+        source = tmp_path / f"from_{name}"
+        source.mkdir()
+        (source / "part.obj").write_text(bent(size))
+        collision = '<collision><geometry><mesh filename="part.obj"/></geometry></collision>'
+        robot = f'<robot name="r"><link name="a">{collision}</link></robot>'
+        (source / "r.urdf").write_text(robot)
+        file = source / ("part.obj" if kind == "scene" else "r.urdf")
+        ran = srgc("import", kind, file, "-o", tmp_path / f"{name}.srg")
+        assert ran.status == 0, ran.err
+        folder = tmp_path / f"{name}_meshes"
+        assert f"{folder}: " in ran.out
+        assert folder.is_dir()
+        assert f'"{name}_meshes/' in (tmp_path / f"{name}.srg").read_text()
+    assert not (tmp_path / "obstacles").exists()
+
+
+@pytest.mark.parametrize(
+    ("stem", "folder"),
+    [("ur5", "ur5_meshes"), ("my cell", "my cell_meshes"), ('a"b\\c\nd', "a_b_c_d_meshes"),
+     ("база", "база_meshes"), ("\udcff", "__meshes")],
+)  # fmt: skip
+def test_folders_are_called_like_specs(stem, folder):
+    assert mesh_folder(stem) == folder

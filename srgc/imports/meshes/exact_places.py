@@ -1,0 +1,147 @@
+"""Where the vertices of a mesh are exactly: the rationals that its file says, scaled and placed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from srgc.imports.meshes.mesh import Floats, Ints
+    from srgc.imports.source_fault import SourceFault
+
+Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
+Axis: TypeAlias = tuple[int, Fraction, Fraction]
+"""A coordinate is that of an axis of the file, times a factor, plus a shift."""
+SHORT, LONGEST = 15, 400
+"""Of so many characters a decimal is told by its double; of more than the second none is read."""
+SMALLEST = -400
+"""Decimals below ten to this power are 0."""
+NEAR = 2.0**-50
+"""What scaling and shifting in doubles are off by, as a share of what is added."""
+_ONE, _NONE = Fraction(1), Fraction(0)
+_PLAIN: tuple[Axis, Axis, Axis] = ((0, _ONE, _NONE), (1, _ONE, _NONE), (2, _ONE, _NONE))
+
+
+@dataclass(frozen=True, slots=True)
+class ExactPlaces:
+    """The vertices of a mesh as rationals.
+
+    Attributes:
+        read: (n, 3), the numbers of the file in doubles.
+        binary: whether these are the numbers; else they stand for the shortest decimals that are
+            read as them, which are those of a text with up to fifteen digits.
+        longer: by row and column decimals that have more, and are others.
+        axes: for each coordinate where it is read, and what becomes of it.
+    """
+
+    read: Floats
+    binary: bool = False
+    longer: Mapping[tuple[int, int], Fraction] = field(default_factory=dict)
+    axes: tuple[Axis, Axis, Axis] = _PLAIN
+
+    def of(self, number: int) -> Point:
+        """A vertex."""
+        x, y, z = (
+            factor * self._read(number, column) + shift for column, factor, shift in self.axes
+        )
+        return x, y, z
+
+    def _read(self, row: int, column: int) -> Fraction:
+        value = float(self.read[row, column])
+        if self.binary:
+            return Fraction(value)
+        found = self.longer.get((row, column))
+        return rational(value) if found is None else found
+
+    def vertices(self) -> Floats:
+        """All of them (n, 3) in doubles; each coordinate is within :meth:`slack` of its place."""
+        columns: list[Floats] = []
+        for column, factor, shift in self.axes:
+            values = self.read[:, column]
+            columns.append(values if factor == 1 else values * float(factor))
+            if shift:
+                columns[-1] = columns[-1] + float(shift)
+        return np.column_stack(columns)
+
+    def slack(self) -> float:
+        """How far a coordinate of :meth:`vertices` is from its place at most."""
+        if self.binary and all(factor == 1 and not shift for _, factor, shift in self.axes):
+            return 0.0
+        most = np.abs(self.read).max(axis=0, initial=0.0)
+        sizes = [abs(float(k)) * float(most[column]) + abs(float(s)) for column, k, s in self.axes]
+        return NEAR * max(sizes) + 1e-300
+
+    def part(self, numbers: Ints) -> ExactPlaces:
+        """Those of some rows."""
+        if not self.longer:
+            return replace(self, read=self.read[numbers])
+        longer = {
+            (row, column): self.longer[number, column]
+            for row, number in enumerate(numbers.tolist())
+            for column in range(3)
+            if (number, column) in self.longer
+        }
+        return replace(self, read=self.read[numbers], longer=longer)
+
+    def scaled(self, factors: Sequence[Fraction]) -> ExactPlaces:
+        """Them with each coordinate times a factor."""
+        x, y, z = (
+            (column, factor * by, shift * by)
+            for (column, factor, shift), by in zip(self.axes, factors, strict=True)
+        )
+        return replace(self, axes=(x, y, z))
+
+    def placed(self, turn: Floats, shift: Sequence[Fraction]) -> ExactPlaces:
+        """Them after a turn by right angles (3, 3), of entries -1, 0 and 1, and a shift."""
+        axes = list[Axis]()
+        for row, by in zip(turn.tolist(), shift, strict=True):
+            (place,) = (i for i, entry in enumerate(row) if entry)
+            column, factor, before = self.axes[place]
+            sign = int(row[place])
+            axes.append((column, sign * factor, sign * before + by))
+        x, y, z = axes
+        return replace(self, axes=(x, y, z))
+
+
+def rational(value: float) -> Fraction:
+    """The shortest decimal that is read as a finite double."""
+    return Fraction(repr(float(value)))
+
+
+def exact_decimal(word: str) -> Fraction:
+    """The decimal of a text of at most :data:`LONGEST` characters that ``float`` reads.
+
+    Raises:
+        ValueError: it is longer.
+    """
+    if len(word) > LONGEST:
+        raise ValueError(f"a number of more than {LONGEST} characters")
+    number = Decimal(word)
+    return Fraction(number) if number.adjusted() > SMALLEST else _NONE
+
+
+def longer_decimals(
+    rows: Iterable[Sequence[str]], read: Floats, fault: Callable[[str], SourceFault]
+) -> dict[tuple[int, int], Fraction]:
+    """By row and column the decimals of texts that are not those of their doubles (n, m).
+
+    Raises:
+        SourceFault: a number is too long.
+    """
+    found = dict[tuple[int, int], Fraction]()
+    for row, words in enumerate(rows):
+        for column, word in enumerate(words):
+            if len(word) <= SHORT:
+                continue
+            try:
+                exact = exact_decimal(word)
+            except ValueError as error:
+                raise fault(str(error)) from None
+            if exact != rational(read[row, column]):
+                found[row, column] = exact
+    return found

@@ -1,0 +1,115 @@
+"""How far points are beyond the planes of a convex piece: in doubles with a bound, and exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from srgc.imports.meshes.convex_piece import ROUNDING, ConvexPiece, Plane
+from srgc.imports.meshes.exact_places import ExactPlaces, Point
+from srgc.imports.meshes.mesh import Bools, Floats, Ints
+
+
+class Crossing(NamedTuple):
+    """The planes of a piece that a triangle may be beyond, with the heights of its corners (3, f).
+
+    It is surely within all others.
+    """
+
+    planes: tuple[Plane, ...]
+    unit: Fraction
+    heights: Floats
+    doubt: Floats
+
+
+class Heights:
+    """How far points are beyond the planes of a piece, in doubles, and how sure that is."""
+
+    def __init__(self, piece: ConvexPiece, shift: float = 0.0) -> None:
+        """Of points that are within ``shift`` of theirs in each coordinate, in metres."""
+        self.piece, self.shift = piece, shift
+        self.scale = 10.0**piece.digits
+        planes = np.array(piece.planes, dtype=object)
+        self.origin = np.array([float(x) for x in piece.corners[0]])
+        # Offsets from a corner, in integers: heights are no differences of large numbers then.
+        local = planes[:, 3] - planes[:, :3] @ np.array(piece.corners[0], dtype=object)
+        self.normals = planes[:, :3].astype(np.float64)
+        self.offsets = local.astype(np.float64)
+        self.weights = np.abs(self.normals).sum(axis=1)
+        points = np.array(piece.corners, dtype=np.float64) / self.scale
+        slack = 1e-9 * np.abs(points).max() + 2 * shift + 1e-300
+        self.lower, self.upper = points.min(axis=0) - slack, points.max(axis=0) + slack
+
+    def of(self, points: Floats) -> tuple[Floats, Floats]:
+        """Heights (n, f) of points (n, 3) over the planes, and bounds of their errors."""
+        scaled = points * self.scale
+        local = scaled - self.origin
+        size = (np.abs(scaled) + np.abs(self.origin)).max(axis=1, initial=0.0) + 1.0
+        found = local @ self.normals.T - self.offsets
+        doubt = ROUNDING * (size[:, None] * self.weights + np.abs(self.offsets))
+        return found, doubt + 2 * self.shift * self.scale * self.weights
+
+    def surely_hold(self, points: Floats) -> Bools:
+        """Whether each of the points (n, 3) is surely in the piece."""
+        held: Bools = ((points >= self.lower) & (points <= self.upper)).all(axis=1)
+        near = np.flatnonzero(held)
+        found, doubt = self.of(points[near])
+        held[near] = (found <= -doubt).all(axis=1)
+        return held
+
+    def around(self, lower: Floats, upper: Floats) -> Ints:
+        """The numbers of those boxes (m, 3) that are in the box about the piece."""
+        near = (lower >= self.lower) & (upper <= self.upper)
+        return np.flatnonzero(near.all(axis=1))
+
+    def hold(self, vertices: Floats, places: ExactPlaces, triangles: Ints) -> Bools:
+        """Which triangles (m, 3) have all their corners in the piece, exactly."""
+        used, corners = np.unique(triangles, return_inverse=True)
+        corners = corners.reshape(-1, 3)
+        points = vertices[used]
+        within = np.flatnonzero(((points >= self.lower) & (points <= self.upper)).all(axis=1))
+        found, doubt = self.of(points[within])
+        sure = np.zeros(len(used), dtype=bool)
+        sure[within] = (found <= -doubt).all(axis=1)
+        may = np.zeros(len(used), dtype=bool)
+        may[within] = (found <= doubt).all(axis=1)
+        open_to = np.zeros(len(used), dtype=bool)
+        open_to[corners[may[corners].all(axis=1)]] = True
+        beyond: Bools = np.greater(found, -doubt)
+        for row in np.flatnonzero((open_to & may & ~sure)[within]).tolist():
+            point = places.of(int(used[within[row]]))
+            sure[within[row]] = all(
+                self._holds(self.piece.planes[i], point) for i in np.flatnonzero(beyond[row])
+            )
+        held: Bools = np.logical_and.reduce(sure[corners], axis=1)
+        return held
+
+    def _holds(self, plane: Plane, point: Point) -> bool:
+        a, b, c, d = plane
+        x, y, z = point
+        return bool((a * x + b * y + c * z) * 10**self.piece.digits <= d)
+
+    def over(self, sides: Floats) -> tuple[Floats, Floats]:
+        """Heights (n, 3, f) of the corners of triangles (n, 3, 3), and bounds of errors (n, f).
+
+        The bounds are those of means of the corners, too.
+        """
+        found, doubts = self.of(sides.reshape(-1, 3))
+        found = found.reshape(len(sides), 3, len(self.offsets))
+        doubt = doubts.reshape(found.shape).max(axis=1) + ROUNDING * np.abs(found).max(axis=1)
+        return found, doubt
+
+    def crossings(self, numbers: Ints, sides: Floats) -> Iterator[tuple[int, Crossing]]:
+        """How triangles (n, 3, 3) meet the piece, with their numbers; not those surely apart."""
+        found, doubt = self.over(sides)
+        apart = np.greater(found, doubt[:, None]).all(axis=1).any(axis=1)
+        crossed = np.greater(found, -doubt[:, None]).any(axis=1)
+        unit = Fraction(1, 10**self.piece.digits)
+        for row in np.flatnonzero(~apart).tolist():
+            chosen = np.flatnonzero(crossed[row])
+            planes = tuple(self.piece.planes[i] for i in chosen.tolist())
+            crossing = Crossing(planes, unit, found[row][:, chosen], doubt[row][chosen])
+            yield int(numbers[row]), crossing

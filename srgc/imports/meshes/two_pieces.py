@@ -1,0 +1,122 @@
+"""Triangles that two convex pieces hold together: many at once, in doubles that are sure.
+
+A point is in neither piece if and only if it is beyond a plane of either.  By the minimax theorem
+no point of a triangle is beyond both planes if and only if a mean of their heights is at most zero
+at all three corners.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from srgc.imports.meshes.convex_piece import ROUNDING
+from srgc.imports.meshes.mesh import Bools, Floats, Ints
+from srgc.imports.meshes.plane_heights import Heights
+
+TRIED = 3
+"""Two of so many pieces are tried that hold the most corners of a triangle."""
+PLANES = 6
+"""Pieces that a triangle may be beyond more planes of are not tried."""
+BLOCK = 4096
+"""So many triangles are looked at together."""
+
+
+def in_two(sides: Floats, pieces: Sequence[Heights]) -> Bools:
+    """Which triangles (n, 3, 3) are surely held by two pieces together; False says nothing."""
+    found = np.zeros(len(sides), dtype=bool)
+    for start in range(0, len(sides), BLOCK):
+        block = slice(start, start + BLOCK)
+        found[block] = _block(sides[block], pieces)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Met:
+    """Pairs of a triangle and a piece, with the planes that it may be beyond.
+
+    ``heights`` (m, 3, p) are those of its corners, ``doubts`` (m, p) bounds of their errors, and
+    ``valid`` (m, p) says where there is a plane.
+    """
+
+    triangles: Ints
+    inside: Ints
+    heights: Floats
+    doubts: Floats
+    valid: Bools
+
+
+def _block(sides: Floats, pieces: Sequence[Heights]) -> Bools:
+    lower, upper = sides.min(axis=1), sides.max(axis=1)
+    met = [*_meetings(sides, lower, upper, pieces)]
+    found = np.zeros(len(sides), dtype=bool)
+    if not met:
+        return found
+    triangles = np.concatenate([each.triangles for each in met])
+    inside = np.concatenate([each.inside for each in met])
+    heights = np.concatenate([each.heights for each in met])
+    doubts = np.concatenate([each.doubts for each in met])
+    valid = np.concatenate([each.valid for each in met])
+    table = _likely(triangles, inside, len(sides))
+    for one, other in combinations(range(TRIED), 2):
+        due = np.flatnonzero(~found & (table[:, one] >= 0) & (table[:, other] >= 0))
+        first, second = table[due, one], table[due, other]
+        within = _union_holds(heights[first], doubts[first], heights[second], doubts[second])
+        within |= ~valid[first][:, :, None] | ~valid[second][:, None, :]
+        found[due] = within.all(axis=(1, 2))
+    return found
+
+
+def _meetings(
+    sides: Floats, lower: Floats, upper: Floats, pieces: Sequence[Heights]
+) -> Iterator[_Met]:
+    for each in pieces:
+        near = np.flatnonzero(((lower <= each.upper) & (upper >= each.lower)).all(axis=1))
+        if not len(near):
+            continue
+        over, doubt = each.over(sides[near])
+        apart = np.greater(over, doubt[:, None]).all(axis=1).any(axis=1)
+        crossed = np.greater(over, -doubt[:, None]).any(axis=1)
+        rows = np.flatnonzero(~apart & (crossed.sum(axis=1) <= PLANES))
+        order = np.argsort(~crossed[rows], axis=1, kind="stable")[:, :PLANES]
+        missing = PLANES - order.shape[1]
+        chosen = np.take_along_axis(over[rows], order[:, None], axis=2)
+        yield _Met(
+            near[rows],
+            np.less_equal(over[rows], -doubt[rows][:, None]).all(axis=2).sum(axis=1),
+            np.pad(chosen, ((0, 0), (0, 0), (0, missing))),
+            np.pad(np.take_along_axis(doubt[rows], order, axis=1), ((0, 0), (0, missing))),
+            np.pad(np.take_along_axis(crossed[rows], order, axis=1), ((0, 0), (0, missing))),
+        )
+
+
+def _likely(triangles: Ints, inside: Ints, count: int) -> Ints:
+    """For each triangle the rows (count, TRIED) that hold most of its corners; -1 for none."""
+    order = np.lexsort((np.arange(len(triangles)), -inside, triangles))
+    owner = triangles[order]
+    rank = np.arange(len(order)) - np.searchsorted(owner, owner)
+    kept = rank < TRIED
+    table = np.full((count, TRIED), -1)
+    table[owner[kept], rank[kept]] = order[kept]
+    return table
+
+
+def _union_holds(one: Floats, doubt: Floats, other: Floats, other_doubt: Floats) -> Bools:
+    """Which planes (m, p, q) of two pieces no point of a triangle is beyond both of."""
+    a, b = one[:, :, :, None], other[:, :, None, :]
+    bound = doubt[:, :, None] + other_doubt[:, None, :]
+    bound = bound + ROUNDING * (np.abs(a).max(axis=1) + np.abs(b).max(axis=1))
+    # The share s of the first that makes s a + (1 - s) b least at the worst corner lies between
+    # bounds that the corners give; any is sound, since the mean is looked at again.
+    slope, rest = a - b, -b - bound[:, None]
+    with np.errstate(all="ignore"):
+        limit = rest / slope
+    most = np.where(slope > 0, limit, 1.0).min(axis=1)
+    least = np.where(slope < 0, limit, 0.0).max(axis=1)
+    share = np.clip((np.clip(least, 0.0, 1.0) + np.clip(most, 0.0, 1.0)) / 2, 0.0, 1.0)
+    mean = share[:, None] * a + (1 - share[:, None]) * b
+    held: Bools = np.less_equal(mean, -bound[:, None]).all(axis=1)
+    return held
