@@ -105,8 +105,9 @@ class Heights:
     def crossings(self, numbers: Ints, sides: Floats) -> Iterator[tuple[int, Crossing]]:
         """How triangles (n, 3, 3) meet the piece, with their numbers; not those surely apart."""
         found, doubt = self.over(sides)
-        apart = np.greater(found, doubt[:, None]).all(axis=1).any(axis=1)
-        crossed = np.greater(found, -doubt[:, None]).any(axis=1)
+        above: Bools = found > doubt[:, None]
+        beyond: Bools = found > -doubt[:, None]
+        apart, crossed = above.all(axis=1).any(axis=1), beyond.any(axis=1)
         unit = Fraction(1, 10**self.piece.digits)
         for row in np.flatnonzero(~apart).tolist():
             chosen = np.flatnonzero(crossed[row])

@@ -78,15 +78,16 @@ def _meetings(
         if not len(near):
             continue
         over, doubt = each.over(sides[near])
-        apart = np.greater(over, doubt[:, None]).all(axis=1).any(axis=1)
-        crossed = np.greater(over, -doubt[:, None]).any(axis=1)
+        above: Bools = over > doubt[:, None]
+        beyond: Bools = over > -doubt[:, None]
+        apart, crossed = above.all(axis=1).any(axis=1), beyond.any(axis=1)
         rows = np.flatnonzero(~apart & (crossed.sum(axis=1) <= PLANES))
         order = np.argsort(~crossed[rows], axis=1, kind="stable")[:, :PLANES]
         missing = PLANES - order.shape[1]
         chosen = np.take_along_axis(over[rows], order[:, None], axis=2)
         yield _Met(
             near[rows],
-            np.less_equal(over[rows], -doubt[rows][:, None]).all(axis=2).sum(axis=1),
+            (~beyond[rows]).all(axis=2).sum(axis=1),
             np.pad(chosen, ((0, 0), (0, 0), (0, missing))),
             np.pad(np.take_along_axis(doubt[rows], order, axis=1), ((0, 0), (0, missing))),
             np.pad(np.take_along_axis(crossed[rows], order, axis=1), ((0, 0), (0, missing))),
