@@ -107,7 +107,8 @@ class Heights:
         found, doubt = self.over(sides)
         above: Bools = found > doubt[:, None]
         beyond: Bools = found > -doubt[:, None]
-        apart, crossed = above.all(axis=1).any(axis=1), beyond.any(axis=1)
+        apart: Bools = np.logical_or.reduce(np.logical_and.reduce(above, axis=1), axis=1)
+        crossed: Bools = np.logical_or.reduce(beyond, axis=1)
         unit = Fraction(1, 10**self.piece.digits)
         for row in np.flatnonzero(~apart).tolist():
             chosen = np.flatnonzero(crossed[row])

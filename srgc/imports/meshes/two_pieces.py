@@ -80,7 +80,8 @@ def _meetings(
         over, doubt = each.over(sides[near])
         above: Bools = over > doubt[:, None]
         beyond: Bools = over > -doubt[:, None]
-        apart, crossed = above.all(axis=1).any(axis=1), beyond.any(axis=1)
+        apart: Bools = np.logical_or.reduce(np.logical_and.reduce(above, axis=1), axis=1)
+        crossed: Bools = np.logical_or.reduce(beyond, axis=1)
         rows = np.flatnonzero(~apart & (crossed.sum(axis=1) <= PLANES))
         order = np.argsort(~crossed[rows], axis=1, kind="stable")[:, :PLANES]
         missing = PLANES - order.shape[1]
