@@ -37,7 +37,7 @@ def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebu
     """
     if task.origin is not None:
         raise UsageFault(
-            f"task `{task.name}` says by `from` which robot there is, and {folder} has another "
+            f"task `{task.name}` gives a robot by `from`, but {folder} has another "
             "one: remove `from` from the task"
         )
     place = _last_robot(folder)

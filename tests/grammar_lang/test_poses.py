@@ -51,7 +51,7 @@ def test_poses_of_a_reach() -> None:
 @pytest.mark.parametrize(
     ("clauses", "said"),
     [
-        ("reach T aligned z to (0, 1) within 5 deg;", "is across the plane"),
+        ("reach T aligned z to (0, 1) within 5 deg;", "is perpendicular to the plane"),
         ("reach T aligned x to (0, 0) within 5 deg;", "a direction is not zero"),
         ("reach T aligned x to (0, 1, 0) within 5 deg;", "expected 2 coordinates"),
         ("reach T aligned x to (0, 1) m within 5 deg;", "expected a plain number"),
@@ -96,7 +96,7 @@ def test_poses_of_atoms() -> None:
 @pytest.mark.parametrize(
     ("atom", "said"),
     [
-        ("T aligned z to (0, 1) within 5 deg", "is across the plane"),
+        ("T aligned z to (0, 1) within 5 deg", "is perpendicular to the plane"),
         ("T aligned x to (0, 0) within 5 deg", "a direction is not zero"),
         ("T oriented move(x, 3 m) within 1", "turned, not moved"),
         ("T aligned x to (0, 1) within 0", "not between zero and a half turn"),
