@@ -27,7 +27,7 @@ def decimal_text(value: float | Decimal) -> str:
     """A number with at most twelve decimals, or digits where it is small, without an exponent."""
     number = value if isinstance(value, Decimal) else Decimal(repr(float(value)))
     if not number.is_finite():
-        raise ValueError(f"{value} is no finite number")
+        raise ValueError(f"{value} is not a finite number")
     rounded = number.quantize(_DECIMALS) if abs(number) < 1 else _significant(number)
     text = f"{rounded.normalize():f}"
     return "0" if text in ("-0", "") else text

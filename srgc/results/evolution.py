@@ -68,7 +68,7 @@ def refuse_inside(output: Path, folder: Path) -> None:
     new, old = output.resolve(), folder.resolve()
     if new == old or old in new.parents or new in old.parents:
         raise UsageFault(
-            f"{output} and {folder}, which has the robot that there is, are one folder or one in "
+            f"{output} and {folder}, which has the existing robot, are one folder or one in "
             "the other: an interrupted run would lose that robot; name another place",
             Argument(" with -o", " as `output`"),
         )

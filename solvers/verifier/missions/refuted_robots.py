@@ -151,7 +151,7 @@ def replayed(family: RobotFamily, labels: Labels) -> Derivation:
     try:
         return family.replay(labels)
     except BadDerivation as error:
-        raise FalseClaim(f"`{' '.join(labels)}` is no derivation: {error}") from None
+        raise FalseClaim(f"`{' '.join(labels)}` is not a derivation: {error}") from None
 
 
 # --- Boxes of parameters --------------------------------------------------------------------------

@@ -59,7 +59,7 @@ def _most_bytes(path: Path) -> int:
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        message = "by the end of its name it is no mesh that is read here"
+        message = "its file extension is not that of a supported mesh"
         known = "known: STL (.stl), OBJ (.obj), COLLADA (.dae), binary glTF (.glb)"
         raise file_fault(path, message, known)
     return XML_LIMIT if suffix == ".dae" else LIMIT
@@ -103,7 +103,7 @@ def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
     if not np.isfinite(vertices).all():
         bad = int(np.argmin(np.isfinite(vertices).all(axis=1)))
-        raise file_fault(path, f"vertex {bad + 1} has a coordinate that is no finite number")
+        raise file_fault(path, f"vertex {bad + 1} has a coordinate that is not a finite number")
     vertices = vertices * unit
     if np.abs(vertices).max(initial=0.0) >= LARGEST:
         hint = "is the unit right? --unit mm reads millimetres"
@@ -124,7 +124,7 @@ def _stl(content: bytes, path: Path) -> Mesh:
             too_many(count, path)
             return joined([(path.stem, _vertices(load_stl_binary(io.BytesIO(content)), path))])
     if not content.lstrip().lower().startswith(b"solid") or b"\0" in content:
-        raise file_fault(path, "it is no STL file, or was cut off: its size is not what it says")
+        raise file_fault(path, "it is not an STL file, or was cut off: its size is wrong")
     lowered = content.lower()
     facets, corners = lowered.count(b"endfacet"), len(re.findall(rb"\bvertex\b", lowered))
     too_many(facets, path)

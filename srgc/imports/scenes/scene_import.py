@@ -82,7 +82,7 @@ def read_scene(
         scene = moveit_scene(path) if suffix == SCENE else sdf_scene(source_files(path, packages))
     else:
         known = ", ".join((*SUFFIXES, SCENE, *WORLDS))
-        raise file_fault(path, "by the end of its name it is no scene", f"known: {known}")
+        raise file_fault(path, "its file extension is not that of a scene", f"known: {known}")
     scene.objects = [
         SceneObject(each.name, each.shape, place.then(each.pose), each.note)
         for each in scene.objects
@@ -115,7 +115,7 @@ def _place(text: str) -> list[float]:
         *numbers, unit = found.groups()
         place = [float(number) * LENGTHS[unit or "m"] for number in numbers]
     except ValueError:
-        raise UsageFault(f"`{text}` is no place; write one such as `(0.5, 0, 0) m`") from None
+        raise UsageFault(f"`{text}` is not a position; write one such as `(0.5, 0, 0) m`") from None
     if not all(abs(x) < 1e6 for x in place):
-        raise UsageFault(f"`{text}` is no place: its coordinates are less than 1000 km")
+        raise UsageFault(f"`{text}` is not a position: its coordinates are less than 1000 km")
     return place

@@ -77,7 +77,7 @@ class JointMotions:
         if leader not in self.robot.joints:
             near = nearest(leader, list(self.robot.joints))
             hint = None if near is None else f"did you mean `{near}`?"
-            message = f"joint `{visible(name)}` mimics `{visible(leader)}`, which is no joint"
+            message = f"joint `{visible(name)}` mimics `{visible(leader)}`, which is not a joint"
             raise self.robot.fault("joint", name, message, hint)
         leading = self.held.get(leader, 0.0)
         value = float(joint.mimic.multiplier) * leading + float(joint.mimic.offset)
@@ -213,7 +213,7 @@ def held_values(robot: UrdfRobot, texts: Iterable[str]) -> dict[str, float]:
         try:
             found[name] = float(value)
         except ValueError:
-            raise UsageFault(f"--fix {text}: `{value}` is no number") from None
+            raise UsageFault(f"--fix {text}: `{value}` is not a number") from None
         if not math.isfinite(found[name]):
             raise UsageFault(f"--fix {text}: `{value}` is not finite")
     return found

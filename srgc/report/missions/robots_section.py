@@ -107,7 +107,7 @@ def _step(evidence: MissionEvidence, robot: StandingRobot, modules: Modules) -> 
         if evidence.mission.mission.prices is None:
             return ""
         said = (
-            "the robot that there is"
+            "the existing robot"
             if not robot.tasks
             else "the first robot; to build it costs nothing"
         )
