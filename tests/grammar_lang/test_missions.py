@@ -328,7 +328,7 @@ def test_tasks_that_say_which_robot_there_is() -> None:
     message = "task `Again` has `from`, but is not the first task"
     assert marked(clauses) == [("error SRG0734", message, "Again")]
     assert notes(clauses) == ["from B J L E fixed L.length = 1 m;"]
-    assert "only the first task has `from`" in hints(clauses)[0]
+    assert "only the first task may have `from`" in hints(clauses)[0]
     clauses = "tasks Again, Morning; one robot;"
     message = "task `Again` rebuilds a robot, but the mission has `one robot`"
     assert marked(clauses) == [("error SRG0734", message, "Again")]
