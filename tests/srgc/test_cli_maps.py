@@ -253,7 +253,7 @@ def test_bad_headers(
         (b"", "SRG0109", "the image is neither PGM (P2, P5) nor PNG"),
         (b"GIF89a", "SRG0109", "the image is neither PGM (P2, P5) nor PNG"),
         (b"P5 40 40 255\n\0", "SRG0109", "the image ends before its last pixel"),
-        (b"P2 1 1 255 nan", "SRG0109", "a pixel of the PGM image is no number"),
+        (b"P2 1 1 255 nan", "SRG0109", "a pixel of the PGM image is not a number"),
         (b"P5 99999 99999 255\n", "SRG0110", "the image has 9,999,800,001 pixels, more than"),
         (b"\x89PNG\r\n\x1a\n" + b"\0" * 40, "SRG0109", "the header of the PNG image is damaged"),
     ],
