@@ -50,8 +50,9 @@ def robots_section(evidence: MissionEvidence) -> str:
 
 def _legend(evidence: MissionEvidence) -> str:
     said = (
-        "Drawn with their real lengths, all to one scale, in poses that show all modules and are not "
-        "those of the tasks. A name consists of the module and its place in the word, counted from 0."
+        "Drawn with their real lengths, all to one scale, in poses that show all modules and are "
+        "not those of the tasks. A name consists of the module and its place in the word, counted "
+        "from 0."
     )
     if len(evidence.line) == 1:
         return f"<p>{said}</p>"
