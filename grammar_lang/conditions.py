@@ -76,5 +76,5 @@ def condition_of(text: str, symbols: Iterable[str]) -> ir.Accept:
     program = load_text(declared + grammar, "a condition").program
     found = None if program is None else program.grammars[_NAME].accept
     if found is None or condition_text(found) != text:
-        raise ValueError(f"{text!r} is no condition on words of the family")
+        raise ValueError(f"{text!r} is not a condition on words of the family")
     return found

@@ -68,7 +68,7 @@ def chosen_robot(program: ir.Program, request: RobotRequest) -> ChosenRobot:
     family = RobotFamily(program, grammar, dimension or 3)
     found = chosen_derivation(family.language, grammar, request.word, request.derivation)
     if not request.word:
-        raise UsageFault("the empty word is no robot")
+        raise UsageFault("the empty word is not a robot")
     try:
         model = family.robot(found.derivation)
     except SemanticsError as error:

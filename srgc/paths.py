@@ -106,7 +106,7 @@ def refuse_impossible(path: str | os.PathLike[str]) -> None:
     try:
         os.stat(text)  # noqa: PTH116 - a Path has lost a slash at the end
     except UnicodeEncodeError:
-        raise UsageFault(f"{name}: no path has such a character") from None
+        raise UsageFault(f"{name}: a path cannot contain such a character") from None
     except OSError as error:
         if error.errno == errno.ENOTDIR and text.endswith("/"):
             raise UsageFault(f"{name}: {error.strerror}") from None

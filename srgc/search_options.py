@@ -88,7 +88,7 @@ def named_gap(text: str | float | None) -> float | None:
     except ValueError:
         gap = -inf
     if not 0 <= gap < inf:
-        raise UsageFault(f"a gap is a percentage from 0 on, as `5 %`; `{text}` is none")
+        raise UsageFault(f"a gap is a percentage of at least 0, such as `5 %`, not `{text}`")
     return gap
 
 

@@ -69,9 +69,9 @@ def _report(
         code,
         f"grammar `{grammar.name}` is ambiguous: {_shown(one.word)} {said}",
         other.nodes[step].production.span,
-        hint=f"they part at step {step + 1}: `{one.labels[step]}` or `{other.labels[step]}`; "
+        hint=f"they differ at step {step + 1}: `{one.labels[step]}` or `{other.labels[step]}`; "
         f"{advice}",
-        notes=((one.nodes[step].production.span, "the other derivation goes on with this"),),
+        notes=((one.nodes[step].production.span, "the other derivation continues with this"),),
     )
 
 

@@ -66,7 +66,7 @@ def _radii(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
         name, dof = narrow[0]
         what = "rates" if radius.is_rate else "range"
         joint = f"the {what} of `{name}.{dof.name}`"
-        message = f"no start leaves these errors room in {joint}"
+        message = f"these errors leave no room for a start in {joint}"
         hint = "write less than half of its width"
         if radius.of == "measure":
             message = f"these errors are as wide as {joint}: nothing is measured"

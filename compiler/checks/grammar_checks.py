@@ -260,8 +260,8 @@ def _module_bounds(tasks: Sequence[ir.Task], language: Language, sink: Sink) -> 
             Code.TOO_FEW_MODULES,
             f"no robot of `{task.grammar}` has so few modules",
             task.clauses.get("modules", task.span),
-            hint=f"the smallest have {fewest}: write `modules <= {fewest}` or more; as it is, "
-            "`synth` says impossible",
+            hint=f"the smallest robots have {fewest} modules: write `modules <= {fewest}` or more; "
+            "with this bound `synth` answers impossible",
         )
 
 
@@ -291,5 +291,5 @@ def _finite(grammar: ir.Grammar, words: int | None, longest: int, sink: Sink) ->
         Code.FINITE_LANGUAGE,
         f"grammar `{grammar.name}` has {number}, of {symbols}{'' if words == 1 else ' at most'}",
         grammar.span,
-        hint="`impossible` can be proved of all of them: a task needs no `modules <= n` for that",
+        hint="`impossible` can be proved for all of them: a task then needs no `modules <= n`",
     )

@@ -99,7 +99,7 @@ def _report(sink: Sink, atom: ir.Atom, note: tuple[Span, str], *, inside: bool) 
     where = "outside" if inside else "inside"
     sink.error(
         Code.START_OUTSIDE_LOOP,
-        f"the motion starts {where} `{atom.region}`, against what this asks of all times",
+        f"the motion starts {where} `{atom.region}`, but this must hold at all times",
         atom.span,
         "write `eventually always` for what holds once the motion has come to its loop",
         [note],

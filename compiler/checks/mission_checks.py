@@ -42,10 +42,10 @@ def mission_diagnostics(program: ir.Program, sink: Sink) -> None:
             which += f" with at most {bound} modules"
         sink.warning(
             Code.CONTRADICTORY_MISSION,
-            f"{which} costs more than {number_text(most)} from the robot there is",
+            f"{which} costs more than {number_text(most)} to build from the existing robot",
             mission.clauses.get("changes", mission.span),
-            f"write `changes <= {number_text(least)};` or more; as it is, no robot will do",
-            [(origin.span, "the robot there is")],
+            f"write `changes <= {number_text(least)};` or more; no robot is within this bound",
+            [(origin.span, "the existing robot")],
         )
 
 

@@ -90,7 +90,7 @@ def _contradiction(
     if shape.is_empty:
         few = irreducible_rows(rows, lambda part: part.is_empty)
         does = "contradict each other" if len(few) > 1 else "never holds"
-        hint = "change one of the inequalities marked here: look at signs and units"
+        hint = "change one of the inequalities marked here: check signs and units"
     else:
         few = irreducible_rows(rows, lambda part: not part.has_interior)
         does = "leave no room between them"
@@ -220,7 +220,7 @@ def end_diagnostics(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
     if shape.is_bounded and not shapes.bounds.contains(shape):
         sink.warning(
             Code.REGION_PARTLY_OUTSIDE,
-            f"a part of the {end.role} `{name}` lies outside the bounds and is of no use",
+            f"a part of the {end.role} `{name}` lies outside the bounds and has no effect",
             end.span,
             hint="shrink it, or widen the bounds",
             notes=declared,
@@ -245,7 +245,7 @@ def _blocked(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
             end.code,
             f"the {end.role} `{name}` lies wholly inside {_listed(nearby)}, which the body avoids",
             end.span,
-            "only an effector that is no part of a body can be there",
+            "only an effector that is not part of a body can be there",
             notes,
         )
     else:

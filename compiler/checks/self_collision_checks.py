@@ -38,9 +38,9 @@ def _report(program: ir.Program, task: ir.Task, itself: ir.AvoidSelf, sink: Sink
             sink.note(
                 Code.EXEMPT_BODIES,
                 f"in `{' '.join(derivation.word)}` {counted(len(apart), 'pair')} of bodies "
-                f"must stay apart; what may touch: {listed or 'nothing'}",
+                f"must stay apart; pairs that may touch: {listed or 'none'}",
                 itself.span,
-                "name other pairs of modules that may touch behind `except`",
+                "name other pairs of modules that may touch after `except`",
             )
             return
     if tried:

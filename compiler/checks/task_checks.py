@@ -34,7 +34,7 @@ def task_diagnostics(program: ir.Program, sink: Sink) -> None:
                     Code.BAD_VALUE,
                     f"which effector carries it? a robot of `{task.grammar}` may have several",
                     each.span,
-                    f"write `by effector 1` behind the {place}",
+                    f"write `by effector 1` after the {place}",
                 )
             for atom in plain:
                 sink.error(
@@ -62,7 +62,7 @@ def _origin(program: ir.Program, task: ir.Task, origin: ir.Origin, sink: Sink) -
     if not language.accepts(origin.word):
         sink.error(
             Code.BAD_VALUE,
-            f"the robot to start from is no word of grammar `{task.grammar}`",
+            f"the existing robot is not a word of grammar `{task.grammar}`",
             origin.span,
             _where_it_fails(language, origin.word),
         )
@@ -72,7 +72,7 @@ def _where_it_fails(language: Language, word: tuple[str, ...]) -> str:
     length = viable_prefix(language.normal, language.srg.terminals, word)
     if length < len(word):
         return f"no word of the grammar begins with `{' '.join(word[: length + 1])}`"
-    return "the word is only the beginning of one: go on with more modules"
+    return "this is only the beginning of a word: continue with more modules"
 
 
 # --- Whether a family has robots that can start at the coordinates that a task gives --------------
@@ -199,7 +199,7 @@ class _Starting:
                 f"no robot of `{self.task.grammar}` that can start so has at most "
                 f"{self.task.modules} modules",
                 self.start.span,
-                f"write `modules <= {fewest}` or more; as it is, `synth` says impossible",
+                f"write `modules <= {fewest}` or more; with this bound `synth` answers impossible",
                 [(self.task.clauses.get("modules", self.task.span), "the bound")],
             )
 

@@ -225,7 +225,7 @@ def _overlap_note(
         Code.OVERLAPPING_REGIONS,
         message,
         second.span,
-        hint="a point of both has both propositions; move one of them if that is not meant",
+        hint="a point of both has both propositions; move one of them if that is not intended",
         notes=((first.span, f"`{first.name}` is declared here"),),
     )
 
@@ -254,7 +254,7 @@ def map_overlap_diagnostics(
                     Code.OVERLAPPING_REGIONS,
                     f"{region.kind} `{region.name}` overlaps obstacle `{found.name}`",
                     region.span,
-                    hint="a point of both has both propositions; change one if that is not meant",
+                    hint="a point of both has both propositions; change one if that is unintended",
                     notes=((found.span, f"`{found.name}` is declared here"),),
                 )
 

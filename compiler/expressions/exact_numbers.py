@@ -40,7 +40,7 @@ def exact_decimal(value: Fraction) -> str:
     while power % value.denominator:
         digits, power = digits + 1, power * 10
         if digits > MOST_PLACES:
-            raise ValueError(f"{value} is no finite decimal")
+            raise ValueError(f"{value} is not a finite decimal")
     whole = str(abs(value.numerator) * (power // value.denominator)).rjust(digits + 1, "0")
     sign = "-" if value < 0 else ""
     return sign + (f"{whole[:-digits]}.{whole[-digits:]}" if digits else whole)
@@ -62,7 +62,7 @@ def exact_number(text: str) -> Fraction:
     """
     if not _NUMBER.fullmatch(text):
         shown = text if len(text) <= 40 else f"{text[:40]}..."
-        raise ValueError(f"{shown!r} is no exact number")
+        raise ValueError(f"{shown!r} is not an exact number")
     try:
         return Fraction(text)
     except ZeroDivisionError:

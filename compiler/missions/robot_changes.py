@@ -82,7 +82,7 @@ def changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Changes:
     first.
 
     Args:
-        old: the robot there is.
+        old: the existing robot.
         new: the one there is to be.
         prices: what changes cost.
         free: the parameters, by the name of the module and theirs, that kept modules may change.

@@ -47,5 +47,5 @@ def _corners(shape: Shape, scalars: Sequence[ScalarNode]) -> list[Place]:
 
 def _number(scalar: ScalarNode) -> Fraction:
     if not isinstance(scalar, Constant):
-        raise ValueError("a corner of a hull is no number")  # noqa: TRY004
+        raise ValueError("a corner of a hull is not a number")  # noqa: TRY004
     return scalar.value

@@ -57,7 +57,7 @@ def pieces_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polygon, ..
     every = pieces_of(found).polygons
     inside = tuple(piece for piece in every if not _outside(area, piece, touching=False))
     if len(inside) > PIECE_LIMIT:
-        message = f"obstacle `{found.name}` is {len(inside):,} convex pieces within the bounds"
+        message = f"obstacle `{found.name}` has {len(inside):,} convex pieces within the bounds"
         hint = f"at most {PIECE_LIMIT:,} can be used: take a coarser map, or narrower bounds"
         raise MapFault(message, hint, None if found.image else (0, 1), Code.TOO_LARGE)
     return inside

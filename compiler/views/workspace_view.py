@@ -155,7 +155,7 @@ def refuse_unknown(word: Sequence[str], alphabet: Container[str]) -> None:
     """
     for token in word:
         if token not in alphabet:
-            raise HighlightError(f"`{token}` is no symbol of the words")
+            raise HighlightError(f"`{token}` is not a symbol of the words")
 
 
 def not_accepted(word: Sequence[str]) -> HighlightError:

@@ -88,7 +88,7 @@ def _codes(word: Sequence[str], alphabet: tuple[str, ...]) -> tuple[int, ...]:
     number = {name: i for i, name in enumerate(alphabet)}
     for token in word:
         if token not in number:
-            raise ValueError(f"accept condition: {token!r} is no module or edge")
+            raise ValueError(f"accept condition: {token!r} is not a module or edge")
     return tuple(number[token] for token in word)
 
 

@@ -97,7 +97,7 @@ class _Reader:
             kind = value.get("type") if isinstance(value, dict) else None
             if not isinstance(value, dict) or not isinstance(kind, str):
                 hint = "a geometry is an object with `type` and `coordinates`"
-                raise self.fault(path, "this is no object of GeoJSON", hint)
+                raise self.fault(path, "this is not a GeoJSON object", hint)
             if kind in _INSIDE:
                 todo += self._inner(path, value, kind)
             elif kind in {"Polygon", "MultiPolygon"}:
@@ -107,11 +107,11 @@ class _Reader:
 
     def _no_polygon(self, path: Path, kind: str) -> MapFault:
         if kind in _FLAT:
-            message = f"a {kind} has no interior, so it is no obstacle"
+            message = f"a {kind} has no interior, so it is not an obstacle"
             hint = "draw a polygon around it, as wide as is to be avoided, or leave it out"
             return self.fault(path, message, hint)
         hint = "obstacles are of type Polygon or MultiPolygon"
-        return self.fault(path, f"`{kind[:40]}` is no type of GeoJSON", hint)
+        return self.fault(path, f"`{kind[:40]}` is not a GeoJSON type", hint)
 
     def _inner(self, path: Path, value: dict[str, Any], kind: str) -> list[tuple[Path, object]]:
         """What a feature or a collection holds, the last first."""
@@ -135,7 +135,7 @@ class _Reader:
             return
         for number, rings in enumerate(held):
             if not isinstance(rings, list):
-                raise self.fault((*path, number), "this polygon is no list of rings", _RINGS)
+                raise self.fault((*path, number), "this polygon is not a list of rings", _RINGS)
             yield (*path, number), rings
 
     def polygon(self, path: Path, rings: list[Any]) -> tuple[Polygon, ...]:
@@ -157,12 +157,12 @@ class _Reader:
 
     def _ring(self, path: Path, ring: object) -> list[Corner]:
         if not isinstance(ring, list):
-            raise self.fault(path, "this ring is no list of positions", _RINGS)
+            raise self.fault(path, "this ring is not a list of positions", _RINGS)
         return [self._position((*path, number), place) for number, place in enumerate(ring)]
 
     def _position(self, path: Path, place: object) -> Corner:
         if not isinstance(place, list) or len(place) < 2:
-            raise self.fault(path, "this position is no list of two numbers", _RINGS)
+            raise self.fault(path, "this position is not a list of two numbers", _RINGS)
         x, y = (self._number((*path, axis), place[axis]) for axis in (0, 1))
         return x, y
 
@@ -170,7 +170,7 @@ class _Reader:
         value = decimal(number) if isinstance(number, _Number) else None
         if value is None:
             hint = "coordinates are decimal numbers of metres, of at most 300 digits"
-            raise self.fault(path, "this coordinate is no number that can be used", hint)
+            raise self.fault(path, "this coordinate is not a usable number", hint)
         return value
 
 

@@ -315,7 +315,7 @@ def _plain(body: bytes, count: int) -> Values:
 
     text = _COMMENT.sub(b"", body)
     if not re.fullmatch(rb"[0-9\s]*", text):
-        raise image_fault("a pixel of the PGM image is no number")
+        raise image_fault("a pixel of the PGM image is not a number")
     if re.search(rb"[0-9]{6}", text):
         raise image_fault("a pixel of the PGM image is brighter than its greatest value")
     values = np.fromstring(text.decode("ascii"), dtype=np.uint32, sep=" ")

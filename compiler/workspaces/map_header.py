@@ -105,7 +105,7 @@ def _root(text: str) -> MappingNode:
     except (yaml.YAMLError, ValueError, OverflowError):
         raise MapFault("this is not YAML: a character that no YAML has", _HINT) from None
     if not isinstance(root, yaml.MappingNode):
-        raise MapFault("this map is no mapping", _HINT)
+        raise MapFault("this map is not a mapping", _HINT)
     return root
 
 
@@ -150,7 +150,7 @@ def _text(node: Node, what: str) -> str:
     import yaml
 
     if not isinstance(node, yaml.ScalarNode):
-        raise _at(node, f"{what} is no single value", "write one value")
+        raise _at(node, f"{what} is not a single value", "write one value")
     if node.tag not in _PLAIN:
         raise _at(node, f"{what} has a tag", "write the value alone")
     return cast(str, node.value)
@@ -159,7 +159,7 @@ def _text(node: Node, what: str) -> str:
 def _number(node: Node, what: str) -> Fraction:
     value = decimal(_text(node, what))
     if value is None:
-        raise _at(node, f"{what} is no decimal number", "write a number such as 0.05 or 5e-2")
+        raise _at(node, f"{what} is not a decimal number", "write a number such as 0.05 or 5e-2")
     return value
 
 
@@ -174,7 +174,7 @@ def _pose(node: Node) -> tuple[Fraction, Fraction, Fraction]:
     import yaml
 
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
-        raise _at(node, "origin is no list of three numbers", "write `origin: [x, y, yaw]`")
+        raise _at(node, "origin is not a list of three numbers", "write `origin: [x, y, yaw]`")
     x, y, yaw = (_number(entry, "a number of origin") for entry in node.value)
     if abs(yaw) > FULL_TURN:
         raise _at(node.value[2], "the yaw of origin is more than a turn", "it is in radians")

@@ -29,12 +29,12 @@ _SEVERITY = re.compile(r"^(?:\S+:\d+:\d+: )?(error|warning|note)\[(SRG\d{4})\]",
 _NUMBER = re.compile(r"(?:SRG)?0*([0-9]{1,4})", re.IGNORECASE)
 
 _INTRODUCTION = """\
-# The codes of `srgc`
+# Diagnostic codes
 
-Every finding of `srgc check` has a code that never changes its meaning, and so have a result
-without the robot that a command needs, and what `srgc import` finds wrong in a file. Here each is
-shown with a small file that gives it and with that file repaired; `srgc explain CODE` prints the
-same page.
+Every diagnostic of `srgc check` has a code whose meaning never changes. A result without the robot
+that a command needs, and problems that `srgc import` finds in a file, have codes too. This page
+shows for each code a small file that causes it and the same file repaired; `srgc explain CODE`
+prints the same text.
 This page is generated from `grammar_lang/diagnostics/catalogue` by `make golden`.
 
 """
@@ -226,7 +226,7 @@ def catalogue() -> str:
                 "",
                 f"**{_CHAPTERS[chapter]}**",
                 "",
-                "| code | is | stands for |",
+                "| code | severity | meaning |",
                 "|---|---|---|",
             ]
         link = f"[{page.code.value}](#{_anchor(page)})"

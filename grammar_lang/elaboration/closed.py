@@ -203,7 +203,7 @@ class Constants:
                 Code.EMPTY_INTERVAL,
                 "this interval is empty: its lower bound exceeds its upper bound",
                 interval.span,
-                "exchange the bounds",
+                "swap the bounds",
             )
             return None
         return ir.Interval(lower, upper), sample

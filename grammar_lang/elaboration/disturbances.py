@@ -210,7 +210,7 @@ def check_ownership(task: ir.Task, grammars: Mapping[str, ir.Grammar], sink: Sin
         mixed = next((each for each in bodies if len(each[1]) > 1), None)
         if mixed is not None:
             at, names = mixed
-            message = f"it is not clear whose body this is, that of {' or '.join(names)}"
+            message = f"it is not clear which module this body belongs to: {' or '.join(names)}"
             hint = "emit it in a production of one module, or name one module in its quantities"
             notes = [(clause, "the task asks for it here")]
             sink.error(Code.MIXED_OWNERS, message, at, hint, notes)

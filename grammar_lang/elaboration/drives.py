@@ -101,7 +101,7 @@ class DriveReader:
             if _computable(inertia):
                 dof = replace(dof, inertia=inertia)
             else:
-                message = "what the joint feels of its rotor is beyond all computing"
+                message = "the inertia of the rotor at the joint is out of range"
                 hint = f"gear^2 * rotor is zero, or from {SMALLEST:g} to {LARGEST:g} in SI units"
                 self.sink.error(Code.BAD_NUMBER, message, item.span, hint)
         self.dofs[name] = dof

@@ -61,7 +61,7 @@ class Emissions:
         kind = emission.kind.text
         if kind in FUNCTIONS:
             message = f"`{kind}(…)` is a value, not an emission"
-            hint = "give it to an attribute: `this.frame = …;`"
+            hint = "assign it to an attribute: `this.frame = …;`"
             self.sink.error(Code.SORT_MISMATCH, message, emission.kind.span, hint)
             return None
         if kind not in _ARGUMENTS:
@@ -203,7 +203,7 @@ class Emissions:
             Code.TOO_DEEP,
             "this expression is too large",
             at.span,
-            "give a part of it to an attribute",
+            "assign a part of it to an attribute",
         )
         return ZERO
 

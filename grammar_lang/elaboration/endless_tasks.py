@@ -37,7 +37,7 @@ def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
                 name = objective.name.text
                 if name not in ("time", "energy") or objective.attribute is not None:
                     continue
-                message = f"a motion that goes on for ever takes no {name} that could be least"
+                message = f"a motion that goes on for ever has no least {name}"
                 hint = f"remove `{name}`, or remove `repeat;`"
                 sink.error(Code.TIME_WITHOUT_END, message, objective.span, hint, notes)
 

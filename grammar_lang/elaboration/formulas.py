@@ -70,7 +70,7 @@ class _Reader:
         """A time, at least zero; zero where an error was reported."""
         value = self.constants.rational(expr, TIME)
         if value is not None and value < 0:
-            hint = "write zero or more: formulas speak of the present and what comes after it"
+            hint = "write zero or more: formulas are about the present and the future"
             self.sink.error(Code.BAD_VALUE, f"{what} is negative", expr.span, hint)
             return Fraction(0)
         return value or Fraction(0)
@@ -86,7 +86,7 @@ class _Reader:
                 Code.EMPTY_INTERVAL,
                 "this window is empty: it ends before it begins",
                 window.span,
-                "exchange the bounds",
+                "swap the bounds",
             )
         return ir.Window(lower, upper)
 

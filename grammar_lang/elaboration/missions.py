@@ -59,9 +59,11 @@ class _Reader:
         seen: dict[str, Span] = {}
         for name in () if item is None else item.names:
             if name.text in seen:
-                message = f"task `{name.text}` stands twice in mission `{self.mission.name.text}`"
+                message = (
+                    f"task `{name.text}` is listed twice in mission `{self.mission.name.text}`"
+                )
                 notes = [(seen[name.text], "first here")]
-                hint = "remove one; a motion that is repeated is said by `repeat` in the task"
+                hint = "remove one; for a motion that repeats, write `repeat;` in the task"
                 self.sink.error(Code.REPEATED_TASK, message, name.span, hint, notes)
                 continue
             seen[name.text] = name.span
@@ -80,17 +82,18 @@ class _Reader:
             notes = [(first.span, f"task `{first.name}`")]
             if task.grammar != first.grammar:
                 message = (
-                    f"task `{task.name}` is about robots of `{task.grammar}`, "
-                    f"task `{first.name}` about those of `{first.grammar}`"
+                    f"task `{task.name}` uses grammar `{task.grammar}`, "
+                    f"but task `{first.name}` uses `{first.grammar}`"
                 )
-                hint = "a mission has tasks of one grammar: name tasks with the same `robot`"
+                hint = "the tasks of a mission use one grammar: give them the same `robot`"
                 self.sink.error(Code.OTHER_ROBOTS, message, name.span, hint, notes)
             elif self._dimension(workspaces, task) != self._dimension(workspaces, first):
                 message = f"task `{task.name}` is in {self._where(task)}, the first one is not"
                 hint = "a mission has tasks all in the plane, or all in space"
                 self.sink.error(Code.OTHER_ROBOTS, message, name.span, hint, notes)
             elif {each.kind for each in task.effort} != {each.kind for each in first.effort}:
-                message = f"task `{task.name}` bounds {_efforts(task)}, the first {_efforts(first)}"
+                ours, theirs = _efforts(task), _efforts(first)
+                message = f"task `{task.name}` bounds {ours}, the first task bounds {theirs}"
                 hint = "bound the efforts of the same kinds of joints in all tasks of a mission"
                 self.sink.error(Code.OTHER_EFFORTS, message, name.span, hint, notes)
 
@@ -107,15 +110,15 @@ class _Reader:
             if task.origin is None or (place == 0 and not one_robot):
                 continue
             if one_robot:
-                message = f"task `{task.name}` rebuilds a robot, and the mission has `one robot`"
+                message = f"task `{task.name}` rebuilds a robot, but the mission has `one robot`"
                 hint = (
                     "remove `from` from the task, or write `reconfigure;` instead of `one robot;`"
                 )
                 if place:
                     hint += " and name this task first"
             else:
-                message = f"task `{task.name}` says by `from` which robot there is before it"
-                hint = "in a mission it is that of the task before: only the first task has `from`"
+                message = f"task `{task.name}` has `from`, but is not the first task"
+                hint = "its robot is that of the task before: only the first task may have `from`"
             notes = [(task.origin.span, "here")]
             self.sink.error(Code.CONTRADICTORY_MISSION, message, name.span, hint, notes)
 
@@ -171,7 +174,7 @@ class _Reader:
             at = places.get((freed.module.text, freed.name.text))
             if at is not None:
                 named = f"`{freed.module.text}.{freed.name.text}`"
-                message = f"{named} is free, and task `{first.name}` fixes it"
+                message = f"{named} is free, but task `{first.name}` fixes it"
                 hint = "remove it here, or from `fixed` in the task"
                 self.sink.error(
                     Code.CONTRADICTORY_MISSION, message, freed.span, hint, [(at, "fixed here")]
@@ -225,14 +228,14 @@ class _Reader:
             )
         if not any(isinstance(item, m.Free) for item in self.mission.items):
             for price in (each for each in rebuilt.prices if each.of == "change"):
-                message = "a price of changing parameters, and none may change"
-                hint = "say which by `free M.p;`, or remove the price"
+                message = "`change` has a price, but no parameter is `free`"
+                hint = "add `free M.p;`, or remove the price"
                 self.sink.error(Code.CONTRADICTORY_MISSION, message, price.span, hint)
 
     def check_rebuilt(self, rebuilt: m.Reconfigure, tasks: Sequence[ir.Task]) -> None:
         """Warn of a robot that is to be rebuilt and has nothing to be rebuilt from or for."""
         if len(tasks) == 1 and tasks[0].origin is None:
-            message = "nothing is rebuilt: there is one task, and no robot before it"
+            message = "nothing is rebuilt: there is only one task and no existing robot"
             hint = f"name another task, write `from W;` in task `{tasks[0].name}`, or `one robot;`"
             self.sink.warning(Code.CONTRADICTORY_MISSION, message, rebuilt.span, hint)
 
@@ -263,7 +266,7 @@ class _Reader:
         # What is no objective was reported, and may be a misspelt `changes`.
         first = found[0] if found and found[0].span == item.objectives[0].span else None
         if rebuilt and first is not None and first.kind != "changes":
-            message = "the first objective of robots that are rebuilt is `changes`"
+            message = "with `reconfigure` the first objective must be `changes`"
             hint = "write `minimize changes;`, or `minimize changes then …;`"
             self.sink.error(Code.CONTRADICTORY_MISSION, message, first.span, hint)
         return found
@@ -275,7 +278,7 @@ class _Reader:
         endless = [task for task in tasks if task.repeat]
         if endless:
             kind, names = objective.kind, ", ".join(f"`{task.name}`" for task in endless)
-            message = f"a motion that goes on for ever takes no {kind} that could be least"
+            message = f"a motion that goes on for ever has no least {kind}"
             hint = f"remove `{kind}`, or `repeat;` from {names}"
             notes = [(task.clauses["repeat"], "the motion goes on for ever") for task in endless]
             self.sink.error(Code.TIME_WITHOUT_END, message, objective.span, hint, notes)

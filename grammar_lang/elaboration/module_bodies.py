@@ -69,7 +69,7 @@ class _BodyScope:
                 message = f"the frame `{name}` is declared further down"
                 hint = "frames are declared before they are used"
                 if name == self.own:
-                    message, hint = f"the frame `{name}` is made of itself", "begin with `in`"
+                    message, hint = f"the frame `{name}` depends on itself", "begin with `in`"
                 sink.error(Code.UNKNOWN_NAME, message, ident.span, hint)
             case _:
                 message = f"the {kind} `{name}` cannot be read in a frame or a body"
@@ -90,7 +90,7 @@ class _BodyScope:
         if owner == "this":
             hint = "write `in`: the frame at which the module is mounted"
         elif owner == self.info.module.name:
-            hint = f"write `{name}`: inside the module its names stand alone"
+            hint = f"write `{name}`: inside the module, use its names alone"
         return foreign_member(member, sink, hint)
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
@@ -115,14 +115,14 @@ class _BodyScope:
 def _check_mounted(expr: ir.Expr, at: Span, sink: Sink) -> None:
     """Report a frame that is not counted from where the module is mounted."""
     first, *others = ir.factors(expr)
-    hint = "write `in * …`: else it would stand on the world, wherever the module is mounted"
+    hint = "write `in * …`: otherwise it would stand on the world, wherever the module is mounted"
     if any(isinstance(each, ir.World) for each in (first, *others)):
         message = "`world` has no meaning inside a module"
         hint = "begin with `in`: that is where the module is mounted, the world for the first one"
     elif not isinstance(first, ir.AttributeOf):
         message = "this does not begin with `in`, or with a frame of the module"
     elif any(isinstance(each, ir.AttributeOf) for each in others):
-        message = "a frame stands behind another one"
+        message = "a frame follows another frame"
         hint = "begin with one frame; what follows are `rot` and `move`"
     else:
         return
@@ -136,7 +136,7 @@ def _frame(item: s.Frame, scope: _BodyScope, sink: Sink) -> ir.AttributeRule:
         _check_mounted(value, at, sink)
     if too_large(value):
         message = "this expression is too large"
-        sink.error(Code.TOO_DEEP, message, at, "give a part of it to another frame")
+        sink.error(Code.TOO_DEEP, message, at, "move a part of it to another frame")
         value = ir.World()
     return ir.AttributeRule(ir.AttributeOf(ir.LOCAL, item.name.text), value, item.span)
 

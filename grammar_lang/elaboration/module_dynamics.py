@@ -162,7 +162,7 @@ class _Scope:
             return
         message = f"`{name}` is a {kind}, not a degree of freedom: it has no `rate`"
         if kind == "state":
-            hint = f"how it changes is what `der({name}) = …` says; write that value"
+            hint = f"`der({name}) = …` says how it changes; write that value"
         else:
             hint = did_you_mean(name, self.dofs, "degree of freedom", sink)
         sink.error(Code.BAD_DYNAMICS, message, ident.span, hint)
@@ -291,7 +291,7 @@ class _Reader:
             hint = did_you_mean(name.text, self.dofs, "degree of freedom", self.sink)
             self.sink.error(Code.UNKNOWN_NAME, message, name.span, hint)
             return
-        message = f"`{name.text}` is {_a(kind)}, not a degree of freedom: it bears no `torque`"
+        message = f"`{name.text}` is {_a(kind)}, not a degree of freedom: it has no `torque`"
         hint = did_you_mean(name.text, self.dofs, "degree of freedom", self.sink)
         if kind == "state":
             hint = f"how a state changes is `der({name.text}) = …;`"
@@ -320,7 +320,7 @@ def _check_derivatives(statements: Statements, sink: Sink) -> None:
     for state in statements.states:
         name = state.name.text
         if name not in given and name not in meant:
-            message = f"nothing says how the state `{name}` changes"
+            message = f"the state `{name}` has no `der`"
             sink.error(Code.BAD_DYNAMICS, message, state.name.span, f"add `der({name}) = …;`")
 
 

@@ -36,10 +36,10 @@ class ModuleScope:
         if kind is None:
             return plain_name(ident, tuple(self.members), sink)
         if kind in {"parameter", "constant"}:
-            message = f"`{ident.text}` is no constant declared before"
+            message = f"`{ident.text}` is not declared before its use"
             hint = "parameters and constants are declared before they are used"
         else:
-            message = f"the {kind} `{ident.text}` is no constant"
+            message = f"the {kind} `{ident.text}` is not a constant"
             hint = "a constant is made of numbers, units, other constants and `pi`"
         sink.error(Code.NOT_CONSTANT, message, ident.span, hint)
         return UNKNOWN

@@ -77,7 +77,7 @@ class _Reader:
         if value is not None and value < 0:
             self.sink.error(Code.BAD_WITHIN, "`within` is below zero", at, "write zero or more")
         elif last:
-            message = "no objective follows that could use what `within` allows"
+            message = "no objective follows that could use this allowance"
             hint = "remove `within`, or add `then …` with another objective"
             self.sink.error(Code.BAD_WITHIN, message, at, hint)
         return (value or Fraction(0)) / 100
@@ -95,7 +95,7 @@ class _Reader:
     def _kind(self, item: m.Objective) -> ir.ObjectiveKind | None:
         name, kind = item.name, self._kinds.get(item.name.text)
         if kind is None:
-            message = f"`{name.text}` is no objective"
+            message = f"unknown objective `{name.text}`"
             self.sink.error(Code.NO_OBJECTIVE, message, name.span, self._meant(item))
         elif kind == "sum" and item.attribute is None:
             hint = "write `sum(NAME)` with the name of a `const` or `param` of the modules"
@@ -217,7 +217,9 @@ class _Sum:
         which = f"modules {listed}{more} have" if several else f"module {listed} has"
         message = f"{which} no `{name}` and {'count' if several else 'counts'} as 0"
         zero = "0" if self.unit == "1" else f"0 {self.unit}"
-        hint = f"write `const {name} = {zero};` in {'each' if several else 'it'} if it is meant so"
+        hint = (
+            f"write `const {name} = {zero};` in {'each' if several else 'it'} if that is intended"
+        )
         self.sink.warning(Code.AMOUNT_OF_ZERO, message, self.attribute.span, hint)
 
     def _checked(self, amount: _Amount) -> Fraction | None:
@@ -283,7 +285,7 @@ def check_time(clause: m.Minimize, task: t.Task, sink: Sink) -> None:
             sink.warning(
                 Code.FIXED_TIME, "all motions take the same time", objective.span,
                 "write `horizon at most n steps of dt;`, or remove `time`",
-                [(horizon.span, "so many steps, no fewer")],
+                [(horizon.span, "every motion has this number of steps")],
             )  # fmt: skip
 
 

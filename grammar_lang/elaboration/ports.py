@@ -128,7 +128,7 @@ class Clauses:
         self.listed[name.text] = part
         if part.input is None and name.text not in self.broken:
             start = self.start is not None and self.start.name == part.name
-            message = f"module `{name.text}` has no `port in`: no other one can carry it"
+            message = f"module `{name.text}` has no `port in`: no other module can carry it"
             hint = "add `port in: TYPE;` to the module, of the type of an output"
             if start:
                 hint = "`start` names it already: remove it here"
@@ -279,8 +279,8 @@ class Checks:
             port = next(port for port in self.start.outputs if fit_of(port) not in filled)
             fitting = [f"`{p.name}`" for p in carried.values() if p.stands_at == fit_of(port)]
             message = (
-                f"no robot of grammar `{self.clauses.grammar.name.text}` comes to an end: "
-                f"all that fits `{port.name.text}` of `{self.start.name}` has outputs in turn"
+                f"no robot of grammar `{self.clauses.grammar.name.text}` is ever complete: "
+                f"every module that fits `{port.name.text}` of `{self.start.name}` has outputs too"
             )
             hint = f"list a module without outputs beside {', '.join(fitting)}, such as a hand"
             hint = self._ending(carried) or hint
@@ -290,7 +290,7 @@ class Checks:
             if part.name not in ending:
                 port = next(port for port in part.outputs if fit_of(port) not in filled)
                 message = (
-                    f"no robot has a `{part.name}`: behind its `{port.name.text}` it has no end"
+                    f"no robot has a `{part.name}`: the branch at its `{port.name.text}` never ends"
                 )
                 hint = "list a module without outputs that fits there, such as a cap"
                 notes = [(port.name.span, "the output")]

@@ -46,7 +46,7 @@ class _Reader:
         within = self._angle(pose.within)
         axis: ir.Axis = pose.axis  # type: ignore[assignment]
         if self.dimension == 2 and axis in ("z", "-z"):
-            message = f"the axis {axis} is across the plane, and has no direction in it"
+            message = f"the axis {axis} is perpendicular to the plane"
             self.sink.error(Code.OUT_OF_PLANE, message, pose.span, "write x, y, -x or -y")
             return None
         unit = list_unit(pose.unit, ONE, self.sink)
@@ -72,11 +72,11 @@ class _Reader:
             return None
         for use in scope.uses:
             if use.only != self.dimension:
-                hint = "in the plane a frame is turned about z alone"
+                hint = "in the plane rotations are about z only"
                 self.sink.error(Code.OUT_OF_PLANE, use.message, use.span, hint)
         turns = tuple(_turns(value.expr))
         if any(turn is None for turn in turns):
-            message = "a pose is turned, not moved"
+            message = "a pose consists of rotations, without moves"
             hint = "write a product of `rot(axis, angle)`; the region says where it is"
             self.sink.error(Code.BAD_VALUE, message, pose.frame.span, hint)
         elif not all(turn is None or is_closed(turn[1]) for turn in turns):
@@ -93,7 +93,7 @@ class _Reader:
             return None
         if not 0 < to_float(value) < HALF_TURN:
             message = "the angle is not between zero and a half turn"
-            hint = "write how far off it may be, as `5 deg`"
+            hint = "write the allowed deviation, such as `5 deg`"
             self.sink.error(Code.BAD_VALUE, message, expr.span, hint)
             return None
         return value

@@ -75,7 +75,7 @@ class RegionShapes:
                 Code.EMPTY_INTERVAL,
                 "this interval is empty: its lower bound exceeds its upper bound",
                 side.span,
-                "exchange the bounds",
+                "swap the bounds",
             )
             return []
         axis = tuple(Fraction(int(i == index)) for i in range(self.size))
@@ -108,7 +108,7 @@ class RegionShapes:
 
     def _round(self, shape: t.Round, kind: ir.RegionKind) -> ir.Round | None:
         if kind == "bounds":
-            message = f"the bounds are a polytope, and no {shape.kind}"
+            message = f"the bounds must be a polytope, not a {shape.kind}"
             hint = "write a box, a polytope or a hull"
             self.sink.error(Code.BAD_VALUE, message, shape.span, hint)
             return None
@@ -222,11 +222,11 @@ class Inequalities:
         if row.comparison in {"<=", ">="}:
             return True
         if row.comparison == "==":
-            self._not_linear("an equation is no inequality", row.span)
+            self._not_linear("an equation is not an inequality", row.span)
             return False
         self.sink.error(
             Code.STRICT_INEQUALITY,
-            f"the strict sign `{row.comparison}`: sets are closed",
+            f"strict inequality `{row.comparison}`: sets are closed",
             row.span,
             f"write `{row.comparison}=`",
         )

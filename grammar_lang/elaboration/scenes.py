@@ -56,7 +56,7 @@ def _lies_itself(item: t.ObstaclesFrom, size: Literal[2, 3], sink: Sink) -> bool
         extra = item.frame.span if extra is None else extra.to(item.frame.span)
     if extra is None:
         return True
-    message = "a map says itself where it lies, in metres; a unit and a frame are those of meshes"
+    message = "a map states its own position, in metres; only meshes take a unit and a frame"
     sink.error(Code.BAD_VALUE, message, extra, "remove this, or change the map")
     return False
 

@@ -94,7 +94,7 @@ def _check_mounted(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
         if body.frames or body.emissions:
             called = occurrence_names(production)[position]
             message = f"production `{production.label}` does not mount `{called}`"
-            hint = f"add `{called}.in = …;`: its frames and bodies stand in the module"
+            hint = f"add `{called}.in = …;`: the module has frames or bodies of its own"
             sink.error(Code.NOT_MOUNTED, message, block.label.span, hint)
 
 
@@ -115,7 +115,7 @@ def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
                 message = f"production `{production.label}` does not use `{called}`"
                 hint = f"use `{called}` once, in a `rot` or `move`"
                 sink.error(Code.BAD_DOF_USE, message, block.label.span, hint)
-            report_reuse(called, places, "give the moved frame to an attribute", sink)
+            report_reuse(called, places, "assign the moved frame to an attribute", sink)
 
 
 def _block(
@@ -181,7 +181,7 @@ def _blocks(
         if label_text not in found and label_text not in meant:
             message = f"production `{label_text}` has no block in the semantics"
             notes = [(info.production.span, "the production")]
-            hint = f"add `{label_text} {{ }}`, at least"
+            hint = f"add at least `{label_text} {{ }}`"
             sink.error(Code.MISSING_BLOCK, message, semantics.grammar.span, hint, notes)
     return found
 

@@ -146,8 +146,8 @@ def wrong_sort(value: Typed, wanted: str, at: Span, sink: Sink) -> None:
         return
     hint = {
         Sort.SCALAR: "a frame is `world`, `rot(axis, angle)`, `move(axis, d)` or a product of them",
-        Sort.VECTOR: "vectors stand in `move((x, y, z))` and in `com:` only",
-        Sort.FRAME: "frames are joined with `*`, and go into `frame:` or another frame only",
+        Sort.VECTOR: "vectors may appear only in `move((x, y, z))` and `com:`",
+        Sort.FRAME: "frames are joined with `*`, and may appear only in `frame:` or another frame",
     }[value.sort]
     if wanted == "a vector":
         hint = "a vector is `(x, y)`, or `(x, y, z)` in space"
@@ -346,7 +346,7 @@ def warn_implausible(
     if not size or (due.holds(size) and size >= SMALLEST):
         return False
     if not SMALLEST <= size <= LARGEST:
-        message = f"{due.name} beyond all computing: {size:.6g} {symbol(dimension)}"
+        message = f"{due.name} out of range: {size:.6g} {symbol(dimension)}"
         hint = f"write zero, or a size from {SMALLEST:g} to {LARGEST:g} in SI units"
         sink.error(Code.BAD_NUMBER, message, written.span, hint)
         return True

@@ -98,7 +98,7 @@ class _Reader:
         check_round(name, self.workspace, ends, "a place to start or to end", self.sink)
         found = self.around.names.entity(name)
         if found is not None and found.kind == "map":
-            message = f"`{name.text}` is a map of obstacles, and no place to start or to end"
+            message = f"`{name.text}` is a map of obstacles, not a place to start or to end"
             notes = [(found.span, "declared here")]
             hint = "name a region; a map is avoided, or named in a formula"
             self.sink.error(Code.WRONG_KIND, message, name.span, hint, notes)

@@ -103,13 +103,13 @@ class Checker:
     def _other(self, expr: s.AxisName | s.Tuple | s.Scaled | s.Text) -> Typed:
         match expr:
             case s.Text():
-                message = "the path of a file is no value here"
-                hint = 'one stands in `file: "…"` of a `hull` or `visual` only'
+                message = "the path of a file is not a value here"
+                hint = 'a path may appear only in `file: "…"` of a `hull` or `visual`'
                 self.sink.error(Code.SORT_MISMATCH, message, expr.span, hint)
                 return UNKNOWN
             case s.AxisName(axis=axis):
-                message = f"the axis `{axis}` is no value here"
-                hint = "axes stand in `rot(axis, …)`, `move(axis, …)` and `axis:` only"
+                message = f"the axis `{axis}` is not a value here"
+                hint = "axes may appear only in `rot(axis, …)`, `move(axis, …)` and `axis:`"
                 self.sink.error(Code.SORT_MISMATCH, message, expr.span, hint)
                 return UNKNOWN
             case s.Tuple():

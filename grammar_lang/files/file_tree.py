@@ -48,7 +48,7 @@ def read_file(path: Path, limit: int) -> bytes:
     """
     status = path.stat()
     if not stat.S_ISREG(status.st_mode):
-        what = "it is a folder" if stat.S_ISDIR(status.st_mode) else "it is no regular file"
+        what = "it is a folder" if stat.S_ISDIR(status.st_mode) else "it is not a regular file"
         raise NoRegularFile(0, what)
     if status.st_size > limit:
         raise TooLarge(status.st_size)
@@ -159,7 +159,7 @@ def _written(path: str) -> None:
     if not path:
         raise Refusal(Code.UNREADABLE_REFERENCE, "an empty path", "write the path of a file")
     if "\0" in path or _unencodable(path):
-        message = f"cannot read {shown(path)}: no path has such a character"
+        message = f"cannot read {shown(path)}: a path cannot contain such a character"
         raise Refusal(Code.UNREADABLE_REFERENCE, message, "write the path of a file")
     if "\\" in path:
         better = shown(path.replace("\\", "/"))
@@ -216,7 +216,7 @@ class FileTree:
             return Place(path, posixpath.join(LIBRARY, path.removeprefix(f"{STD}/")))
         if path == ".." or path.startswith("../"):
             message = f"{shown(written)} is outside the folder of {shown(self.main)}"
-            hint = f"move it into that folder, or put {shown(self.main)} further up"
+            hint = f"move it into that folder, or move {shown(self.main)} to a folder above both"
             raise Refusal(Code.OUTSIDE_TREE, message, hint)
         real = os.path.realpath(posixpath.join(self.top, path))
         if real != self.top and not real.startswith(posixpath.join(self.top, "")):

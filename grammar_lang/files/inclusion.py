@@ -228,10 +228,10 @@ def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
 def _report_kind(written: Ident, path: str, sink: Sink) -> None:
     """Report a file of which the end of the name does not say that it can be read."""
     if path.lower().endswith(_CONVERTED):
-        message = "the language reads meshes as STL and OBJ, and no such file"
+        message = "the language reads meshes as STL and OBJ, not files of this type"
         hint = f"`srgc import scene {visible(written.text)}` writes obstacles that it reads"
     else:
-        message = "this is no file of obstacles, by the end of its name"
+        message = "this file extension is not that of a file of obstacles"
         hint = (
             "known: map_server maps (`.yaml`, `.yml`), GeoJSON (`.geojson`, `.json`) "
             "and meshes (`.stl`, `.obj`)"
@@ -252,7 +252,7 @@ def _scene(path: Ident, place: Place, files: FileSet) -> ir.ObstacleMap | None:
     try:
         scene = scene_of(place.path, data)
     except MeshError as error:
-        message, hint = f"this is no mesh: {error}", "export it again as STL or OBJ, faces alone"
+        message, hint = f"this is not a mesh: {error}", "export it again as STL or OBJ, faces alone"
         files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
         return None
     name = map_name(path.text)
@@ -265,7 +265,7 @@ def _scene(path: Ident, place: Place, files: FileSet) -> ir.ObstacleMap | None:
 
 
 def _no_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no JSON value")
+    raise ValueError(f"{name} is not a JSON value")
 
 
 def _is_geojson(source: Source, number: int, sink: Sink) -> bool:
@@ -291,7 +291,7 @@ def _is_geojson(source: Source, number: int, sink: Sink) -> bool:
     if isinstance(kind, str):
         close = nearest(kind[:40], _GEOJSON_TYPES)
         hint = hint if close is None else f"did you mean `{close}`?"
-    message = "this JSON is no GeoJSON: its `type` is none, or missing"
+    message = "this JSON is not GeoJSON: its `type` is unknown or missing"
     sink.error(Code.UNREADABLE_REFERENCE, message, start, hint)
     return False
 

@@ -44,7 +44,7 @@ def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
     if place is None:
         return None
     if not is_mesh(place.path):
-        message = "this is no mesh, by the end of its name"
+        message = "this file extension is not that of a mesh"
         hint = "known: STL (`.stl`) and OBJ (`.obj`)"
         files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
         return None
@@ -54,7 +54,7 @@ def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
     try:
         vertices = _lines(data, "v", "f") if is_obj(place.path) else _stl(data)
     except MeshError as error:
-        message, hint = f"this is no mesh: {error}", "export it again as STL or OBJ"
+        message, hint = f"this is not a mesh: {error}", "export it again as STL or OBJ"
         files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
         return None
     return ir.Mesh(place.path, hashlib.sha256(data).hexdigest(), vertices)
@@ -69,7 +69,7 @@ def read_visual(path: Ident, base: int, files: FileSet) -> ir.VisualFile | None:
     if place is None:
         return None
     if not place.path.lower().endswith(VISUALS):
-        message = "this is no visual, by the end of its name"
+        message = "this file extension is not that of a visual"
         hint = f"known: {', '.join(f'`{each}`' for each in VISUALS)}"
         files.sink.error(Code.UNREADABLE_REFERENCE, message, path.span, hint)
         return None
@@ -153,7 +153,7 @@ def written_corner(number: int, words: Sequence[str]) -> tuple[Fraction, ...]:
     if len(corner) != 3:
         what = words[0].lower()
         raise MeshError(
-            f"line {number} does not have three numbers of a usual size behind `{what}`"
+            f"line {number} does not have three numbers of a usual size after `{what}`"
         )
     return corner
 

@@ -174,7 +174,7 @@ def _obj(data: bytes, *, faces_alone: bool) -> _Triangles:
             for b, c in pairwise(face[1:]):
                 found.add(name, (face[0], b, c))
         elif faces_alone and word in _DROPPED:
-            raise MeshError(f"line {number} has `{word}`, which is no face")
+            raise MeshError(f"line {number} has `{word}`, which is not a face")
     return found
 
 

@@ -230,7 +230,7 @@ def _check_tasks(names: NameTable, sink: Sink) -> None:
         used = _used_in("task", entity, names)
         if not used:
             hint = "name it in a task, or remove it"
-            _warn(entity, entity.span, "is named by no task", hint, sink)
+            _warn(entity, entity.span, "is not named in any task", hint, sink)
         return used
 
     for grammar in names.entities("grammar"):

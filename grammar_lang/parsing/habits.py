@@ -7,8 +7,8 @@ from grammar_lang.parsing.tokens import Tokens
 _COMPARISONS = frozenset({"<", "<=", "==", ">=", ">"})
 _HORIZON = "write a number of steps and how long one is, as in `horizon 10 steps of 0.2 s`"
 _AT_MOST = (
-    "write `horizon 10 steps of 0.2 s` for just so many steps, or `horizon at most 10 steps of "
-    "0.2 s` for any number of them up to that"
+    "write `horizon 10 steps of 0.2 s` for exactly that many steps, or `horizon at most 10 "
+    "steps of 0.2 s` for any number up to that"
 )
 _POINT = (
     "it takes a region: declare one in the workspace, such as `target T ball (3, 4) m radius 1 cm;`"
@@ -39,9 +39,9 @@ def _in_task(tokens: Tokens, here: int, wanted: str) -> str | None:
     if wanted == "`feedback` or `open`" and found == "closed":
         return "write `control feedback` for a closed loop"
     if wanted == "a name" and before == "margin":
-        return "the margin stands before `except`"
+        return "the margin comes before `except`"
     if wanted == "a name" and "except" in (before, tokens.at(here - 2)):
-        return "modules stand in pairs, as in `except Hand Tube, Tube Tube`"
+        return "modules come in pairs, as in `except Hand Tube, Tube Tube`"
     if wanted == "a name" and found == "(" and before in {"in", "reach", "avoid"}:
         return _POINT
     if found in {"and", ","} and tokens.at(here - 2) == "reach":
@@ -52,7 +52,7 @@ def _in_task(tokens: Tokens, here: int, wanted: str) -> str | None:
 def _in_expression(tokens: Tokens, here: int, wanted: str) -> str | None:
     found = tokens.at(here)
     if wanted == "`%`" and "within" in map(tokens.at, range(max(0, here - 6), here)):
-        return "`within` takes a share in percent, as in `within 5 %`"
+        return "`within` takes a percentage, as in `within 5 %`"
     if wanted == "`;` or `}`" and found in _COMPARISONS:
         return "an inequality has two sides: write two of them, with `;` between"
     if found == "!=":

@@ -111,7 +111,7 @@ def slips(tokens: Tokens, sink: Sink, most: int) -> None:
             include = text.startswith("#include")
             hint = 'write `include "FILE.srg";`' if include else "a comment begins with `//`"
             at = Span(span.start, span.start + 1, span.file)
-            message = "unexpected character `#`: it begins no comment"
+            message = "unexpected character `#`: it does not begin a comment"
             sink.error(Code.UNEXPECTED_CHARACTER, message, at, hint)
         elif text[0] == ".":
             hint = f"write `0{_shortened(text)}`"
@@ -295,7 +295,7 @@ def _hint(item: RawItem, place: Place, wanted: str) -> str:
     if close is not None:
         return f"did you mean `{close}`?"
     if tokens.kinds[here] == STRING and _WORD.fullmatch(word[1:-1]):
-        return f"a name stands without quotes: `{_shortened(word[1:-1])}`"
+        return f"write a name without quotes: `{_shortened(word[1:-1])}`"
     habit = habit_hint(tokens, here, wanted)
     if habit is not None:
         return habit

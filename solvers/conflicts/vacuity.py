@@ -145,7 +145,7 @@ def _together(task: ir.Task, core: Sequence[NecessaryCondition]) -> Diagnostic:
     return Diagnostic(
         Code.CONTRADICTORY_TASK,
         Severity.ERROR,
-        f"task `{task.name}` contradicts itself: no motion does all this, whatever the robot",
+        f"task `{task.name}` contradicts itself: no motion satisfies all this, whatever the robot",
         ordered[-1].span,
         "change or remove one of the clauses",
         tuple((span, ", ".join(texts)) for span, texts in others.items()),
@@ -288,7 +288,7 @@ def _always(
     return Diagnostic(
         Code.VACUOUS_FORMULA,
         Severity.WARNING,
-        f"this formula asks for nothing: it holds of every motion {whose}",
+        f"this formula requires nothing: it holds for every motion {whose}",
         formula.span,
         f"remove it, or check {_what_to_check(task)}",
         _notes(because),

@@ -23,7 +23,7 @@ MOST_ROBOTS = 1000
 MOST_PRICE = 2**40
 """Prices of so many units and more are added up as numbers of any size."""
 MOST_LISTED = 20_000
-"""So many are looked through for those that are nearest to the robot that there is."""
+"""So many are looked through for those that are nearest to the existing robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def compared_structures(
     """The structures of the family of some tasks.
 
     Of too many those with the shortest words are compared, or those that take the least to be made
-    of the robot that there is.
+    of the existing robot.
 
     Args:
         tasks: the tasks.
@@ -73,7 +73,7 @@ def compared_structures(
     else:
         listed = list(islice(structures(family.language, most), MOST_LISTED))
         found = _nearest(listed, frozenset(family.program.modules), prices, existing)
-        which = "those nearest to the robot that there is"
+        which = "those nearest to the existing robot"
     reason = (
         f"of more than {MOST_ROBOTS:,} structures of at most {most} modules {MOST_ROBOTS:,} were "
         f"compared, {which}"

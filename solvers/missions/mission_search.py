@@ -59,7 +59,7 @@ def solve(
         program: the spec.
         mission: one of its missions.
         context: how to search.
-        existing: the robot that there is before the first task; without one, that of its `from`.
+        existing: the existing robot before the first task; without one, that of its `from`.
 
     Raises:
         MapFault: a map of obstacles cannot be used.

@@ -36,7 +36,7 @@ from solvers.search.path_task import Design
 
 MOST_CUTS = 40
 """So many boxes are cut; what then does not agree is left undecided."""
-UNSUITED = "its parameters do not suit the robot that there is"
+UNSUITED = "its parameters do not suit the existing robot"
 
 
 @dataclass(slots=True, eq=False)

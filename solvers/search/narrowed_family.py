@@ -342,7 +342,7 @@ def _model(candidate: Candidate) -> RobotModel:
     """The robot of a structure; without one, it cannot be refuted."""
     if candidate.model is None:
         word = " ".join(candidate.derivation.word)
-        raise NoBoundError(f"{word} is no robot: {candidate.fault}")
+        raise NoBoundError(f"{word} is not a robot: {candidate.fault}")
     return candidate.model
 
 

@@ -96,7 +96,7 @@ def _derivation(claim: FoundClaim, family: RobotFamily) -> Derivation:
     try:
         derivation = family.replay(claim.derivation)
     except BadDerivation as error:
-        raise Refused(f"the derivation is none of the grammar: {error}") from None
+        raise Refused(f"the derivation is not one of the grammar: {error}") from None
     if derivation.word != claim.word:
         raise Refused("the derivation does not derive the word")
     # Replaying has shown that the grammar derives the word; the condition remains.

@@ -137,5 +137,5 @@ def _marks(given: Mapping[str, Sequence[float]]) -> tuple[Mark, ...]:
 def _number(value: float) -> float:
     number = float(value)
     if not isfinite(number):
-        raise UsageFault(f"`{number}` is no number")
+        raise UsageFault(f"`{number}` is not a number")
     return number

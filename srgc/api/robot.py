@@ -166,7 +166,7 @@ class Robot:
         try:
             found, n = np.asarray(q, dtype=np.float64), len(self.dofs)
         except (TypeError, ValueError, OverflowError):
-            raise UsageFault(f"`{name}` is no array of numbers") from None
+            raise UsageFault(f"`{name}` is not an array of numbers") from None
         if found.ndim not in (1, 2) or found.shape[-1] != n:
             raise UsageFault(f"`{name}` has the shape {found.shape}: ({n},) or (K, {n}) is due")
         return np.atleast_2d(found), found.ndim == 1

@@ -156,9 +156,9 @@ def _number(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise UsageFault(f"`{text}` is no number") from None
+        raise UsageFault(f"`{text}` is not a number") from None
     if not isfinite(value):
-        raise UsageFault(f"`{text}` is no number")
+        raise UsageFault(f"`{text}` is not a number")
     return value
 
 

@@ -289,7 +289,7 @@ def joint_trajectory(motion: ExportedMotion, *, efforts: bool = True) -> str:
     if any(after <= before for before, after in pairwise(times)):
         raise UsageFault("steps of less than a nanosecond are no JointTrajectory")
     if times[-1] >= MOST_SECONDS * NANO:
-        raise UsageFault(f"a motion of {MOST_SECONDS} s and more is no JointTrajectory")
+        raise UsageFault(f"a motion of {MOST_SECONDS} s or more cannot be a JointTrajectory")
     message = {
         "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
         "joint_names": [joint.name for joint in motion.joints],

@@ -116,7 +116,7 @@ class Place:
         if np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-9:
             raise self.fault("the last row of a pose is [0, 0, 0, 1]")
         if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-6 or np.linalg.det(rotation) < 0:
-            raise self.fault("its upper left part is no rotation")
+            raise self.fault("its upper left part is not a rotation")
         left, _, right = np.linalg.svd(rotation)
         if np.abs(left @ right - rotation).max() > 1e-15:
             matrix[:3, :3] = left @ right
@@ -164,7 +164,7 @@ class Place:
 
     def _object(self) -> dict[str, Any]:
         if isinstance(self.value, _Repeated):
-            raise self.fault(f"`{self.value.key[:80]}` stands twice")
+            raise self.fault(f"`{self.value.key[:80]}` occurs twice")
         if not isinstance(self.value, dict):
             raise self._wrong("an object")
         return self.value
@@ -196,7 +196,7 @@ def json_file(files: SourceFiles) -> Place:
     try:
         value = json.loads(source.text, object_pairs_hook=_object, parse_constant=_constant)
     except json.JSONDecodeError as error:
-        message, span = f"this is no JSON: {error.msg}", Span(error.pos, error.pos + 1)
+        message, span = f"this is not JSON: {error.msg}", Span(error.pos, error.pos + 1)
         raise SourceFault(Code.FOREIGN_FILE, message, source, span) from None
     except RecursionError:
         raise file_fault(path, "its values are nested too deeply") from None

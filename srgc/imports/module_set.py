@@ -88,9 +88,9 @@ def steps_of(matrix: NDArray[np.float64]) -> Steps:
     """
     rotation = matrix[:3, :3]
     if not np.all(np.isfinite(matrix)) or np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-9:
-        raise ValueError("it is no homogeneous matrix of finite numbers")
+        raise ValueError("it is not a homogeneous matrix of finite numbers")
     if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-6 or np.linalg.det(rotation) < 0:
-        raise ValueError("its upper left part is no rotation")
+        raise ValueError("its upper left part is not a rotation")
     x, y, z = (float(value) for value in matrix[:3, 3])
     return (Move((x, y, z)), *turns_of(rotation))
 

@@ -34,7 +34,7 @@ def decimal_text(value: float | Decimal, digits: int = DIGITS) -> str:
     """A number to so many digits without an exponent; 0 where it is below 1e-12."""
     number = value if isinstance(value, Decimal) else Decimal(repr(float(value)))
     if not number.is_finite():
-        raise ValueError(f"{value} is no finite number")
+        raise ValueError(f"{value} is not a finite number")
     rounded = Decimal(f"{number:.{digits}g}")
     text = f"{rounded.normalize():f}" if abs(rounded) >= _DECIMALS else "0"
     return "0" if text == "-0" else text

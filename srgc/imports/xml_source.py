@@ -91,10 +91,10 @@ def xml_file(data: bytes, path: Path | str) -> XmlFile:
         said = (error.msg or "not well-formed").partition(", line ")[0].partition(", use ")[0]
         source = Source(str(path), _text(data, "utf-8"))
         span = _offset(source.text, *error.position)
-        raise SourceFault(Code.FOREIGN_FILE, f"this is no XML: {said}", source, span) from None
+        raise SourceFault(Code.FOREIGN_FILE, f"this is not XML: {said}", source, span) from None
     except ValueError as error:
         source = Source(str(path), "")
-        raise SourceFault(Code.FOREIGN_FILE, f"this is no XML: {error}", source) from None
+        raise SourceFault(Code.FOREIGN_FILE, f"this is not XML: {error}", source) from None
     described = root.getroottree().docinfo
     source = Source(str(path), _text(data, described.encoding or "utf-8"))
     if described.doctype:

@@ -38,11 +38,11 @@ def robot_section(evidence: Evidence) -> str:
 def _why_none(evidence: Evidence) -> str:
     if evidence.verdict == "impossible":
         return (
-            "There is none. What is proved of that, and of which robots of the family, stands with "
-            "the verdict."
+            "There is none. The verdict says what is proved about that, and for which robots of "
+            "the family."
         )
     return (
-        "None was found. That says nothing about whether there is one: the search ended before it "
+        "None was found. That does not mean that there is none: the search ended before it "
         "found a robot or ruled all of them out."
     )
 
@@ -75,8 +75,8 @@ def _picture(found: FoundDesign, grammar: ir.Grammar, modules: Mapping[str, ir.M
         if name in modules and place not in {module.place for module in drawing.modules}
     ]
     caption = (
-        "At its real lengths, in a pose in which all modules can be seen; it is none of the task. "
-        "Names have the module and its place in the word, counted from 0."
+        "Drawn with its real lengths, in a pose that shows all modules and is not one of the task. "
+        "A name consists of the module and its place in the word, counted from 0."
     )
     if absent:
         caption += f" Not drawn, as no frame passes them: {', '.join(absent)}."

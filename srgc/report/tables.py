@@ -49,7 +49,7 @@ def evaluations(path: Path) -> tuple[Evaluation, ...]:
     except OSError as error:
         raise UsageFault(f"{path}: {error.strerror}") from None
     except (ValueError, KeyError, TypeError, AttributeError, csv.Error):
-        raise UsageFault(f"{path} is no table of evaluations") from None
+        raise UsageFault(f"{path} is not a table of evaluations") from None
 
 
 def _evaluation(row: dict[str, str]) -> Evaluation:

@@ -339,7 +339,7 @@ def last_samples(path: Path, structure: int, names: Sequence[str]) -> tuple[Samp
     except FileNotFoundError:
         return ()
     except (OSError, UnicodeDecodeError, csv.Error):
-        raise ValueError(f"{path} is no table of evaluations") from None
+        raise ValueError(f"{path} is not a table of evaluations") from None
     try:
         own = [row for row in rows if int(row["structure"]) == structure]
         last = max((int(row["path"]) for row in own), default=0)
@@ -353,4 +353,4 @@ def last_samples(path: Path, structure: int, names: Sequence[str]) -> tuple[Samp
             if int(row["path"]) == last
         )
     except (KeyError, TypeError, ValueError):
-        raise ValueError(f"{path} is no table of evaluations") from None
+        raise ValueError(f"{path} is not a table of evaluations") from None

@@ -37,7 +37,7 @@ def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebu
     """
     if task.origin is not None:
         raise UsageFault(
-            f"task `{task.name}` says by `from` which robot there is, and {folder} has another "
+            f"task `{task.name}` gives a robot by `from`, but {folder} has another "
             "one: remove `from` from the task"
         )
     place = _last_robot(folder)
@@ -68,7 +68,7 @@ def refuse_inside(output: Path, folder: Path) -> None:
     new, old = output.resolve(), folder.resolve()
     if new == old or old in new.parents or new in old.parents:
         raise UsageFault(
-            f"{output} and {folder}, which has the robot that there is, are one folder or one in "
+            f"{output} and {folder}, which has the existing robot, are one folder or one in "
             "the other: an interrupted run would lose that robot; name another place",
             Argument(" with -o", " as `output`"),
         )

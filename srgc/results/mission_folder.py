@@ -75,7 +75,7 @@ class MissionFolder:
         program: the program of the folder's copy of the spec.
         mission: the mission of it, or that of one step from a robot that there is.
         robots: the designs of its tasks in their order; none unless the verdict is found.
-        before: the robot that there is before the first task, if any.
+        before: the existing robot before the first task, if any.
         steps: what is changed before each task; of the first one only where there is a robot.
         refuted: what is refuted in each task.
         undecided: the robots that are neither found nor refuted, by why.

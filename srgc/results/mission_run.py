@@ -82,7 +82,7 @@ def run_mission(
         program: what it says.
         mission: one of its missions; with a ``step``, that of one task.
         options: how to search, and where to write.
-        step: the robot that there is.
+        step: the existing robot.
 
     Raises:
         UsageFault: the folder or the cluster cannot be used.

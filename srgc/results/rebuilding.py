@@ -90,7 +90,7 @@ def _price(option: str, value: Price) -> Fraction:
     if known is None:
         raise UsageFault(
             argument(option),
-            f" takes a number from 0 on, as 2, 0.5 or 1/3; `{_shown(value)}` is none",
+            f" takes a number of at least 0, such as 2, 0.5 or 1/3, not `{_shown(value)}`",
         )
     return known
 

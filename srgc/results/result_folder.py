@@ -304,5 +304,5 @@ def json_object(path: Path, *, needed: bool = True) -> dict[str, Any]:
     except (ValueError, RecursionError):
         raise UsageFault(f"{path} is not JSON") from None
     if not isinstance(content, dict):
-        raise UsageFault(f"{path} is no JSON object")
+        raise UsageFault(f"{path} is not a JSON object")
     return content

@@ -178,7 +178,7 @@ def _reason(family: Language, word: tuple[str, ...]) -> str:
     names = family.srg.terminals
     unknown = next((symbol for symbol in word if symbol not in names), None)
     if unknown is not None:
-        return f"`{unknown}` is no symbol of the file"
+        return f"`{unknown}` is not a symbol of the file"
     length = viable_prefix(family.binary, names, word)
     if length < len(word):
         shown = " ".join(word[max(0, length + 1 - SHOWN_WORD) : length + 1])

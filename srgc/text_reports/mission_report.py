@@ -150,7 +150,7 @@ def design_labels(design: Design, program: ir.Program) -> list[str]:
 
 
 def existing_labels(existing: Existing, program: ir.Program) -> list[str]:
-    """The same of the robot that there is before."""
+    """The same of the existing robot before."""
     found = []
     for module in existing.robot:
         units = {each.name: each.unit for each in program.modules[module.name].parameters}

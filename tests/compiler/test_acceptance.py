@@ -91,7 +91,7 @@ def test_at_most_counts_symbols_together() -> None:
 
 
 def test_unknown_symbols() -> None:
-    with pytest.raises(ValueError, match="'X' is no module or edge"):
+    with pytest.raises(ValueError, match="'X' is not a module or edge"):
         accept_dfa(ir.Contains(("X",)), AB)
     assert not accept_dfa(ir.AllOf(()), AB).accepts(("X",))
     assert accept_dfa(ir.AllOf(()), AB).run(("a", "X")) is None

@@ -48,7 +48,7 @@ semantics G {{ {" ".join(blocks)} }}"""
         ("a: S -> S E; b: S -> B;", "accept contains E and not contains E E;", False),
         ("a: S -> S E; b: S -> S c; d: S -> B;", "accept not contains E E;", True),
         ("a: S -> S T; b: S -> B; tool: T -> empty;", "accept length == 1;", True),
-        ("a: S -> T T; tool: T -> empty;", "", False),  # the empty word is no robot
+        ("a: S -> T T; tool: T -> empty;", "", False),  # the empty word is not a robot
     ],
 )
 def test_several(productions: str, accept: str, several: bool) -> None:

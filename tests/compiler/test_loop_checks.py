@@ -116,7 +116,7 @@ def test_a_given_start_inside_what_is_never_entered() -> None:
     loop_diagnostics(program(text), sink)
     (only,) = sink.found
     assert (only.code, text[only.span.start : only.span.end]) == (Code.START_OUTSIDE_LOOP, "A")
-    assert only.message == "the motion starts inside `A`, against what this asks of all times"
+    assert only.message == "the motion starts inside `A`, but this must hold at all times"
     undecided = text.replace("always not A", "always not C")
     sink = Sink([])
     loop_diagnostics(program(undecided), sink)

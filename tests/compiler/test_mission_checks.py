@@ -78,13 +78,13 @@ def test_four_modules_are_to_be_added(prices: str, least: int) -> None:
     below = Fraction(least) - Fraction(1, 1000)
     (message, hint), = found(f"reconfigure {prices}; changes <= {below};")  # fmt: skip
     assert message.startswith(f"{FAR} ")
-    assert hint == (f"write `changes <= {least};` or more; as it is, no robot will do")
+    assert hint == (f"write `changes <= {least};` or more; no robot is within this bound")
     assert found(f"reconfigure {prices}; changes <= {least};") == []
 
 
 def test_no_changes_at_all() -> None:
     (message, _), = found("reconfigure; changes <= 0;")  # fmt: skip
-    assert message == f"{FAR} 0 from the robot there is"
+    assert message == f"{FAR} 0 to build from the existing robot"
     robot = "from B eps J eps L eps J eps L eps J eps L eps E"
     whole = TEXT.replace("from B eps J eps L eps E", robot)
     assert found("reconfigure; changes <= 0;", whole) == []
@@ -108,9 +108,10 @@ def test_the_least_bound_on_modules_counts() -> None:
     bound = text.replace("0.1 s; }", "0.1 s; modules <= 7; }")
     assert found("reconfigure remove 3; changes <= 5;", text) == []
     message = (
-        "every robot of `Arm` with at most 7 modules costs more than 5 from the robot there is"
+        "every robot of `Arm` with at most 7 modules costs more than 5 "
+        "to build from the existing robot"
     )
-    hint = "write `changes <= 6;` or more; as it is, no robot will do"
+    hint = "write `changes <= 6;` or more; no robot is within this bound"
     assert found("reconfigure remove 3; changes <= 5;", bound) == [(message, hint)]
     assert found("reconfigure remove 3; changes <= 6;", bound) == []
 

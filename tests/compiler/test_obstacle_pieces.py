@@ -195,7 +195,7 @@ def test_a_map_of_too_many_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(MapFault) as caught:
         expanded_workspace(workspace(polygons("posts", *posts)))
     assert caught.value.code is Code.TOO_LARGE
-    assert caught.value.message == "obstacle `posts` is 40 convex pieces within the bounds"
+    assert caught.value.message == "obstacle `posts` has 40 convex pieces within the bounds"
     monkeypatch.setattr(obstacle_pieces, "PIECE_LIMIT", 40)
     assert len(expanded_workspace(workspace(polygons("posts", *posts))).regions) == 42
 

@@ -43,7 +43,7 @@ def test_a_robot_with_several_effectors_that_is_not_accepted() -> None:
         ("B", None),
         ("B eps J eps L eps E", None),
         ("B eps E eps E", None),  # derived, and not accepted: a robot may be mended
-        ("B eps", "the word is only the beginning of one: go on with more modules"),
+        ("B eps", "this is only the beginning of a word: continue with more modules"),
         ("J", "no word of the grammar begins with `J`"),
         ("B eps J L", "no word of the grammar begins with `B eps J L`"),
         ("B eps J eps eps", "no word of the grammar begins with `B eps J eps eps`"),

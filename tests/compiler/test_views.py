@@ -235,7 +235,7 @@ VIEWS = {
 @pytest.mark.parametrize(
     ("word", "message"),
     [
-        ("B eps X", "`X` is no symbol"),
+        ("B eps X", "`X` is not a symbol"),
         ("B eps L eps EN", "`B eps L eps EN` is not accepted"),
         ("EN", "`EN` is not accepted"),
         ("", "`` is not accepted"),

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "explanation" / "errata.md").read_text(encoding="utf-8")
 ROWS = [f"4.{number}" for number in range(1, 19)]
 HEADING = re.compile(r"^## (.+)$", re.MULTILINE)
-PARTS = ["The paper.", "What is the case.", "srgc", "Shown by"]
+PARTS = ["The paper.", "The problem.", "srgc", "Shown by"]
 
 
 def sections() -> dict[str, str]:

@@ -87,5 +87,5 @@ def test_texts(text: str, condition: ir.Accept) -> None:
     ],
 )  # fmt: skip
 def test_what_is_no_condition(text: str) -> None:
-    with pytest.raises(ValueError, match="is no condition on words of the family"):
+    with pytest.raises(ValueError, match="is not a condition on words of the family"):
         condition_of(text, ("L", "J"))

@@ -268,7 +268,7 @@ MISSING, FOLDER, READABLE = (
         ("sub", FOLDER, READABLE),
         (".", FOLDER, "write the path of a file"),
         ("sub/..", FOLDER, READABLE),
-        ("pipe", "it is no regular file", READABLE),
+        ("pipe", "it is not a regular file", READABLE),
         ("modul.srg", MISSING, "did you mean `modules.srg`?"),
         ("sub/bb.srg", MISSING, "did you mean `sub/b.srg`?"),
         ("modules", MISSING, "did you mean `modules.srg`?"),

@@ -270,10 +270,10 @@ def test_the_canonical_text() -> None:
 
 def test_a_task_twice() -> None:
     clauses = "tasks Noon, Morning, Noon, Noon; one robot;"
-    message = "task `Noon` stands twice in mission `Day`"
+    message = "task `Noon` is listed twice in mission `Day`"
     assert marked(clauses) == [("error SRG0730", message, "Noon")] * 2
     assert notes(clauses) == ["Noon", "Noon"]
-    assert hints(clauses)[0].endswith("a motion that is repeated is said by `repeat` in the task")
+    assert hints(clauses)[0].endswith("for a motion that repeats, write `repeat;` in the task")
 
 
 def test_names_that_are_no_tasks() -> None:
@@ -303,7 +303,7 @@ def test_neither_one_robot_nor_rebuilt() -> None:
 
 def test_tasks_of_other_robots() -> None:
     clauses = "tasks Morning, Elsewhere, Noon, Tall; one robot;"
-    about = "task `Elsewhere` is about robots of `Other`, task `Morning` about those of `Arm`"
+    about = "task `Elsewhere` uses grammar `Other`, but task `Morning` uses `Arm`"
     assert marked(clauses) == [
         ("error SRG0731", about, "Elsewhere"),
         ("error SRG0731", "task `Tall` is in space, the first one is not", "Tall"),
@@ -316,21 +316,21 @@ def test_tasks_of_other_robots() -> None:
 
 def test_bounds_of_other_efforts() -> None:
     clauses = "tasks Morning, Bound; reconfigure;"
-    message = "task `Bound` bounds the efforts of revolute joints, the first no efforts"
+    message = "task `Bound` bounds the efforts of revolute joints, the first task bounds no efforts"
     assert marked(clauses) == [("error SRG0732", message, "Bound")]
     assert [note.partition(" {")[0] for note in notes(clauses)] == ["task Morning"]
-    message = "task `Noon` bounds no efforts, the first the efforts of revolute joints"
+    message = "task `Noon` bounds no efforts, the first task bounds the efforts of revolute joints"
     assert marked("tasks Bound, Noon; one robot;") == [("error SRG0732", message, "Noon")]
 
 
 def test_tasks_that_say_which_robot_there_is() -> None:
     clauses = "tasks Morning, Again; reconfigure;"
-    message = "task `Again` says by `from` which robot there is before it"
+    message = "task `Again` has `from`, but is not the first task"
     assert marked(clauses) == [("error SRG0734", message, "Again")]
     assert notes(clauses) == ["from B J L E fixed L.length = 1 m;"]
-    assert "only the first task has `from`" in hints(clauses)[0]
+    assert "only the first task may have `from`" in hints(clauses)[0]
     clauses = "tasks Again, Morning; one robot;"
-    message = "task `Again` rebuilds a robot, and the mission has `one robot`"
+    message = "task `Again` rebuilds a robot, but the mission has `one robot`"
     assert marked(clauses) == [("error SRG0734", message, "Again")]
 
 
@@ -345,7 +345,7 @@ def test_what_is_done_about_a_robot_before_a_task_of_one_robot() -> None:
 
 def test_what_the_first_task_fixes_is_not_free() -> None:
     clauses = "tasks Again, Morning; reconfigure; free L.length, L.width;"
-    message = "`L.length` is free, and task `Again` fixes it"
+    message = "`L.length` is free, but task `Again` fixes it"
     assert marked(clauses) == [("error SRG0734", message, "L.length")]
     assert notes(clauses) == ["L.length = 1 m"]
     assert marked("tasks Again, Morning; reconfigure; free L.width;") == []
@@ -424,7 +424,7 @@ def test_a_mission_of_a_task_with_errors_is_not_of_the_sound_part() -> None:
         (
             "reconfigure add 1, change 2;",
             "SRG0734",
-            "a price of changing parameters, and none may change",
+            "`change` has a price, but no parameter is `free`",
             "change 2",
         ),
         ("reconfigure; free K.length;", "SRG0201", "unknown module `K`", "K"),
@@ -471,7 +471,7 @@ def test_a_free_parameter_of_a_module_that_no_robot_has() -> None:
 
 def test_nothing_to_rebuild() -> None:
     clauses = "tasks Morning; reconfigure;"
-    message = "nothing is rebuilt: there is one task, and no robot before it"
+    message = "nothing is rebuilt: there is only one task and no existing robot"
     assert marked(clauses) == [("warning SRG0734", message, "reconfigure;")]
     assert "write `from W;` in task `Morning`" in hints(clauses)[0]
     # Of names that are wrong it is not known how many tasks there are.
@@ -537,7 +537,7 @@ THERE_ARE = "the objectives are `modules`, `mass`, `time`, `energy`, `effort` an
 def test_changes_are_no_objective_of_tasks() -> None:
     text = replaced(TEXT, "effort <= 5 N*m;", "effort <= 5 N*m; minimize changes then effort;")
     found = of_missions(load_text(text, "spec.srg"))
-    assert shown(found, text) == [("error SRG0720", "`changes` is no objective", "changes")]
+    assert shown(found, text) == [("error SRG0720", "unknown objective `changes`", "changes")]
     assert found[0].hint == f"`changes` belongs to a `mission` with `reconfigure`; {THERE_ARE}"
 
 
@@ -549,14 +549,14 @@ def test_changes_where_nothing_is_changed() -> None:
 
 @pytest.mark.parametrize("clause", ["effort", "effort then changes", "sum(price) then mass"])
 def test_changes_come_first(clause: str) -> None:
-    message = "the first objective of robots that are rebuilt is `changes`"
+    message = "with `reconfigure` the first objective must be `changes`"
     place = clause.partition(" then ")[0]
     assert marked(f"{REBUILT} minimize {clause};") == [("error SRG0734", message, place)]
 
 
 def test_names_that_are_no_objective() -> None:
     clauses = f"{REBUILT} minimize chnges then effort;"
-    assert marked(clauses) == [("error SRG0720", "`chnges` is no objective", "chnges")]
+    assert marked(clauses) == [("error SRG0720", "unknown objective `chnges`", "chnges")]
     too = "of missions with `reconfigure` also `changes`"
     assert hints(clauses) == [f"did you mean `changes`? {THERE_ARE}; {too}"]
     clauses = "tasks Noon; one robot; minimize sum(prise) then effort(price);"
@@ -577,7 +577,7 @@ def test_an_objective_twice() -> None:
 def test_time_of_motions_that_do_not_end() -> None:
     for kind in ("time", "energy"):
         clauses = f"tasks Noon, Endless; one robot; minimize {kind};"
-        message = f"a motion that goes on for ever takes no {kind} that could be least"
+        message = f"a motion that goes on for ever has no least {kind}"
         assert marked(clauses) == [("error SRG0727", message, kind)]
         assert notes(clauses) == ["repeat;"]
         assert hints(clauses) == [f"remove `{kind}`, or `repeat;` from `Endless`"]

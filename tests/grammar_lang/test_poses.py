@@ -51,7 +51,7 @@ def test_poses_of_a_reach() -> None:
 @pytest.mark.parametrize(
     ("clauses", "said"),
     [
-        ("reach T aligned z to (0, 1) within 5 deg;", "is across the plane"),
+        ("reach T aligned z to (0, 1) within 5 deg;", "is perpendicular to the plane"),
         ("reach T aligned x to (0, 0) within 5 deg;", "a direction is not zero"),
         ("reach T aligned x to (0, 1, 0) within 5 deg;", "expected 2 coordinates"),
         ("reach T aligned x to (0, 1) m within 5 deg;", "expected a plain number"),
@@ -59,7 +59,7 @@ def test_poses_of_a_reach() -> None:
         ("reach T aligned x to (0, 1) within 180 deg;", "not between zero and a half turn"),
         ("reach T aligned x to (0, 1) within 1 m;", "found a length"),
         ("reach T oriented rot(x, 3) within 1;", "leaves the plane"),
-        ("reach T oriented move(x, 3 m) within 1;", "turned, not moved"),
+        ("reach T oriented move(x, 3 m) within 1;", "rotations, without moves"),
         ("reach T oriented 3 within 1;", "expected a frame"),
         ("reach T oriented rot(z, JO.q) within 1;", "is not a constant"),
         ("reach T aligned w to (0, 1) within 1;", "expected `x`, `y` or `z`"),
@@ -96,9 +96,9 @@ def test_poses_of_atoms() -> None:
 @pytest.mark.parametrize(
     ("atom", "said"),
     [
-        ("T aligned z to (0, 1) within 5 deg", "is across the plane"),
+        ("T aligned z to (0, 1) within 5 deg", "is perpendicular to the plane"),
         ("T aligned x to (0, 0) within 5 deg", "a direction is not zero"),
-        ("T oriented move(x, 3 m) within 1", "turned, not moved"),
+        ("T oriented move(x, 3 m) within 1", "rotations, without moves"),
         ("T aligned x to (0, 1) within 0", "not between zero and a half turn"),
         ("T aligned x to (0, 1)", "expected `within`"),
         ("aligned x to (0, 1) within 1", "expected"),

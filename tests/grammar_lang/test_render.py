@@ -16,7 +16,7 @@ def test_text_marks_the_place(arm: str) -> None:
         "this interval is empty: its lower bound exceeds its upper bound\n"
         "    3 | module L { role link; param length in [5, 0.5] m; const density = 1 kg/m; }\n"
         "      |                                       ^^^^^^^^^^\n"
-        "  hint: exchange the bounds\n"
+        "  hint: swap the bounds\n"
     )
 
 
@@ -32,7 +32,7 @@ def test_json_has_the_fields_of_the_contract(arm: str) -> None:
             "column": 39,
             "end_line": 3,
             "end_column": 49,
-            "hint": "exchange the bounds",
+            "hint": "swap the bounds",
         }
     ]
     assert to_json((), ()) == "[]\n"

@@ -167,7 +167,7 @@ def test_an_included_file_is_a_library(tmp_path: Path, build: Build) -> None:
     text = "include 'library.srg';" + build(modules=modules)
     main.write_text(text.replace("region S", "region R box [0, 1] x [0, 1]; region S"), "utf-8")
     assert [(d.code.name, d.message) for d in load(main).diagnostics] == [
-        ("UNUSED_NAME", "the region `R` is named by no task")
+        ("UNUSED_NAME", "the region `R` is not named in any task")
     ]
 
 

@@ -46,7 +46,7 @@ def told(clauses: str, **other: str) -> list[tuple[str, str, list[str]]]:
     assert all(d.severity is Severity.WARNING and d.hint for d in sink.found)
     return [
         (
-            "nothing" if "asks for nothing" in d.message else d.message.rpartition("is ")[2],
+            "nothing" if "requires nothing" in d.message else d.message.rpartition("is ")[2],
             text[d.span.start : d.span.end],
             [text[span.start : span.end] for span, _ in d.notes],
         )

@@ -98,8 +98,8 @@ FALSE = {
     "a spec elsewhere": (put("spec", "../certificate.json"), "is missing"),
     "another spec's digest": (put("spec_sha256", "00" * 32), "spec has been altered"),
     "a word that is not derived": (put("word", 4, "JO"), "does not derive the word"),
-    "no derivation": (put("derivation", 0, "claw"), "none of the grammar"),
-    "an unfinished derivation": (put("derivation", lambda d: d[:-1]), "none of the grammar"),
+    "no derivation": (put("derivation", 0, "claw"), "is not one of the grammar"),
+    "an unfinished derivation": (put("derivation", lambda d: d[:-1]), "is not one of the grammar"),
     "a word not accepted": (
         both(
             put("derivation", ["link", "joint", "base"]),
@@ -140,8 +140,8 @@ FALSE = {
     "a length below its range": (put("parameters", 0, "value", "0.99"), "outside its range"),
     "a negative length": (put("parameters", 0, "value", "-1.5"), "outside its range"),
     "a length by much": (put("parameters", 0, "value", "1.9"), "violated"),
-    "a length that is no number": (put("parameters", 0, "value", "nan"), "no exact number"),
-    "a length without end": (put("parameters", 0, "value", "1e999999999"), "no exact number"),
+    "a length that is no number": (put("parameters", 0, "value", "nan"), "not an exact number"),
+    "a length without end": (put("parameters", 0, "value", "1e999999999"), "not an exact number"),
     "a parameter of another name": (
         put("parameters", 0, "name", "width"), "not those of the robot",
     ),

@@ -214,7 +214,7 @@ def test_stl_in_both_forms(tmp_path: Path, write: object) -> None:
         (b"\n".join(text_stl(tube()).splitlines()[:-5]), "a.stl", "it may have been cut off"),
         ("f 1 2 3\n", "a.obj", "it has no vertex"),
         ("v 1 2 3\n", "a.obj", "no line begins with `f`"),
-        ("v 1 2 3\nf 1 1 1\n", "a.ply", "no mesh, by the end of its name"),
+        ("v 1 2 3\nf 1 1 1\n", "a.ply", "this file extension is not that of a mesh"),
         (binary_stl([[(0, 0, float("inf"))] * 3]), "a.stl", "triangle 1 has a corner that is not"),
     ],
 )

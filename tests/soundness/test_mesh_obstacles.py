@@ -181,8 +181,8 @@ def test_what_is_said_of_a_mesh(tmp_path: Path, place: str, size: int, says: str
         ('obstacles from "scene.ply";', 3, "meshes (`.stl`, `.obj`)"),
         ('obstacles from "../scene.obj";', 3, "outside the folder"),
         ('obstacles from "scene.obj"; region scene box [0, 1] x [0, 1] x [0, 1];', 3, "SRG0202"),
-        ('obstacles from "y.geojson" in mm;', 2, "a unit and a frame are those of meshes"),
-        ('obstacles from "y.geojson" at rot(z, 1);', 2, "a unit and a frame are those of meshes"),
+        ('obstacles from "y.geojson" in mm;', 2, "only meshes take a unit and a frame"),
+        ('obstacles from "y.geojson" at rot(z, 1);', 2, "only meshes take a unit and a frame"),
         ('obstacles from "y.geojson";', 3, "a map of obstacles lies in the plane"),
     ],
 )
@@ -201,9 +201,9 @@ FLAT = "o Sheet of paper\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
     ("mesh", "name", "says"),
     [
         (FLAT, "a.obj", "error[SRG0608]: object `Sheet of paper` of this mesh has no interior"),
-        ("v 1 2 3\n", "a.obj", "this is no mesh: it has no triangle"),
-        ("solid a\nendsolid a\n", "a.stl", "this is no mesh: it has no triangle"),
-        ("PK\x03\x04", "a.stl", "this is no mesh"),
+        ("v 1 2 3\n", "a.obj", "this is not a mesh: it has no triangle"),
+        ("solid a\nendsolid a\n", "a.stl", "this is not a mesh: it has no triangle"),
+        ("PK\x03\x04", "a.stl", "this is not a mesh"),
     ],
 )
 def test_what_is_wrong_with_the_file(tmp_path: Path, mesh: str, name: str, says: str) -> None:

@@ -239,7 +239,10 @@ def test_damaged_files_are_left_out_of_mjcf(
 @pytest.mark.parametrize(
     ("visual", "says"),
     [
-        ('visual(frame: in, file: "seen/any.ply", scale: 1 m);', "this is no visual, by the end"),
+        (
+            'visual(frame: in, file: "seen/any.ply", scale: 1 m);',
+            "this file extension is not that of a visual",
+        ),
         ('visual(frame: in, file: "seen/anny.dae", scale: 1 m);', "did you mean"),
         ('visual(frame: in, file: "../any.dae", scale: 1 m);', "outside the folder"),
         ('visual(frame: in, file: "seen/any.dae");', "`visual` lacks `scale`"),

@@ -39,7 +39,7 @@ def test_the_list_of_all_codes(srgc):
     assert (ran.status, ran.err) == (0, "")
     lines = ran.out.splitlines()
     assert [line[:7] for line in lines] == [code.value for code in Code]
-    assert "SRG0301  a value of the wrong unit" in lines
+    assert "SRG0301  a value with the wrong unit" in lines
     assert all(line[7:9] == "  " and line[9:].strip() for line in lines)
 
 
@@ -86,7 +86,7 @@ def test_headings_are_bold_on_a_terminal_only(srgc, monkeypatch):
     from srgc.text_reports.findings_text import explanation
 
     out = explanation(["301"], colour=True)
-    assert out.startswith("\x1b[1m# SRG0301: a value of the wrong unit\x1b[0m\n")
+    assert out.startswith("\x1b[1m# SRG0301: a value with the wrong unit\x1b[0m\n")
     assert out.count("\x1b[1m") == 3
 
 

@@ -354,7 +354,7 @@ def test_an_altered_certificate(srgc: Export, crane: Path) -> None:
         ("derivation", ["base", "base"], "crane: "),
         ("task", "Drop", "no task `Drop`"),
         ("start", ["0"], "start or the inputs"),
-        ("start", ["x"] * 6, "is no exact number"),
+        ("start", ["x"] * 6, "is not an exact number"),
     ],
 )
 def test_a_claim_about_another_robot(

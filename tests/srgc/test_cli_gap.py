@@ -77,7 +77,7 @@ def test_without_the_option_nothing_is_said(srgc, spec, tmp_path):
 def test_no_gap(gap, srgc, spec, tmp_path):
     ran = srgc("synth", spec(TWO), "-o", tmp_path / "out", "--gap", gap)
     assert ran.status == 2
-    said = f"error: a gap is a percentage from 0 on, as `5 %`; `{gap}` is none"
+    said = f"error: a gap is a percentage of at least 0, such as `5 %`, not `{gap}`"
     assert " ".join(ran.err.split()) == said
     assert not (tmp_path / "out").exists()
 

@@ -91,7 +91,7 @@ def test_the_run_of_a_word_in_red(srgc, arm_file, what):
 @pytest.mark.parametrize("what", WITH_RUNS)
 def test_a_word_without_a_run_is_one_message(srgc, arm_file, what):
     for word, message in [
-        ("B eps X eps EN", "error: `X` is no symbol of the words\n"),
+        ("B eps X eps EN", "error: `X` is not a symbol of the words\n"),
         ("B eps L eps EN", "error: the word `B eps L eps EN` is not accepted\n"),
         ("", "error: the word `` is not accepted\n"),
     ]:
@@ -142,7 +142,7 @@ def test_figure_two_from_any_depth(srgc, arm_file):
         (("--of", "robot"), "--of robot needs the word"),
         (("--of", "sra", "--word", "B"), "go with --of robot"),
         (("--of", "sra", "--derivation", "1"), "go with --of robot"),
-        (("--of", "robot", "--word", "B eps Q"), "`Q` is no symbol"),
+        (("--of", "robot", "--word", "B eps Q"), "`Q` is not a symbol"),
         (("--of", "robot", "--word", "B"), "`B` is not accepted"),
         (
             ("--of", "robot", "--word", "B eps JO eps EN", "--derivation", "2"),

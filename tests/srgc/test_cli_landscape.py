@@ -104,7 +104,7 @@ def test_samples_of_the_search_are_shown(srgc: Srgc, designs: Path) -> None:
     (designs / "evaluations.csv").unlink()
     assert "samples: 0 of the search" in srgc("landscape", designs, "--points", 2).out
     (designs / "evaluations.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    refused(srgc("landscape", designs), "is no table of evaluations")
+    refused(srgc("landscape", designs), "is not a table of evaluations")
 
 
 # --- what is asked for ---------------------------------------------------------------------------
@@ -165,8 +165,8 @@ def test_what_cannot_vary_is_no_axis() -> None:
         ({"ranges": ("4.length=2:1",)}, "the lower end comes first"),
         ({"ranges": ("4.length=1:2", "4.length=1:1.5")}, "twice for one parameter"),
         ({"ranges": ("4.length=1.5",)}, "write it as in"),
-        ({"ranges": ("4.length=1:x",)}, "`x` is no number"),
-        ({"ranges": ("4.length=1:nan",)}, "`nan` is no number"),
+        ({"ranges": ("4.length=1:x",)}, "`x` is not a number"),
+        ({"ranges": ("4.length=1:nan",)}, "`nan` is not a number"),
         ({"over": "4.angle", "ranges": ("4.length=1:2",)}, "which --over does not name"),
         ({"marks": ("1.5",)}, "2 numbers are due"),
         ({"marks": ("1.5,2",)}, "2 is not within [-1, 1]"),

@@ -169,8 +169,8 @@ def test_a_formula_may_name_a_map(srgc: Run, yard: Callable[..., Path]) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "code", "said"),
     [
-        ("start in Gate", "start in yard", "SRG0203", "`yard` is a map of obstacles, and no place"),
-        ("reach Shed", "reach yard", "SRG0203", "`yard` is a map of obstacles, and no place"),
+        ("start in Gate", "start in yard", "SRG0203", "`yard` is a map of obstacles, not a place"),
+        ("reach Shed", "reach yard", "SRG0203", "`yard` is a map of obstacles, not a place"),
         ("avoid yard", "avoid yrad", "SRG0201", "did you mean `yard`?"),
         ("region Gate", "region yard", "SRG0202", "`yard` is declared twice"),
         ("avoid yard with effector;", "", "SRG0609", "no task avoids obstacle `yard`"),
@@ -215,9 +215,9 @@ BAD_YAML = [
     ("free_thresh: 0.196\n", "", "maps/yard.yaml:1:1", "this map has no `free_thresh`"),
     ("negate: 0\n", "", "maps/yard.yaml:1:1", "this map has no `negate`"),
     ("0.1\n", "0\n", "maps/yard.yaml:2:13", "the resolution is not positive"),
-    ("0.1\n", ".nan\n", "maps/yard.yaml:2:13", "resolution is no decimal number"),
-    ("0.1\n", "1/10\n", "maps/yard.yaml:2:13", "resolution is no decimal number"),
-    ("[0, 0, 0]", "[0, 0]", "maps/yard.yaml:3:9", "origin is no list of three numbers"),
+    ("0.1\n", ".nan\n", "maps/yard.yaml:2:13", "resolution is not a decimal number"),
+    ("0.1\n", "1/10\n", "maps/yard.yaml:2:13", "resolution is not a decimal number"),
+    ("[0, 0, 0]", "[0, 0]", "maps/yard.yaml:3:9", "origin is not a list of three numbers"),
     ("[0, 0, 0]", "[0, 0, 90]", "maps/yard.yaml:3:16", "the yaw of origin is more than a turn"),
     ("0.65", "0.1", "maps/yard.yaml:6:14", "free_thresh is greater than occupied_thresh"),
     ("negate: 0", "negate: 0\nnegate: 0", "maps/yard.yaml:5:1", "a second `negate`"),
@@ -253,7 +253,7 @@ def test_bad_headers(
         (b"", "SRG0109", "the image is neither PGM (P2, P5) nor PNG"),
         (b"GIF89a", "SRG0109", "the image is neither PGM (P2, P5) nor PNG"),
         (b"P5 40 40 255\n\0", "SRG0109", "the image ends before its last pixel"),
-        (b"P2 1 1 255 nan", "SRG0109", "a pixel of the PGM image is no number"),
+        (b"P2 1 1 255 nan", "SRG0109", "a pixel of the PGM image is not a number"),
         (b"P5 99999 99999 255\n", "SRG0110", "the image has 9,999,800,001 pixels, more than"),
         (b"\x89PNG\r\n\x1a\n" + b"\0" * 40, "SRG0109", "the header of the PNG image is damaged"),
     ],
@@ -277,7 +277,7 @@ def test_noise_is_too_much(srgc: Run, yard: Callable[..., Path]) -> None:
     board = np.where(np.indices((110, 110)).sum(axis=0) % 2, 254, 0)
     ran = srgc("check", yard(YAML.replace("0.1\n", "0.03\n"), pgm(board)))
     assert ran.status == 1
-    assert "error[SRG0110]: obstacle `yard` is 6,050 convex pieces within the bounds" in ran.out
+    assert "error[SRG0110]: obstacle `yard` has 6,050 convex pieces within the bounds" in ran.out
     assert "at most 5,000 can be used: take a coarser map, or narrower bounds" in ran.out
 
 
@@ -293,7 +293,7 @@ def test_noise_is_too_much(srgc: Run, yard: Callable[..., Path]) -> None:
             3,
             "a ring meets itself at (1.5, 1.5)",
         ),
-        ('{"type": "Feature",\n "geometry": {"type": "Sphere"}}', 2, "no type of GeoJSON"),
+        ('{"type": "Feature",\n "geometry": {"type": "Sphere"}}', 2, "is not a GeoJSON type"),
     ],
 )
 def test_bad_polygons(

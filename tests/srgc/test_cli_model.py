@@ -127,7 +127,7 @@ def test_modules_with_dynamics_of_their_own(srgc, arm_file):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--word", "B eps X"], "error: `X` is no symbol of the words\n"),
+        (["--word", "B eps X"], "error: `X` is not a symbol of the words\n"),
         (["--word", "B eps L eps EN"], "error: the word `B eps L eps EN` is not accepted\n"),
         (["--word", ""], "error: the word `` is not accepted\n"),
         (["--word", TWO, "--derivation", "2"],

@@ -121,7 +121,7 @@ def test_a_refusal_says_why(srgc, arm_file):
         "B eps JO eps": "only the beginning",
         "B eps JO": "accept condition",
         "": "does not derive",
-        "B Claw": "`Claw` is no symbol",
+        "B Claw": "`Claw` is not a symbol",
     }
     for word, reason in reasons.items():
         ran = srgc("accepts", arm_file, "--", *word.split())

@@ -146,7 +146,7 @@ def test_a_step_is_not_written_over_its_robot(place: str, packed: Path, srgc: Ru
 def test_prices_are_plain_numbers(price: str, packed: Path, srgc: Run, tmp_path: Path) -> None:
     ran = evolved(srgc, packed, tmp_path, LIMBS, f"--add={price}")
     assert ran.status == 2
-    assert "takes a number from 0 on" in ran.err
+    assert "takes a number of at least 0" in ran.err
 
 
 def test_a_price_of_changes_needs_what_may_change(packed: Path, srgc: Run, tmp_path: Path) -> None:

@@ -69,7 +69,9 @@ def test_what_is_no_price_is_refused(
     price: Price, program: public.api.program.Program, tmp_path: Path
 ) -> None:
     for name in ("add", "remove", "change", "changes"):
-        with pytest.raises(public.SrgcError, match=f"^`{name}` takes a number from 0 on") as caught:
+        with pytest.raises(
+            public.SrgcError, match=f"^`{name}` takes a number of at least 0"
+        ) as caught:
             public.evolve(tmp_path, program, **{name: price})  # type: ignore[arg-type]
         assert len(str(caught.value)) < 200
 

@@ -166,7 +166,7 @@ def test_links_are_no_copies(out, tmp_path, name):
     path = out / "spec" / name
     path.rename(tmp_path / "moved")
     path.symlink_to(tmp_path / "moved")
-    assert "is no plain file" in reason(out)
+    assert "is not a plain file" in reason(out)
 
 
 def test_a_copy_cannot_include_what_lies_outside(out, tmp_path):

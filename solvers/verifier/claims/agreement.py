@@ -61,7 +61,7 @@ def disagreement(
     except (ValueError, RecursionError):
         return "design.json is not JSON"
     if not isinstance(design, dict):
-        return "design.json is no JSON object"
+        return "design.json is not a JSON object"
     expected = _expected(claim, model) | {"cells": cells.describe()}
     expected["reconfiguration"] = _reconfiguration(claim, program, task)
     if isinstance(claim, FoundClaim):

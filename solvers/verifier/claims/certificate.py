@@ -246,7 +246,7 @@ def spec_files(folder: Path) -> dict[str, bytes]:
     left = LIMIT + IMAGE_LIMIT
     for path in [folder, *sorted(folder.rglob("*"))]:
         if path.is_symlink() or (path.exists() and not path.is_dir() and not path.is_file()):
-            raise CertificateError(f"the spec has been altered: {path} is no plain file")
+            raise CertificateError(f"the spec has been altered: {path} is not a plain file")
         if path.is_file():
             try:
                 data = read_file(path, left)
@@ -312,7 +312,7 @@ def checked_object(text: str) -> dict[str, Any]:
     try:
         content = json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
         if not isinstance(content, dict) or "digest" not in content:
-            raise CertificateError("the certificate is no JSON object with a digest")
+            raise CertificateError("the certificate is not a JSON object with a digest")
         digest = digest_of(content)
     except CertificateError:
         raise

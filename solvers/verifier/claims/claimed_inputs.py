@@ -233,7 +233,7 @@ def misstated_robustness(folder: Path, margins: Sequence[Margin]) -> str | None:
 
 
 def _units(design: Mapping[str, Any]) -> list[object]:
-    """The units of the margins, in their order; what is no list of these has none."""
+    """The units of the margins, in their order; what is not a list of these has none."""
     listed = design.get(BY_UNIT)
     if not isinstance(listed, list):
         return [None]

@@ -67,7 +67,7 @@ def evidence_bytes(folder: Path, name: str) -> bytes:
     except (OSError, RuntimeError, ValueError):  # a name too long, links in a circle, a NUL
         inside = False
     if not inside:
-        raise FileNotFoundError(ENOENT, "it is no file of the folder")
+        raise FileNotFoundError(ENOENT, "it is not a file of the folder")
     return bounded_bytes(folder / name)
 
 

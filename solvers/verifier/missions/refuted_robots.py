@@ -151,7 +151,7 @@ def replayed(family: RobotFamily, labels: Labels) -> Derivation:
     try:
         return family.replay(labels)
     except BadDerivation as error:
-        raise FalseClaim(f"`{' '.join(labels)}` is no derivation: {error}") from None
+        raise FalseClaim(f"`{' '.join(labels)}` is not a derivation: {error}") from None
 
 
 # --- Boxes of parameters --------------------------------------------------------------------------
@@ -167,7 +167,7 @@ def tree_of(claim: BoxesClaim, tasks: Sequence[RefutedRobots]) -> BoxTree:
     derivation = replayed(first.family, claim.derivation)
     model = first.model(derivation)
     if derivation.word != claim.word or model is None:
-        raise FalseClaim(f"`{' '.join(claim.word)}` is no robot with that derivation")
+        raise FalseClaim(f"`{' '.join(claim.word)}` is not a robot with that derivation")
     tree = BoxTree(whole_box(model))
     _check_tree(claim, claim.tree, tree, derivation, tasks)
     return tree

@@ -74,7 +74,7 @@ def robot_before(
     origin, stated = program.tasks[mission.tasks[0]].origin, claim.existing
     if claim.posed is None:
         if (origin is None or mission.prices is None) is not (stated is None):
-            raise Refused("the claim does not have the robot that there is before the first task")
+            raise Refused("the claim does not have the existing robot before the first task")
         if origin is None or stated is None:
             return RobotBefore(None)
         if stated.word != origin.word:
@@ -127,7 +127,7 @@ def _check_source(
 
 
 def _check_module(name: str, earlier: ir.Program, program: ir.Program) -> None:
-    """The spec has a module of the robot that there is, with the same parameters."""
+    """The spec has a module of the existing robot, with the same parameters."""
     if name not in program.modules:
         raise Refused(f"the robot before has a module `{name}` that the spec does not know")
     if parameter_names(earlier.modules[name]) != parameter_names(program.modules[name]):

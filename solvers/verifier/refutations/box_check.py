@@ -45,7 +45,7 @@ def why_not(
         try:
             return _why_not(covering, model, workspace, task, cheaper)
         except BoxTreeError as error:
-            return f"it is no covering of this robot: {error}"
+            return f"it is not a covering of this robot: {error}"
 
 
 def _why_not(

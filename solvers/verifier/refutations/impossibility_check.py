@@ -231,7 +231,7 @@ class _Listed:
             raise FalseClaim(f"structure {number} is not {' '.join(derivation.word)}")
         model = candidate.model
         if model is None:
-            raise FalseClaim(f"structure {number} is no robot: {candidate.fault}")
+            raise FalseClaim(f"structure {number} is not a robot: {candidate.fault}")
         self.keys.append(robot_key_in_task(model, self.evidence.task))
         first, cheaper = None, self.cheaper(candidate)
         if claimed.same_robot_as is not None:

@@ -226,7 +226,7 @@ def _check_time(
     if claim is None or (claim.steps + 1) * task.step < least:
         raise FalseClaim("there is no evidence for the least time")
     if not task.at_most or not task.fewest_steps <= claim.steps <= task.steps:
-        raise FalseClaim("its number of steps is none that the task allows")
+        raise FalseClaim("the task does not allow its number of steps")
     if task.modules is not None and claim.modules != task.modules:
         raise FalseClaim("the bound on modules is not the task's")
     narrow = replace(shortened(task, claim.steps), modules=claim.modules)

@@ -84,7 +84,7 @@ def ident(text: object, name: str) -> s.Ident:
     """
     if isinstance(text, str) and is_name(text):
         return s.Ident(text)
-    hint = "a name has letters from A to Z, digits and `_`, and is no reserved word"
+    hint = "a name has letters from A to Z, digits and `_`, and is not a reserved word"
     raise UsageFault(f"`{name}` is a name, not {shown(text)}", hint=hint)
 
 

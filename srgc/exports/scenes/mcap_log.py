@@ -62,7 +62,7 @@ def mcap_log(scene: DesignScene, motion: ExportedMotion) -> MotionLog:
         UsageFault: the library is missing, or the motion takes too long.
     """
     if motion.times[-1] >= MOST_SECONDS:
-        raise UsageFault(f"a motion of {MOST_SECONDS} s and more is no log")
+        raise UsageFault(f"a motion of {MOST_SECONDS} s or more cannot be a log")
     try:
         from mcap.writer import CompressionType, Writer
     except ModuleNotFoundError:

@@ -48,7 +48,7 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
     """All triangles of the scene of a file, z up, in metres if ``own_unit``, else in its unit.
 
     Raises:
-        SourceFault: it is no COLLADA file, or has no scene with triangles.
+        SourceFault: it is not a COLLADA file, or has no scene with triangles.
     """
     import collada
     from lxml.etree import tostring
@@ -56,7 +56,7 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
     file = xml_file(content, path)
     root = file.root
     if _tag(root) != "COLLADA":
-        raise file.fault(root, f"it is no COLLADA file: its root is `{visible(_tag(root))}`")
+        raise file.fault(root, f"it is not a COLLADA file: its root is `{visible(_tag(root))}`")
     scale, up = _asset(file)
     _strip(root)
     faults = collada.common
@@ -120,12 +120,12 @@ def _asset(file: XmlFile) -> tuple[Fraction, str]:
             if 0 < _metres(text) < 1e6 and len(text) <= LONGEST:
                 scale = exact_decimal(text)
             else:
-                message = "its unit is no positive number of metres"
+                message = "its unit is not a positive number of metres"
                 raise file.fault(element, message, "name one with --unit")
         elif tag == "up_axis":
             up = (element.text or "").strip().upper()
             if up not in UP:
-                message = f"`{visible(up[:40])}` is no axis that can be up"
+                message = f"`{visible(up[:40])}` is not a valid up axis"
                 raise file.fault(element, message, f"known: {', '.join(UP)}")
         elif tag.startswith("library_"):
             break

@@ -68,7 +68,7 @@ def _chunks(content: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
     refuse_content(found[JSON_CHUNK], path, XML_LIMIT)
     document = json.loads(found[JSON_CHUNK])
     if not isinstance(document, dict):
-        raise TypeError("the JSON is no object")
+        raise TypeError("the JSON is not an object")
     return document, found.get(BINARY_CHUNK, b"")
 
 

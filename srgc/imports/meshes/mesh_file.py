@@ -62,7 +62,7 @@ def _most_bytes(path: Path) -> int:
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        message = "by the end of its name it is no mesh that is read here"
+        message = "its file extension is not that of a supported mesh"
         known = "known: STL (.stl), OBJ (.obj), COLLADA (.dae), binary glTF (.glb)"
         raise file_fault(path, message, known)
     return XML_LIMIT if suffix == ".dae" else LIMIT
@@ -106,7 +106,7 @@ def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
     vertices = mesh.vertices
     if not np.isfinite(vertices).all():
         bad = int(np.argmin(np.isfinite(vertices).all(axis=1)))
-        raise file_fault(path, f"vertex {bad + 1} has a coordinate that is no finite number")
+        raise file_fault(path, f"vertex {bad + 1} has a coordinate that is not a finite number")
     if unit != 1.0:
         mesh = mesh.scaled([rational(unit)] * 3)
     if np.abs(mesh.vertices).max(initial=0.0) >= LARGEST:
@@ -128,7 +128,7 @@ def _stl(content: bytes, path: Path) -> Mesh:
             too_many(count, path)
             return joined([(path.stem, _vertices(load_stl_binary(io.BytesIO(content)), path))])
     if not content.lstrip().lower().startswith(b"solid") or b"\0" in content:
-        raise file_fault(path, "it is no STL file, or was cut off: its size is not what it says")
+        raise file_fault(path, "it is not an STL file, or was cut off: its size is wrong")
     lowered = content.lower()
     facets, corners = lowered.count(b"endfacet"), len(re.findall(rb"\bvertex\b", lowered))
     too_many(facets, path)

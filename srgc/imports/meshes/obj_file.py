@@ -79,7 +79,7 @@ class _Lines:
         try:
             given = [int(word.partition("/")[0]) for word in words]
         except ValueError:
-            raise self.fault(number, "a face has a corner that is no number") from None
+            raise self.fault(number, "a face has a corner that is not a number") from None
         count = len(self.vertices)
         corners = [index - 1 if index > 0 else count + index for index in given]
         if 0 in given or any(corner < 0 for corner in corners):
@@ -103,7 +103,7 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
         SourceFault: it is not text, has no face or too many, or a line that was cut off.
     """
     if b"\0" in content:
-        raise file_fault(path, "it is no OBJ file: it is not text")
+        raise file_fault(path, "it is not an OBJ file: it is not text")
     # Comments may be in any encoding.
     text = content.decode("utf-8-sig", errors="replace").replace("\r\n", "\n")
     rows = text.split("\n")

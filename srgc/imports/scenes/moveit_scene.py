@@ -136,7 +136,7 @@ def _object(lines: _Lines, scene: Scene, name: str, *, own_pose: bool) -> None:
             frame = lines.line(f"a subframe of {name}")
             lines.pose(frame)
         if subframes:
-            which = "a subframe, which is no obstacle"
+            which = "a subframe, which is not an obstacle"
             if subframes > 1:
                 which = f"{subframes} subframes, which are no obstacles"
             scene.dropped.append(f"{name}: {which}")
@@ -164,7 +164,7 @@ def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | list[floa
     if kind == "mesh":
         return MeshShape(_mesh(lines, what), lines.path.name), ""
     raise lines.fault(
-        f"`{kind[:40]}` is no shape that is known: box, sphere, cylinder, cone, plane, mesh"
+        f"`{kind[:40]}` is not a known shape: box, sphere, cylinder, cone, plane, mesh"
     )
 
 

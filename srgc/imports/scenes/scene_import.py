@@ -89,7 +89,7 @@ def read_scene(
         scene = moveit_scene(path) if suffix == SCENE else sdf_scene(source_files(path, packages))
     else:
         known = ", ".join((*SUFFIXES, SCENE, *WORLDS))
-        raise file_fault(path, "by the end of its name it is no scene", f"known: {known}")
+        raise file_fault(path, "its file extension is not that of a scene", f"known: {known}")
     scene.objects = [
         SceneObject(each.name, each.shape, place.then(each.pose), each.note)
         for each in scene.objects
@@ -127,8 +127,8 @@ def _place(text: str) -> Pose:
         place = [float(number) * LENGTHS[unit or "m"] for number in numbers]
         words = [number.strip() for number in numbers]
         if not all(abs(x) < FARTHEST for x in place):
-            raise UsageFault(f"`{text}` is no place: its coordinates are less than 1000 km")
+            raise UsageFault(f"`{text}` is not a position: its coordinates are less than 1000 km")
         x, y, z = (exact_decimal(word) * rational(LENGTHS[unit or "m"]) for word in words)
     except ValueError:
-        raise UsageFault(f"`{text}` is no place; write one such as `(0.5, 0, 0) m`") from None
+        raise UsageFault(f"`{text}` is not a position; write one such as `(0.5, 0, 0) m`") from None
     return Pose(shift=np.array(place), exact=(x, y, z))

@@ -129,7 +129,7 @@ class Scope:
         if frame:
             at = self.of(frame)
             if at is None:
-                said = f"its placement frame `{frame}` is no frame of the model `{self.name}`"
+                said = f"its placement frame `{frame}` is not a frame of the model `{self.name}`"
                 raise file.fault(by if own is None else own, said, self._hint())
             given = given.then(at.inverse())
         self.begun.pop()
@@ -146,7 +146,7 @@ class Scope:
     def _named_by(self, name: str, by: Element, file: XmlFile) -> Pose:
         found = self.of(name)
         if found is None:
-            raise file.fault(by, f"`{name}` is no frame that is known here", self._hint())
+            raise file.fault(by, f"`{name}` is not a known frame", self._hint())
         return found
 
     def _hint(self) -> str | None:
@@ -221,7 +221,7 @@ def _pose(pose: Element, file: XmlFile) -> Pose:
         words = (pose.text or "").split()
         numbers = [float(word) for word in words]
     except ValueError:
-        raise fault("its pose is no list of numbers") from None
+        raise fault("its pose is not a list of numbers") from None
     if not numbers:
         return Pose()
     if pose.get("rotation_format") == "quat_xyzw" and len(numbers) == 7:

@@ -61,7 +61,7 @@ class Geometries:
         else:
             found = _simple(element, fault)
             if found is None:
-                self.scene.dropped.append(f"{name}: a {element.tag} is no shape that is known")
+                self.scene.dropped.append(f"{name}: a {element.tag} is not a known shape")
             else:
                 yield found[0], Pose(), found[1]
 
@@ -162,5 +162,5 @@ def _parsed(text: str, count: int, what: str, fault: Fault) -> list[float]:
     except ValueError:
         found = []
     if len(found) != count or not np.isfinite(found).all():
-        raise fault(f"{what} is no list of {count} finite numbers: `{text.strip()[:40]}`")
+        raise fault(f"{what} is not a list of {count} finite numbers: `{text.strip()[:40]}`")
     return found

@@ -129,13 +129,13 @@ def sdf_scene(files: SourceFiles) -> Scene:
     """What collides in the first world of a file, or in its models.
 
     Raises:
-        SourceFault: it is no SDF file, a number or a mesh of it cannot be read, or a pose is
+        SourceFault: it is not an SDF file, a number or a mesh of it cannot be read, or a pose is
             relative to what is not there or to itself.
     """
     file = xml_file(files.main_bytes(), files.main)
     root = file.root
     if root.tag != "sdf":
-        raise file.fault(root, f"it is no SDF file: its root is `{_tag(root)}`")
+        raise file.fault(root, f"it is not an SDF file: its root is `{_tag(root)}`")
     worlds = root.findall("world")
     scene = Scene((worlds[0].get("name") if worlds else None) or files.main.stem)
     reader = _Reader(scene, files)

@@ -23,7 +23,8 @@ def vrml_pieces(content: bytes, path: Path) -> list[NDArray[np.float64]]:
         SourceFault: it is no such file, or a list of points is broken.
     """
     if not content.startswith(START):
-        raise file_fault(path, f"it is no VRML 2.0 file: it does not begin with {START.decode()}")
+        said = f"it is not a VRML 2.0 file: it does not begin with {START.decode()}"
+        raise file_fault(path, said)
     lines = (line.split(b"#")[0] for line in content.split(b"\n"))
     words = b" ".join(lines).replace(b",", b" ").replace(b"[", b" [ ").replace(b"]", b" ] ").split()
     found = list[NDArray[np.float64]]()

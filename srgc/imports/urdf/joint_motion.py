@@ -107,7 +107,7 @@ class JointMotions:
         if leader not in self.robot.joints:
             near = nearest(leader, list(self.robot.joints))
             hint = None if near is None else f"did you mean `{near}`?"
-            message = f"joint `{visible(name)}` mimics `{visible(leader)}`, which is no joint"
+            message = f"joint `{visible(name)}` mimics `{visible(leader)}`, which is not a joint"
             raise self.robot.fault("joint", name, message, hint)
         if leader in (*followers, name):
             message = f"joint `{visible(name)}` mimics `{visible(leader)}`, and so itself"
@@ -265,7 +265,7 @@ def held_values(robot: UrdfRobot, texts: Iterable[str]) -> dict[str, float]:
         try:
             found[name] = float(value)
         except ValueError:
-            raise UsageFault(f"--fix {text}: `{value}` is no number") from None
+            raise UsageFault(f"--fix {text}: `{value}` is not a number") from None
         if not math.isfinite(found[name]):
             raise UsageFault(f"--fix {text}: `{value}` is not finite")
         kind = robot.joints[name].type

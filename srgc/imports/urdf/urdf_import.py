@@ -120,4 +120,4 @@ def _add_remarks(
         listed = ", ".join(f"`{name}`" for name in dict.fromkeys(parts.plain_looks))
         made.remarks.append(f"pictures that are no meshes: {listed}")
     for tag, count in robot.others.items():
-        made.remarks.append(f"{count} <{tag}>, which says nothing of the body of a robot")
+        made.remarks.append(f"{count} <{tag}>, which does not describe the body of a robot")

@@ -61,7 +61,7 @@ def _checked_name(analysis: Analysis, entity: Entity, new: str) -> None:
         raise RenameRefused(f"`{new}` is a reserved word")
     edge = entity.kind == "edge"
     if not edge and not _NAME.fullmatch(new):
-        raise RenameRefused(f"`{new}` is no name: letters, digits and `_`, no digit first")
+        raise RenameRefused(f"`{new}` is not a name: letters, digits and `_`, no digit first")
     if edge and (not new.isprintable() or not new or " " in new or {"'", '"'} <= set(new)):
         raise RenameRefused("an edge has visible characters, and not both kinds of quotes")
     for other in _rivals(analysis, entity):

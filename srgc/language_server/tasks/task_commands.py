@@ -206,7 +206,7 @@ class TaskCommands:
         path = await self._path(uri, task, kind)
         folder = folder_of(path, task)
         if not is_folder(folder):
-            raise RequestRefused(f"{folder} is no result folder yet: synthesise first")
+            raise RequestRefused(f"{folder} is not a result folder yet: synthesise first")
         relative = str(folder.relative_to(path.parent))
         # What `srgc evolve` writes for a task is claimed as a mission is.
         about = "--mission" if holds_mission(folder) else f"--{kind}"

@@ -50,8 +50,9 @@ def robots_section(evidence: MissionEvidence) -> str:
 
 def _legend(evidence: MissionEvidence) -> str:
     said = (
-        "At their real lengths, all to one scale, in poses in which all modules can be seen; these "
-        "are none of the tasks. Names have the module and its place in the word, counted from 0."
+        "Drawn with their real lengths, all to one scale, in poses that show all modules and are "
+        "not those of the tasks. A name consists of the module and its place in the word, counted "
+        "from 0."
     )
     if len(evidence.line) == 1:
         return f"<p>{said}</p>"
@@ -107,7 +108,7 @@ def _step(evidence: MissionEvidence, robot: StandingRobot, modules: Modules) -> 
         if evidence.mission.mission.prices is None:
             return ""
         said = (
-            "the robot that there is"
+            "the existing robot"
             if not robot.tasks
             else "the first robot; to build it costs nothing"
         )

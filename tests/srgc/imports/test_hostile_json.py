@@ -23,7 +23,7 @@ RAW = {
     "deep": (b"[" * 200_000, "nested too deeply"),
     "deep objects": (b'{"a":' * 200_000, "nested too deeply"),
     "digits": (b'{"modules": ' + b"9" * 5000 + b"}", "digits"),
-    "twice": (b'{"modules": [], "modules": []}', "`modules` stands twice"),
+    "twice": (b'{"modules": [], "modules": []}', "`modules` occurs twice"),
     "huge": (b'{"modules": "' + b"x" * (17 * 2**20) + b'"}', "bytes"),
     "zip": (b"PK\x03\x04" + b"\0" * 40, ""),
 }

@@ -178,14 +178,14 @@ FAR = BINARY[:96] + struct.pack("<f", 1e30) + BINARY[100:]
     [
         ("a.stl", b"", "empty"),
         ("a.stl", BINARY[:-7], "cut off"),
-        ("a.stl", BINARY + b"more", "its size is not what it says"),
-        ("a.stl", NAN, "no finite number"),
+        ("a.stl", BINARY + b"more", "its size is wrong"),
+        ("a.stl", NAN, "not a finite number"),
         ("a.stl", FAR, "m away"),
         ("a.stl", BINARY[:80] + struct.pack("<I", 2**31) + BINARY[84:], "its size"),
         ("a.stl", b"\0" * 80 + struct.pack("<I", 0), "empty"),
         ("a.stl", TEXT[: len(TEXT) // 2], "cut off"),
         ("a.stl", TEXT.replace("vertex", "vrtex", 1), "corners of"),
-        ("a.stl", "hello", "no STL file"),
+        ("a.stl", "hello", "not an STL file"),
         ("a.stl", gzip.compress(BINARY), "packed with gzip"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no triangle"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 x\n", "a.obj:5:1: "),
@@ -195,8 +195,8 @@ FAR = BINARY[:96] + struct.pack("<f", 1e30) + BINARY[100:]
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n", "finite"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n", "finite"),
         ("a.obj", b"v 0 0 0\0\nf 1 1 1", "not text"),
-        ("a.dae", "<COLLADA>", "no XML"),
-        ("a.dae", "<other/>", "no COLLADA"),
+        ("a.dae", "<COLLADA>", "not XML"),
+        ("a.dae", "<other/>", "not a COLLADA"),
         ("a.dae", "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema'/>", "scene"),
         ("a.ply", "ply", "known: STL"),
         ("a.3mf", "PK", "known: STL"),
@@ -225,7 +225,7 @@ def test_a_unit_that_is_none(tmp_path, unit):
 
 
 def test_an_axis_that_is_none(tmp_path):
-    with pytest.raises(UsageFault, match="no axis that can be up"):
+    with pytest.raises(UsageFault, match="not a valid up axis"):
         read_mesh(dae(tmp_path, up="UP"))
 
 

@@ -159,11 +159,14 @@ CIRCLE = link("a", P, "b") + link("b", P, "a")
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (model("m", "\n", link("a", P, "nowhere")), r":2:16: error\[SRG0803\]: `nowhere` is no fr"),
+        (model("m", "\n", link("a", P, "nowhere")), r":2:16: error\[SRG0803\]: `nowhere` is not a known fr"),
         (model("m", "\n", link("a", P, "B::nowhere"), NESTED), r":2:16: .*`B::nowhere` is no"),
-        (model("m", link("a", P, "f"), "\n", frame("f", P, "g")), r":2:1: .*`g` is no frame"),
-        (model("m", link("a"), relative="n"), r":1:\d+: .*`n` is no frame"),
-        (model("m", link("a"), placement="top"), "placement frame `top` is no frame of the model"),
+        (model("m", link("a", P, "f"), "\n", frame("f", P, "g")), r":2:1: .*`g` is not a"),
+        (model("m", link("a"), relative="n"), r":1:\d+: .*`n` is not a"),
+        (
+            model("m", link("a"), placement="top"),
+            "placement frame `top` is not a frame of the model",
+        ),
         (model("m", CIRCLE), r"SRG0803.*in a circle: `a`, `b`, `a`"),
         (model("m", link("a"), relative="m::a"), "in a circle: `m`, `m`"),
         (model("m", link("a", P, "j"), "<joint name='j'/>"), "has no child link"),
@@ -173,7 +176,7 @@ CIRCLE = link("a", P, "b") + link("b", P, "a")
         ),
         (
             "<include><uri>model://away</uri></include>" + model("m", link("a"), relative="away"),
-            "(?s)`away` is no frame.*include model://away",
+            "(?s)`away` is not a.*include model://away",
         ),
         (
             model("m", *(link(f"a{i}", P, f"a{i + 1}") for i in range(900)), link("a900")),

@@ -131,7 +131,7 @@ def test_what_is_known_is_not_told(tmp_path: Path) -> None:
     )  # fmt: skip
     assert found.warnings == ()
     assert any("calibrations of 1 joint" in remark for remark in found.remarks)
-    assert any("1 <gazebo>, which says nothing" in remark for remark in found.remarks)
+    assert any("1 <gazebo>, which does not describe the body" in remark for remark in found.remarks)
 
 
 @pytest.mark.parametrize("four", [(0.1, 0.2, 0.3, 0.9273618), (0, 0, 1, 0), (0.5, 0.5, -0.5, 0.5)])

@@ -50,7 +50,7 @@ WRONG = {
     "no mass": (robot(A, '<link name="b"/>', joint("revolute", LIMIT)), r":4: .*without any mass"),
     "mimics nothing": (
         robot(A, B, joint("revolute", LIMIT + '<mimic joint="jj"/>')),
-        r":4: joint `j` mimics `jj`, which is no joint(?s:.*)did you mean `j`",
+        r":4: joint `j` mimics `jj`, which is not a joint(?s:.*)did you mean `j`",
     ),
     "twice": (robot(A, A), r":3: a second link `a`, after that of line 2"),
     "no such link": (
@@ -61,17 +61,17 @@ WRONG = {
         r":2: `radius` is `0`, and has to be above 0",
     ),
     "no robot": ('<sdf version="1.6"/>', r":1: the root is <sdf>"),
-    "cut off": (robot(A, B, joint("revolute", LIMIT))[:-60], r":4:99: .*this is no XML"),
+    "cut off": (robot(A, B, joint("revolute", LIMIT))[:-60], r":4:99: .*this is not XML"),
     "empty": ("", r"it is empty"),
     "entities": (
         '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;">]><robot name="&b;"/>',
-        r"document type|no XML",
+        r"document type|not XML",
     ),
     "a file as an entity": (
         '<!DOCTYPE r [<!ENTITY x SYSTEM "secret.txt">]><robot name="r">&x;</robot>',
-        r"document type|no XML",
+        r"document type|not XML",
     ),
-    "deep": ("<a>" * 5000 + "</a>" * 5000, r"this is no XML"),
+    "deep": ("<a>" * 5000 + "</a>" * 5000, r"this is not XML"),
     "a mesh outside": (robot(link("a", more=MESH.format("../m.stl"))), r"leads out of the folder"),
     "a mesh at the root": (robot(link("a", more=MESH.format("/m.stl"))), r"leads out of the fold"),
     "a package nowhere": (

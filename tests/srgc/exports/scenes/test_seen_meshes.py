@@ -150,7 +150,7 @@ def test_bounds_hold_what_is_drawn(folder: Path, expected: Sampled) -> None:
 
 
 BROKEN = {
-    "seen/foot.dae": (b"<COLLADA>", "seen/foot.dae:1:10: error[SRG0801]: this is no XML"),
+    "seen/foot.dae": (b"<COLLADA>", "seen/foot.dae:1:10: error[SRG0801]: this is not XML"),
     "seen/tube.stl": (b"solid that is none", "seen/tube.stl:1:1: error[SRG0801]: it was cut off"),
     "seen/wedge.obj": (
         b"v 0 0 0\nf 1 2 3\n",
