@@ -152,9 +152,7 @@ def written_corner(number: int, words: Sequence[str]) -> tuple[Fraction, ...]:
         corner = ()
     if len(corner) != 3:
         what = words[0].lower()
-        raise MeshError(
-            f"line {number} does not have three numbers of a usual size after `{what}`"
-        )
+        raise MeshError(f"line {number} does not have three numbers of a usual size after `{what}`")
     return corner
 
 

@@ -159,7 +159,10 @@ CIRCLE = link("a", P, "b") + link("b", P, "a")
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (model("m", "\n", link("a", P, "nowhere")), r":2:16: error\[SRG0803\]: `nowhere` is not a known fr"),
+        (
+            model("m", "\n", link("a", P, "nowhere")),
+            r":2:16: error\[SRG0803\]: `nowhere` is not",
+        ),
         (model("m", "\n", link("a", P, "B::nowhere"), NESTED), r":2:16: .*`B::nowhere` is no"),
         (model("m", link("a", P, "f"), "\n", frame("f", P, "g")), r":2:1: .*`g` is not a"),
         (model("m", link("a"), relative="n"), r":1:\d+: .*`n` is not a"),
