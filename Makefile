@@ -6,7 +6,7 @@ export OMP_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo quick test timings test-slow coverage docs editor pictures golden grammar fmt lint types
-.PHONY: dist sbom hooks bench srgc-bench lock clean
+.PHONY: dist sbom hooks bench srgc-bench paper lock clean
 
 KERNEL := compiler/expressions/machine/ball_kernel.c
 
@@ -139,6 +139,14 @@ bench: .venv/compared .venv/timor/installed
 # What srgc makes of the tasks in benchmarks/tasks; docs/reference/benchmark-set.md has more.
 srgc-bench: .venv/installed
 	$(BIN)/python benchmarks/srgc_bench.py
+
+# The paper's figures, algorithm, case study and claims beside what srgc computes, on one page. What is
+# computed is kept in out/paper, and an interrupted run goes on where it ended; for a quick look,
+# `make paper PAPER_SEEDS=3 PAPER_OPTIONS="--evaluations 10 --points 5"`.
+PAPER_SEEDS ?= 20
+
+paper: .venv/installed
+	$(BIN)/python benchmarks/paper_page.py --seeds $(PAPER_SEEDS) $(PAPER_OPTIONS)
 
 # Needs uv and the network; every other target uses what it wrote.
 COMPILE := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \

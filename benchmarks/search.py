@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +25,7 @@ from search_functions import (
     robustness_table,
 )
 from search_methods import COMPARED
+from search_runs import CLAIM, Saving, evaluations_to, mean_saving, saving, searched
 from search_tables import table
 from timing import ROOT, machine
 
@@ -33,10 +34,6 @@ from solvers.parameters.parameter_search import Cube
 
 SMALL = (13, 5)
 """Lengths per link of the tables that are made unless others are asked for."""
-CLAIM = (0.30, 0.40)
-"""The paper: so many fewer evaluations than Nelder-Mead's."""
-RESAMPLES, INTERVAL = 10_000, (2.5, 97.5)
-"""A saving's interval: percentiles of a bootstrap over seeds, which both methods share."""
 FUNCTIONS = (("Rastrigin", rastrigin), ("Ackley", ackley))
 
 
@@ -53,45 +50,11 @@ def values_of(run: Run) -> Array:
     """The best value so far, without noise, after each evaluation; evaluations one by one."""
     objective = run.objective.of_seed(run.seed)
     search = COMPARED[run.method](Cube((None,) * objective.dimension), run.seed)
-    noise = np.random.default_rng(run.seed)
-    found: list[float] = []
-    while len(found) < objective.budget:
-        (point,) = search.ask(1)
-        found.append(objective.value(point))
-        search.tell(point, found[-1] + objective.noise * noise.normal())
+    rng = np.random.default_rng(run.seed)
+    _, found = searched(
+        search, objective.value, objective.budget, lambda: objective.noise * rng.normal()
+    )
     return np.maximum.accumulate(found)
-
-
-def evaluations_to(target: float, values: Array) -> int:
-    """The number of evaluations until a value is reached; one more than were made if it is not."""
-    reached = np.flatnonzero(values >= target)
-    return int(reached[0]) + 1 if len(reached) else len(values) + 1
-
-
-@dataclass(frozen=True)
-class Saving:
-    """By which part a mean number of evaluations is smaller; the same of each resample."""
-
-    part: float
-    resampled: Array
-
-    @property
-    def text(self) -> str:
-        """In per cent, with the interval."""
-        return _interval(self.part, self.resampled)
-
-
-def _interval(part: float, resampled: Array) -> str:
-    low, high = 100 * np.percentile(resampled, INTERVAL)
-    return f"{100 * part:.0f} ({low:.0f} to {high:.0f})"
-
-
-def saving(ours: Sequence[int], theirs: Sequence[int]) -> Saving:
-    """The saving of evaluations, by seeds that both have in common."""
-    both = np.array([ours, theirs], dtype=np.float64)
-    drawn = np.random.default_rng(0).integers(0, both.shape[1], (RESAMPLES, both.shape[1]))
-    means = both[:, drawn].mean(axis=2)
-    return Saving(1 - float(both[0].mean() / both[1].mean()), 1 - means[0] / means[1])
 
 
 def report(objective: Objective, curves: Mapping[str, Array]) -> dict[str, Saving]:
@@ -180,15 +143,13 @@ def _claim(savings: list[dict[str, Saving]]) -> None:
     for other in ("nelder-mead", "gp-ucb"):
         found = [saved[other] for saved in savings if other in saved]
         if found:
-            part = float(np.mean([each.part for each in found]))
-            resampled = np.mean([each.resampled for each in found], axis=0)
             print(f"gp-acb against {other}, fewer evaluations in %, and 95 % intervals: ", end="")
             print(", ".join(each.text for each in found), end="; ")
-            print(f"mean {_interval(part, resampled)}")
+            print(f"mean {mean_saving(found).text}")
     found = [saved["nelder-mead"] for saved in savings if "nelder-mead" in saved]
     if found:
         low, high = (100 * part for part in CLAIM)
-        lows, highs = zip(*(np.percentile(f.resampled, INTERVAL) for f in found), strict=True)
+        lows, highs = zip(*(each.interval for each in found), strict=True)
         print(
             f"the paper claims {low:.0f} to {high:.0f} % fewer than Nelder-Mead. Of {len(found)} "
             f"intervals {sum(x > CLAIM[1] for x in lows)} lie above that, "
