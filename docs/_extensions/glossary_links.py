@@ -2,7 +2,7 @@
 
 Pages stay plain Markdown. While the site is built, each row of ``reference/glossary.md`` becomes a
 target, ``glossary.html#term-cell``, and the first occurrence of each term on every other page
-becomes a link to it, outside headings, code and links.
+becomes a link to it, outside headings, code and links. Records of decisions have no such links.
 """
 
 from __future__ import annotations
@@ -15,32 +15,56 @@ from docutils import nodes
 from sphinx import addnodes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from sphinx.application import Sphinx
 
 GLOSSARY = "reference/glossary"
+RECORDS = "decisions/"
+"""Records keep the words of their time."""
 UNLINKED = (
     nodes.FixedTextElement,
     nodes.Invisible,
+    nodes.field_name,
     nodes.literal,
     nodes.math,
     nodes.raw,
     nodes.reference,
+    nodes.rubric,
     nodes.thead,
     nodes.title,
     addnodes.desc_signature,
+    addnodes.literal_emphasis,
+    addnodes.literal_strong,
     addnodes.pending_xref,
 )
 """Where no occurrence is linked: code, formulas, links, headings and heads of tables."""
 
 EVERYDAY = {
     "answer", "ball", "chain", "change", "claim", "cut", "defect", "edge", "history", "language",
-    "level", "output", "path", "plan", "set of a loop", "task",
+    "level", "output", "path", "set of a loop", "spread", "terminal",
 }  # fmt: skip
-"""Terms that pages also use as common words or verbs: their occurrences are not linked."""
+"""Terms that pages also use as common words: their occurrences are not linked."""
 
-IDIOMS = ("in words", "in other words", "task in words", "module of Python", "Python module")
+OTHER_SENSES: Mapping[str, frozenset[str]] = {
+    "contributing/add-a-clause": frozenset({"word"}),
+    "contributing/add-an-evaluator": frozenset({"module"}),
+    "contributing/add-an-export": frozenset({"word"}),
+    "explanation/guarantees": frozenset({"formula"}),
+    "explanation/out-of-reach": frozenset({"word"}),
+    "how-to/editors": frozenset({"port"}),
+    "how-to/export": frozenset({"attribute"}),
+    "how-to/kit": frozenset({"tube"}),
+    "how-to/objectives": frozenset({"tube"}),
+    "how-to/view": frozenset({"port"}),
+    "how-to/words": frozenset({"conflict"}),
+    "reference/examples": frozenset({"tube"}),
+    "reference/language": frozenset({"tube"}),
+    "reference/library": frozenset({"tube"}),
+}
+"""Pages whose first use of a term means something else: a TCP port, a tube of steel."""
+
+IDIOMS = ("in words", "in other words", "python module", "same words")
 """Phrases that contain a term without meaning it."""
 
 
@@ -97,9 +121,12 @@ class Linker:
         forms = "|".join(re.escape(form).replace(r"\ ", r"\s+") for form in longest_first)
         self.pattern = re.compile(rf"(?<![\w-])(?:{forms})(?![\w-])", re.IGNORECASE)
 
-    def link(self, document: nodes.document, address: str) -> None:
-        """Put links into a document; ``address`` is that of the glossary's page."""
-        seen: set[str] = set()
+    def link(self, document: nodes.document, address: str, left_out: Iterable[str]) -> None:
+        """Put links into a document, but not for the terms that are left out.
+
+        ``address`` is that of the glossary's page.
+        """
+        seen = set(map(target_of, left_out))
         for text in list(document.findall(nodes.Text)):
             if not _inside(text, UNLINKED):
                 parts = list(self._parts(text.astext(), address, seen))
@@ -142,10 +169,11 @@ def name_rows(app: Sphinx, document: nodes.document) -> None:
 
 
 def link_page(app: Sphinx, document: nodes.document, name: str) -> None:
-    """Put links into a page that is not the glossary."""
-    if name != GLOSSARY and app.builder.format == "html":
+    """Put links into a page that is neither the glossary nor a record of a decision."""
+    if app.builder.format == "html" and name != GLOSSARY and not name.startswith(RECORDS):
         text = Path(app.srcdir, f"{GLOSSARY}.md").read_text(encoding="utf-8")
-        Linker(terms(text)).link(document, app.builder.get_relative_uri(name, GLOSSARY))
+        address = app.builder.get_relative_uri(name, GLOSSARY)
+        Linker(terms(text)).link(document, address, OTHER_SENSES.get(name, ()))
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
