@@ -41,7 +41,7 @@ UNLINKED = (
 """Where no occurrence is linked: code, formulas, links, headings and heads of tables."""
 
 EVERYDAY = {
-    "answer", "ball", "chain", "change", "claim", "cut", "defect", "edge", "history", "language",
+    "answer", "ball", "change", "claim", "cut", "defect", "edge", "history", "language",
     "level", "output", "path", "set of a loop", "spread", "terminal",
 }  # fmt: skip
 """Terms that pages also use as common words: their occurrences are not linked."""
