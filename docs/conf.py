@@ -74,6 +74,7 @@ html_css_files = ["srgc.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_last_updated_fmt = None
+html_search_scorer = str(HERE / "_extensions" / "search_order.js")
 html_theme_options = {"navigation_with_keys": True}
 pygments_style = "default"
 pygments_dark_style = "github-dark"
