@@ -161,7 +161,8 @@ def _inside(node: nodes.Node, kinds: tuple[type[nodes.Node], ...]) -> bool:
 
 
 def name_rows(app: Sphinx, document: nodes.document) -> None:
-    """Make each row of the glossary a target."""
+    """Make each row of the glossary a target; pages are read again when the glossary changes."""
+    app.env.note_dependency(app.env.doc2path(GLOSSARY))
     if app.env.docname == GLOSSARY:
         for body in document.findall(nodes.tbody):
             for row in body.findall(nodes.row):
