@@ -48,6 +48,7 @@ EVERYDAY = {
 
 OTHER_SENSES: Mapping[str, frozenset[str]] = {
     "contributing/add-a-clause": frozenset({"word"}),
+    "contributing/add-a-solver": frozenset({"certificate"}),
     "contributing/add-an-evaluator": frozenset({"module"}),
     "contributing/add-an-export": frozenset({"word"}),
     "explanation/guarantees": frozenset({"formula"}),
