@@ -242,7 +242,10 @@ def test_the_first_use_of_a_term_is_the_one_that_is_linked(
         for place, word in enumerate(article.words):
             if word.target:
                 first.setdefault(word.target.partition("#")[2], place)
-        left_out = {f"term-{term}" for term in exceptions.get(name, ())}
+        left_out = {
+            "-".join(["term", *re.findall(r"[a-z0-9]+", term.lower())])
+            for term in exceptions.get(name, ())
+        }
         met = set()
         for target, place in uses(article.words, forms):
             met.add(target)

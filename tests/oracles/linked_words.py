@@ -68,10 +68,9 @@ class Article(HTMLParser):
     def handle_endtag(self, tag: str) -> None:
         """Leave an element, and what was left open in it."""
         self._run += 1
-        while self._open:
-            kind, _, _ = self._open.pop()
-            if kind == tag or (kind == "field" and tag == "dl"):
-                break
+        kinds = ["dl" if kind == "field" else kind for kind, _, _ in self._open]
+        if tag in kinds:
+            del self._open[len(kinds) - 1 - kinds[::-1].index(tag) :]
         if tag == "td":
             self._row = ""
 
