@@ -159,8 +159,9 @@ def glossary(articles: dict[str, Article]) -> dict[str, list[list[str]]]:
     """The forms of each term, as words, by the name of its row."""
     found: dict[str, list[list[str]]] = {}
     for target, shown in articles["reference/glossary"].rows.items():
-        name, _, bracket = shown.lower().partition("(")
-        forms = [name, bracket.strip(") ")] if bracket.isascii() and bracket else [name]
+        name, _, bracket = shown.partition("(")
+        short = bracket.strip(") ")
+        forms = [name.lower(), short] if short.isupper() else [name.lower()]
         found[target] = [re.findall(r"[\w-]+", form) for form in forms]
     assert len(found) > 90
     return found

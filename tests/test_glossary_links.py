@@ -52,6 +52,7 @@ def linked(document: nodes.document, left_out: tuple[str, ...] = ()) -> list[tup
         ("Two degrees\nof freedom.", [("degrees\nof freedom", "degree-of-freedom")]),
         ("Robot families.", [("Robot families", "robot-family")]),
         ("An FRA.", [("FRA", "reconfiguration-automaton-fra")]),
+        ("Save it as robot.fra, or Fra.", []),
         ("Reconfiguration automaton (FRA)",
          [("Reconfiguration automaton", "reconfiguration-automaton-fra")]),
         ("A supercell, a cell-wise rule, a multi-cell path, cellular.", []),

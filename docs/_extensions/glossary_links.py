@@ -59,9 +59,11 @@ OTHER_SENSES: Mapping[str, frozenset[str]] = {
     "how-to/objectives": frozenset({"tube"}),
     "how-to/view": frozenset({"port"}),
     "how-to/words": frozenset({"conflict"}),
+    "reference/benchmark-method": frozenset({"conflict"}),
+    "reference/codes": frozenset({"tube"}),
     "reference/examples": frozenset({"tube"}),
     "reference/language": frozenset({"tube"}),
-    "reference/library": frozenset({"tube"}),
+    "reference/library": frozenset({"mounting", "tube"}),
 }
 """Pages whose first use of a term means something else: a TCP port, a tube of steel."""
 
@@ -117,7 +119,7 @@ class Linker:
     """Links the first occurrence of each term in a document."""
 
     def __init__(self, found: Iterable[Term]) -> None:
-        self.terms = {form.casefold(): term for term in found for form in term.forms}
+        self.terms = {_key(form): term for term in found for form in term.forms}
         longest_first = sorted((*self.terms, *IDIOMS), key=len, reverse=True)
         forms = "|".join(re.escape(form).replace(r"\ ", r"\s+") for form in longest_first)
         self.pattern = re.compile(rf"(?<![\w-])(?:{forms})(?![\w-])", re.IGNORECASE)
@@ -137,7 +139,7 @@ class Linker:
     def _parts(self, text: str, address: str, seen: set[str]) -> Iterator[nodes.Node]:
         end = 0
         for found in self.pattern.finditer(text):
-            term = self.terms.get(" ".join(found[0].casefold().split()))
+            term = self.terms.get(_key(" ".join(found[0].split())))
             if term is None or term.target in seen:
                 continue
             seen.add(term.target)
@@ -151,6 +153,11 @@ class Linker:
             end = found.end()
         if end < len(text) or not end:
             yield nodes.Text(text[end:])
+
+
+def _key(form: str) -> str:
+    """A form without its case, but for abbreviations: ``SRG`` is a term, and ``.srg`` is none."""
+    return form if form.removesuffix("s").isupper() else form.casefold()
 
 
 def _inside(node: nodes.Node, kinds: tuple[type[nodes.Node], ...]) -> bool:

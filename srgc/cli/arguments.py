@@ -70,7 +70,7 @@ OUTPUT = click.option(
 VERBOSE = click.option(
     "--verbose",
     is_flag=True,
-    help="Also print the answers of solvers, in their own words and codes.",
+    help="Also print what the solvers themselves answer.",
 )
 QUIET = click.option(
     "-q", "--quiet", is_flag=True, help="Show no progress: only errors go to standard error."

@@ -83,7 +83,7 @@ class Article(HTMLParser):
         target = next((target for _, _, target in reversed(self._open) if target), "")
         free = not self._closed()
         for text in re.findall(r"[\w-]+|[^\w\s]", data):
-            self.words.append(Word(text.lower(), self._run, free, target))
+            self.words.append(Word(text, self._run, free, target))
 
 
 def singular(word: str) -> set[str]:
@@ -96,9 +96,15 @@ def singular(word: str) -> set[str]:
 
 
 def means(words: list[str], term: list[str]) -> bool:
-    """Whether words are a term, or its plural: of its last word, or of the one before ``of``."""
+    """Whether words are a term, or its plural: of its last word, or of the one before ``of``.
+
+    The case of letters counts in abbreviations alone.
+    """
     if len(words) != len(term):
         return False
+    if len(term) == 1 and term[0].isupper():
+        return words[0].removesuffix("s") == term[0]
+    words = [word.lower() for word in words]
     head = term.index("of") - 1 if "of" in term else len(term) - 1
     return all(
         b in singular(a) if i == head else a == b
