@@ -89,9 +89,12 @@ class Article(HTMLParser):
 def singular(word: str) -> set[str]:
     """What a word may be the plural of, and itself."""
     found = {word}
-    for ending, instead in (("ies", "y"), ("es", ""), ("s", "")):
-        if word.endswith(ending) and len(word) > len(ending) + 1:
-            found.add(word.removesuffix(ending) + instead)
+    if word.endswith("ies"):
+        found.add(word.removesuffix("ies") + "y")
+    if word.endswith(("ses", "xes", "ches", "shes")):
+        found.add(word.removesuffix("es"))
+    if word.endswith("s") and len(word) > 2:
+        found.add(word.removesuffix("s"))
     return found
 
 
