@@ -76,6 +76,11 @@ def test_code_links_and_headings_stay_as_they_are() -> None:
     assert document.children[-1].children[-1].astext() == "cell"
 
 
+def test_a_term_may_be_on_two_lines() -> None:
+    document = paragraph("one degree of", "\n", "freedom")
+    assert linked(document) == [("degree of\nfreedom", "degree-of-freedom")]
+
+
 def test_a_page_may_mean_something_else() -> None:
     assert linked(paragraph("A cell in a robot family."), ("cell",)) == [
         ("robot family", "robot-family")

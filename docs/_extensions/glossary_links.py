@@ -130,6 +130,8 @@ class Linker:
         ``address`` is that of the glossary's page.
         """
         seen = set(map(target_of, left_out))
+        for element in list(document.findall(nodes.TextElement)):
+            _join(element)
         for text in list(document.findall(nodes.Text)):
             if not _inside(text, UNLINKED):
                 parts = list(self._parts(text.astext(), address, seen))
@@ -153,6 +155,14 @@ class Linker:
             end = found.end()
         if end < len(text) or not end:
             yield nodes.Text(text[end:])
+
+
+def _join(element: nodes.TextElement) -> None:
+    """Join texts that follow each other: MyST makes three of two lines."""
+    for one in range(len(element) - 1, 0, -1):
+        before, after = element[one - 1], element[one]
+        if isinstance(before, nodes.Text) and isinstance(after, nodes.Text):
+            element[one - 1 : one + 1] = [nodes.Text(before + after)]
 
 
 def _key(form: str) -> str:
