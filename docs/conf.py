@@ -33,6 +33,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "_extensions.generated_pages",
+    "_extensions.glossary_links",
     "_extensions.mathml",
     "_extensions.type_links",
 ]
@@ -66,13 +67,14 @@ autodoc_typehints = "signature"
 python_display_short_literal_types = True
 
 html_theme = "furo"
-html_title = "srgc"
+html_title = f"srgc {release}"
 html_math_renderer = "mathml"
 html_static_path = ["_static"]
 html_css_files = ["srgc.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_last_updated_fmt = None
+html_search_scorer = str(HERE / "_extensions" / "search_order.js")
 html_theme_options = {"navigation_with_keys": True}
 pygments_style = "default"
 pygments_dark_style = "github-dark"

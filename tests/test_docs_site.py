@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import subprocess
 import sys
+import threading
+import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from html.parser import HTMLParser
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 
 import pytest
+
+from srgc.version import VERSION
+from tests.oracles.browsers import start
+from tests.oracles.linked_words import Article, Word, means, singular
 
 pytestmark = pytest.mark.site
 
@@ -121,3 +131,183 @@ def test_specs_are_coloured_by_our_lexer(site: Path) -> None:
     text = (site / "index.html").read_text(encoding="utf-8")
     assert '<div class="highlight-srg' in text
     assert '<span class="kd">module</span>' in text
+
+
+def test_pages_say_of_which_version_they_are(site: Path) -> None:
+    for page in ("index", "how-to/install"):
+        text = (site / f"{page}.html").read_text(encoding="utf-8")
+        brand = re.search(r'<span class="sidebar-brand-text">(.*?)</span>', text)
+        assert brand
+        assert brand[1] == f"srgc {VERSION}"
+
+
+# --- the first use of a term on a page leads to the glossary -------------------------------------
+
+
+PHRASES = [["in", "words"], ["in", "other", "words"], ["python", "module"], ["same", "words"]]
+"""They contain a term and do not mean it."""
+
+
+@pytest.fixture(scope="module")
+def articles(site: Path) -> dict[str, Article]:
+    files = sorted(site.rglob("*.html"))
+    return {str(f.relative_to(site).with_suffix("")): Article(f) for f in files}
+
+
+@pytest.fixture(scope="module")
+def glossary(articles: dict[str, Article]) -> dict[str, list[list[str]]]:
+    """The forms of each term, as words, by the name of its row."""
+    found: dict[str, list[list[str]]] = {}
+    for target, shown in articles["reference/glossary"].rows.items():
+        name, _, bracket = shown.partition("(")
+        short = bracket.strip(") ")
+        forms = [name.lower(), short] if short.isupper() else [name.lower()]
+        found[target] = [re.findall(r"[\w-]+", form) for form in forms]
+    assert len(found) > 90
+    return found
+
+
+def linked(article: Article) -> dict[str, list[str]]:
+    """The words of each link to the glossary; a second link to one row is a second entry."""
+    found: dict[tuple[str, int], list[str]] = {}
+    for word in article.words:
+        if word.target:
+            found.setdefault((word.target, word.run), []).append(word.text)
+    targets = [target for target, _ in found]
+    assert len(targets) == len(set(targets)), article.file
+    return {target.partition("#")[2]: words for (target, _), words in found.items()}
+
+
+def other_senses() -> dict[str, set[str]]:
+    """The exceptions that the extension states, read as data."""
+    text = (ROOT / "docs" / "_extensions" / "glossary_links.py").read_text(encoding="utf-8")
+    [value] = [
+        node.value
+        for node in ast.parse(text).body
+        if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == "OTHER_SENSES"
+    ]
+    assert isinstance(value, ast.Dict)
+    return {
+        ast.literal_eval(key): set(ast.literal_eval(given.args[0]))
+        for key, given in zip(value.keys, value.values, strict=True)
+        if key is not None and isinstance(given, ast.Call)
+    }
+
+
+def uses(words: list[Word], forms: dict[str, list[list[str]]]) -> Iterator[tuple[str, int]]:
+    """Where terms stand outside links and code: of two that begin at one word the longer one."""
+    every = [(target, form) for target, some in forms.items() for form in some]
+    every += [("", phrase) for phrase in PHRASES]
+    every.sort(key=lambda one: -len(one[1]))
+    begins: dict[str, list[tuple[str, list[str]]]] = {}
+    for one in every:
+        begins.setdefault(one[1][0].lower(), []).append(one)
+    place = 0
+    while place < len(words):
+        near = singular(words[place].text.lower())
+        for target, form in [one for key in sorted(near) for one in begins.get(key, ())]:
+            here = words[place : place + len(form)]
+            if (
+                len({word.run for word in here}) == 1
+                and here[0].free
+                and means([word.text for word in here], form)
+            ):
+                if target:
+                    yield target, place
+                place += len(form) - 1
+                break
+        place += 1
+
+
+def test_links_to_the_glossary_lead_to_their_terms(
+    articles: dict[str, Article], glossary: dict[str, list[list[str]]]
+) -> None:
+    everywhere: set[str] = set()
+    for name, article in articles.items():
+        assert article.misplaced == [], name
+        found = linked(article)
+        assert not found or not name.startswith(("decisions/", "reference/glossary")), name
+        for target, words in found.items():
+            assert any(means(words, form) for form in glossary[target]), (name, target, words)
+        everywhere |= found.keys()
+    assert len(everywhere) >= 50
+    assert {"term-cell", "term-counterexample"} <= linked(articles["how-to/planning"]).keys()
+
+
+def test_the_first_use_of_a_term_is_the_one_that_is_linked(
+    articles: dict[str, Article], glossary: dict[str, list[list[str]]]
+) -> None:
+    everywhere = {target for article in articles.values() for target in linked(article)}
+    exceptions = {
+        name: {"-".join(["term", *re.findall(r"[a-z0-9]+", term.lower())]) for term in some}
+        for name, some in other_senses().items()
+    }
+    everywhere = everywhere.union(*exceptions.values())
+    forms = {target: some for target, some in glossary.items() if target in everywhere}
+    for name, article in articles.items():
+        if name.startswith("decisions/") or name in {"reference/glossary", "genindex", "search"}:
+            continue
+        first = {}
+        for place, word in enumerate(article.words):
+            if word.target:
+                first.setdefault(word.target.partition("#")[2], place)
+        left_out = exceptions.get(name, set())
+        met = set()
+        for target, place in uses(article.words, forms):
+            met.add(target)
+            if target not in left_out:
+                near = " ".join(word.text for word in article.words[place - 5 : place + 6])
+                assert place > first.get(target, len(article.words)), (name, target, near)
+        assert left_out <= met, name
+        assert not left_out & first.keys(), name
+
+
+# --- the search of the site, in a browser --------------------------------------------------------
+
+
+SOUGHT = {
+    "payload": "how-to/drives.html",
+    "collision": "how-to/whole-body.html",
+    "URDF": "how-to/import.html",
+    "feedback": "how-to/controller.html",
+    "price": "how-to/objectives.html",
+}
+FIRST_SCREEN = 8
+"""Results that a window of 900 pixels shows without scrolling."""
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, format: str, *arguments: object) -> None:  # noqa: A002
+        """Say nothing."""
+
+
+@pytest.fixture(scope="module")
+def address(site: Path) -> Iterator[str]:
+    """Where the site is served while the tests run."""
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(site)))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+    server.server_close()
+
+
+def test_the_search_finds_what_people_look_for(
+    address: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    driver = start(tmp_path_factory.mktemp("profile"))
+    try:
+        for word, page in SOUGHT.items():
+            driver.get(f"{address}/search.html?q={word}")
+            found: list[str] = []
+            end = time.monotonic() + 120
+            while time.monotonic() < end and not driver.find_elements(
+                "css selector", "#search-results ul.search li a"
+            ):
+                time.sleep(0.2)
+            shown = driver.find_elements("css selector", "#search-results ul.search li")
+            for result in shown[:FIRST_SCREEN]:
+                link = result.find_element("css selector", "a").get_attribute("href")
+                found.append(urlparse(link).path.lstrip("/"))
+            assert page in found, (word, found)
+    finally:
+        driver.quit()

@@ -53,25 +53,27 @@ FILES_OR_STDIN = click.argument(
 )
 FOLDER = click.argument("folder", type=PathOf(path_type=Path), shell_complete=complete_folder)
 GRAMMAR = click.option(
-    "--grammar", shell_complete=complete_name, help="The grammar, where the file has several."
+    "--grammar", shell_complete=complete_name, help="The grammar, if the file has several."
 )
 WORKSPACE = click.option(
-    "--workspace", shell_complete=complete_name, help="The workspace, where the file has several."
+    "--workspace", shell_complete=complete_name, help="The workspace, if the file has several."
 )
 TASK = click.option(
-    "--task", shell_complete=complete_name, help="The task, where the file has several."
+    "--task", shell_complete=complete_name, help="The task, if the file has several."
 )
 OUTPUT = click.option(
     "-o",
     "output",
     type=PathOf(path_type=Path, allow_dash=True),
-    help="Write here, not to stdout (`-`).",
+    help="Write to this file instead of stdout (`-`).",
 )
 VERBOSE = click.option(
-    "--verbose", is_flag=True, help="Also what solvers answer, in words and codes of their own."
+    "--verbose",
+    is_flag=True,
+    help="Also print what the solvers themselves answer.",
 )
 QUIET = click.option(
-    "-q", "--quiet", is_flag=True, help="Nothing on standard error but errors: no progress."
+    "-q", "--quiet", is_flag=True, help="Show no progress: only errors go to standard error."
 )
 
 
@@ -99,10 +101,10 @@ def limit_of_time(text: str) -> Callable[[Command], Command]:
 
 ALWAYS = {
     2: "wrong usage, or a file that cannot be read or written",
-    5: "the spec has errors, or is not there",
-    70: "a fault of srgc",
+    5: "the spec has errors or does not exist",
+    70: "a bug in srgc",
     130: "interrupted",
-    141: "nobody reads the output any more",
+    141: "nothing reads the output any more",
 }
 """Statuses that every command may end with; 5 only those that read a spec."""
 

@@ -13,17 +13,17 @@ from srgc.cli.arguments import FILES, DocumentedCommand
 @click.command(
     cls=DocumentedCommand,
     examples=["srgc check specs/planar_arm.srg", "srgc check --json specs/patrol.srg"],
-    statuses={0: "no errors; there may be warnings", 1: "errors, or no such file"},
+    statuses={0: "no errors; there may be warnings", 1: "errors, or a file does not exist"},
     reads_spec=False,
     read_on="docs/reference/language.md, and `srgc explain CODE` on a finding",
 )
 @FILES
-@click.option("--json", "as_json", is_flag=True, help="Print the findings as a JSON list.")
+@click.option("--json", "as_json", is_flag=True, help="Print the diagnostics as a JSON list.")
 def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
     """Find the mistakes in specs.
 
-    Syntax, names, units, grammars, semantics, workspaces and tasks are looked at.  Every finding
-    has its place, a code, and mostly a hint.
+    This checks syntax, names, units, grammars, semantics, workspaces and tasks.  Every diagnostic
+    has a location, a code and, in most cases, a hint.
     """
     from srgc.cli.fault_report import show
     from srgc.session import check_file

@@ -38,8 +38,8 @@ GROUPS = {
         "new": ("new", "Write a commented spec to start from."),
         "check": ("check", "Find the mistakes in a spec."),
         "fmt": ("fmt", "Write a spec in canonical form."),
-        "import": ("importing", "Write a robot, modules or a scene of other tools as a spec."),
-        "expand": ("expand", "Print what grammars from ports stand for."),
+        "import": ("importing", "Convert a robot, modules or a scene from other tools to a spec."),
+        "expand": ("expand", "Print the productions that grammars from ports stand for."),
         "synth": ("synth", "Find a robot and prove it, or prove that there is none."),
         "evolve": ("evolve", "Rebuild the robot of a result for another task."),
         "verify": ("verify", "Check a result independently of the search."),
@@ -47,24 +47,24 @@ GROUPS = {
     "Understand": {
         "words": ("language", "List, count or draw the robots of a family."),
         "accepts": ("language", "Decide whether a word is in a family."),
-        "language": ("language", "Say what kind of language a family is."),
+        "language": ("language", "Describe the language of a family."),
         "compare": ("compare", "Compare the words of grammars, or results."),
         "graph": ("graph", "Draw an automaton, words, a robot or cells."),
         "model": ("model", "Print the equations of motion of a robot."),
         "plan": ("plan", "Find the cells that effectors go through."),
         "landscape": ("landscape", "Draw the robustness over two parameters."),
-        "why": ("why", "Say why there is no robot, and what to change."),
-        "explain": ("explain", "Say what the code of a finding means."),
+        "why": ("why", "Explain why there is no robot, and what to change."),
+        "explain": ("explain", "Explain the code of a diagnostic."),
     },
     "Use results": {
-        "report": ("report", "Show a result as one page for a browser."),
+        "report": ("report", "Write a result as one page for a browser."),
         "export": ("export", "Write a robot or its motion for other tools."),
-        "replay": ("replay", "Play a design in a simulator, against its proof."),
-        "view": ("view", "Show designs as a live page in space."),
+        "replay": ("replay", "Simulate a design, and compare it with its proof."),
+        "view": ("view", "View designs in 3D, on a live page."),
     },
     "Editors and shells": {
-        "lsp": ("lsp", "Serve an editor: findings, hover, completion."),
-        "completion": ("completion", "Print the completion script of a shell."),
+        "lsp": ("lsp", "Serve an editor: diagnostics, hover, completion."),
+        "completion": ("completion", "Print the completion script for a shell."),
     },
 }
 
@@ -140,7 +140,7 @@ class CommandTable(click.Group):
 )
 @click.version_option(VERSION, prog_name="srgc")
 def cli() -> None:
-    """Compile modular-robot grammars to robots that are proved to do their task."""
+    """Find modular robots that are proved to do their task."""
 
 
 def command_named(name: str) -> click.Command:

@@ -45,16 +45,16 @@ def _others(
         "srgc compare out/demo out/demo --json",
     ],
     statuses={
-        0: "the same words; or results were compared",
+        0: "the same words; or the results were compared",
         1: "different words",
-        4: "it would take too long",
+        4: "the comparison would take too long",
     },
     read_on="docs/how-to/words.md; of results, docs/how-to/objectives.md",
 )
 @click.argument("file", type=PathOf(path_type=Path), shell_complete=_first, metavar="FILE|FOLDER")
 @click.argument("others", nargs=-1, shell_complete=_others, metavar="GRAMMAR GRAMMAR|FOLDER...")
 @click.option("--max-length", type=click.IntRange(0), default=20, show_default=True)
-@click.option("--json", "as_json", is_flag=True, help="Of results: print the table as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="For results: print the table as JSON.")
 @QUIET
 def compare(
     file: Path,
@@ -63,13 +63,13 @@ def compare(
     as_json: bool,  # noqa: FBT001
     quiet: bool,  # noqa: FBT001
 ) -> int:
-    """Compare the words of two grammars of a file, or two results and more.
+    """Compare the words of two grammars of a file, or two or more results.
 
-    Two regular families are compared entirely, others up to --max-length.
+    Two regular families are compared completely, others up to --max-length.
 
-    Results are put side by side: each FOLDER is one that `srgc synth` has written, with any
-    verdict.  Designs are compared by the objectives that all their tasks ask for, else by modules,
-    mass and effort.  Nothing is verified.
+    Results appear side by side.  Each FOLDER is one that `srgc synth` has written, with any
+    verdict.  Designs are compared by the objectives that all their tasks share; without such
+    objectives, by modules, mass and effort.  This command verifies nothing.
     """
     if file.is_dir() and not others:
         raise UsageFault(f"a result is compared with others: name another folder beside {file}")

@@ -19,10 +19,10 @@ from srgc.cli.arguments import DocumentedCommand
 )
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 def completion(shell: str) -> int:
-    """Print the script that lets a shell complete commands, options, files and names.
+    """Print the script with which a shell completes commands, options, files and names.
 
-    Beside the names of commands and options: specs, result folders, tasks, grammars, workspaces and
-    words of the spec that is named before, and codes of findings.
+    It also completes specs, result folders, the tasks, grammars, workspaces and words of the spec
+    on the command line, and codes of diagnostics.
     """
     click.echo(SCRIPTS[shell], nl=False)
     return 0

@@ -29,30 +29,32 @@ from srgc.time_limit import TimeLimit
     ],
     statuses={
         0: "found",
-        3: "impossible, within the changes allowed",
-        4: "unknown, or out of time",
+        3: "impossible within the changes that are allowed",
+        4: "unknown, or the time limit was reached",
     },
     read_on="docs/how-to/rebuild-robots.md",
 )
 @FOLDER
 @FILE
 @TASK
-@click.option("-o", "--output", type=PathOf(path_type=Path), help="Default: out/TASK.")
-@click.option("--add", metavar="PRICE", default="1", help="Of a module that is added; default 1.")
-@click.option("--remove", metavar="PRICE", default="1", help="Of one that is removed; default 1.")
 @click.option(
-    "--change", metavar="PRICE", default="0", help="Of a free parameter that changes; default 0."
+    "-o", "--output", type=PathOf(path_type=Path), help="The result folder.  Default: out/TASK."
+)
+@click.option("--add", metavar="PRICE", default="1", help="Of adding a module; default 1.")
+@click.option("--remove", metavar="PRICE", default="1", help="Of removing a module; default 1.")
+@click.option(
+    "--change", metavar="PRICE", default="0", help="Of changing a free parameter; default 0."
 )
 @click.option(
     "--free", metavar="M.P", multiple=True, help="A parameter that kept modules may change."
 )
-@click.option("--changes", metavar="MOST", help="What all changes may cost together.")
+@click.option("--changes", metavar="MOST", help="The limit on the total cost of all changes.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
+@click.option("--jobs", type=click.IntRange(1), help="The number of processes; default 1.")
 @limit_of_time("Seconds.")
 @QUIET
 @VERBOSE
-@click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
+@click.option("--json", "as_json", is_flag=True, help="Print design.json and show no progress.")
 @click.option("--force", is_flag=True, help="Replace the results of another file or seed.")
 def evolve(
     folder: Path,
@@ -72,11 +74,11 @@ def evolve(
     as_json: bool,  # noqa: FBT001
     force: bool,  # noqa: FBT001
 ) -> int:
-    """Rebuild the robot of a result for another task, with as few changes as can be.
+    """Rebuild the robot of a result for another task, with as few changes as possible.
 
-    FOLDER holds a robot that was found: for a task, by a mission (its last robot), or by an
-    evolution before.  Modules that are kept keep the values of their parameters but for those that
-    are free.  The result has the history of the robot with it, and can evolve again.
+    FOLDER contains a robot that was found: for a task, by a mission (its last robot), or by an
+    earlier evolution.  Kept modules keep the values of their parameters, except for free ones.  The
+    result contains the history of the robot, and can evolve again.
     """
     limit = TimeLimit(time_limit)
     from solvers.execution.one_thread import ONE_THREAD

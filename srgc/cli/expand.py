@@ -20,10 +20,10 @@ from srgc.cli.arguments import FILE, OUTPUT, DocumentedCommand
 @FILE
 @OUTPUT
 def expand(file: Path, output: Path | None) -> int:
-    """Print a spec with its grammars from ports as the productions and semantics that they are.
+    """Print a spec in which productions and semantics replace its grammars from ports.
 
-    Files that are included and have such grammars are put in; everything else stays as written,
-    relative to the same folder.
+    Included files with such grammars are inserted.  Everything else stays as written, relative to
+    the same folder.
     """
     from srgc.paths import write_output
     from srgc.session import expansion_of

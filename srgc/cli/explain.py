@@ -16,7 +16,7 @@ from srgc.cli.completions import complete_code
 )
 @click.argument("codes", nargs=-1, metavar="[CODE]...", shell_complete=complete_code)
 def explain(codes: tuple[str, ...]) -> int:
-    """Say what a code of a finding means, with an example.  Without one, list all codes.
+    """Explain the code of a diagnostic, with an example.  Without CODE, list all codes.
 
     `SRG0301`, `srg0301` and `301` are the same code.
     """

@@ -27,7 +27,7 @@ BINARY = ("npz", "gltf", "mcap")
         "srgc export out/demo --to controller -o arm_controller",
         "srgc export out/demo --to all -o arm_files",
     ],
-    statuses={UNKNOWN: "no tube of the closed loop gets to the end of the motion: no controller"},
+    statuses={UNKNOWN: "no tube of the closed loop reaches the end of the motion: no controller"},
     reads_spec=False,
     read_on="docs/how-to/export.md",
 )
@@ -42,24 +42,24 @@ BINARY = ("npz", "gltf", "mcap")
     "(JointTrajectory as YAML), npz (NumPy). Both, with regions: gltf (3-D picture that moves), "
     "mcap (log for Foxglove), svg (picture that moves). Folders: mujoco (robot, torques and a "
     "script that replays them), "
-    "controller (C, Python, npz), ros2-package (URDF, launch file, MoveIt), all (all files but "
+    "controller (C, Python, npz), ros2-package (URDF, launch file, MoveIt), all (all files except "
     "those of gltf, mcap, svg and ros2-package).",
 )
 @click.option(
     "-o",
     "output",
     type=PathOf(path_type=Path, allow_dash=True),
-    help="Write here, not to stdout (`-`). For mujoco, controller, ros2-package and all a folder.",
+    help="Write here instead of stdout (`-`). A folder for mujoco, controller, ros2-package, all.",
 )
 @click.option(
-    "--no-effort", is_flag=True, help="ros2: without efforts, which older controllers refuse."
+    "--no-effort", is_flag=True, help="ros2: omit efforts, which older controllers refuse."
 )
 def export(folder: Path, form: str, output: Path | None, no_effort: bool) -> int:  # noqa: FBT001
     """Write the robot of a result folder, or its motion, for other tools.
 
-    FOLDER is one that `srgc synth` has written with the verdict found.  Nothing is proved here, and
-    none of its results is overwritten.  Of a mission every design is written, into a folder with
-    the name of its task.
+    FOLDER is one that `srgc synth` has written with the verdict found.  This command proves
+    nothing, and overwrites none of the results.  For a mission, it writes every design into a
+    folder with the name of its task.
     """
     if no_effort and form != "ros2":
         raise UsageFault("--no-effort goes with --to ros2 alone")

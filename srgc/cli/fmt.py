@@ -20,17 +20,20 @@ PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
     statuses={
         0: "done, or nothing to do",
         1: "with --check: a file is not in canonical form",
-        5: "a file has syntax errors; it is left as it is",
+        5: "a file has syntax errors and stays unchanged",
     },
     read_on="docs/reference/language.md",
 )
 @FILES_OR_STDIN
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit 1 if it would.")
+@click.option(
+    "--check", "only_check", is_flag=True, help="Write nothing; exit with 1 if a file would change."
+)
 @click.option("--diff", "as_diff", is_flag=True, help="Write nothing; print what would change.")
 def fmt(files: tuple[Path, ...], only_check: bool, as_diff: bool) -> int:  # noqa: FBT001
     """Write specs in canonical form, in place.
 
-    Comments are kept, and what the text means.  `-` is standard input, to standard output.
+    The meaning of the text and its comments stay the same.  `-` reads standard input and writes to
+    standard output.
     """
     from srgc.cli.fault_report import guarded
     from srgc.formatting.canonical_form import FormatRun

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 @click.option(
     "--depth",
     type=click.IntRange(1),
-    help="Of words: the most modules; by default 3, beside a run those of its word.",
+    help="words: the largest number of modules; default 3, or that of the highlighted word.",
 )
 @click.option(
     "--highlight",
@@ -51,13 +51,11 @@ if TYPE_CHECKING:
 @click.option(
     "--near/--whole",
     default=None,
-    help="Only the run and what is one transition away from it (of words the default), or all.",
+    help="Draw only the run and its neighbours (default for words), or everything.",
 )
-@click.option(
-    "--word", metavar='"SYM ..."', shell_complete=complete_word, help="Of a robot: its word."
-)
-@click.option("--derivation", type=click.IntRange(1), help="Of a robot: which, in order.")
-@click.option("--cells", type=click.IntRange(1), help="Of a workspace: split it into so many.")
+@click.option("--word", metavar='"SYM ..."', shell_complete=complete_word, help="robot: its word.")
+@click.option("--derivation", type=click.IntRange(1), help="robot: the number of the derivation.")
+@click.option("--cells", type=click.IntRange(1), help="workspace: split it into this many cells.")
 @OUTPUT
 def graph(
     file: Path,
@@ -75,8 +73,8 @@ def graph(
 ) -> int:
     """Draw an automaton, the words, a robot or the cells as DOT.
 
-    FILE is a spec; of lemmas it is the folder of a result, and drawn are the words that are left.
-    A file that ends in .svg, .png or .pdf is drawn by Graphviz, where that is installed.
+    FILE is a spec.  For lemmas it is the folder of a result, and the drawing shows the words that
+    remain.  If the output ends in .svg, .png or .pdf, Graphviz draws it, if it is installed.
     """
     from srgc.graphs.graph_request import GraphRequest, drawing_of
     from srgc.session import chosen, program_of

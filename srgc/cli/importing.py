@@ -71,41 +71,49 @@ def _finite(
     "-o",
     "output",
     type=PathOf(path_type=Path, allow_dash=True),
-    help="Write here; `-` is stdout, without meshes.  Default: NAME.srg.",
+    help="Write to this file; `-` is stdout, without meshes.  Default: NAME.srg.",
 )
-@click.option("--name", help="What names begin with; default: that of the robot or file.")
-@click.option("--exact", is_flag=True, help="Keep angles as they are, whatever noise they have.")
-@click.option("--module", is_flag=True, help="urdf: the file is one module with ports.")
+@click.option("--name", help="The prefix of names; default: the name of the robot or file.")
+@click.option("--exact", is_flag=True, help="Keep all digits of angles and lengths.")
+@click.option("--module", is_flag=True, help="urdf: convert the file to one module with ports.")
 @click.option(
     "--port",
     "ports",
     multiple=True,
     metavar="NAME=LINK:TYPE",
-    help="urdf --module: a port, with `:male` or `:female` behind it if it has a gender.",
-)
-@click.option("--effector", "effectors", multiple=True, metavar="LINK", help="urdf: an effector.")
-@click.option(
-    "--fix", "fixed", multiple=True, metavar="JOINT[=VALUE]", help="urdf: a joint that is held."
+    help="urdf --module: a port, followed by `:male` or `:female` if it has a gender.",
 )
 @click.option(
-    "--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package:// leads."
+    "--effector",
+    "effectors",
+    multiple=True,
+    metavar="LINK",
+    help="urdf: make this link an effector.",
+)
+@click.option(
+    "--fix", "fixed", multiple=True, metavar="JOINT[=VALUE]", help="urdf: hold this joint."
+)
+@click.option(
+    "--package", "packages", multiple=True, metavar="NAME=DIR", help="The folder of package://NAME."
 )
 @click.option(
     "--density",
     type=click.FloatRange(0, min_open=True),
     callback=_finite,
     metavar="KG_PER_M3",
-    help="urdf: gives links without inertial that of their shapes.",
+    help="urdf: compute masses from shapes for links without inertial.",
 )
 @click.option(
     "--arg", "arguments", multiple=True, metavar="NAME:=VALUE", help="An argument of a xacro file."
 )
-@click.option("--pieces", type=click.IntRange(1), help="At most so many convex pieces of a mesh.")
+@click.option(
+    "--pieces", type=click.IntRange(1), help="The largest number of convex pieces of a mesh."
+)
 @click.option(
     "--detail",
     type=click.FloatRange(0, 1, min_open=True),
     callback=_finite,
-    help="What convex pieces may add to the volume of a mesh, as a share; default 0.1.",
+    help="The share that convex pieces may add to the volume of a mesh; default 0.1.",
 )
 @click.option("--any-end", is_flag=True, help="timor: modules may stand on any of their ends.")
 @click.option(
@@ -114,16 +122,18 @@ def _finite(
     metavar="SET",
     help="cobra: a module set of Timor, or a spec with a grammar from ports.",
 )
-@click.option("--base", metavar="MODULE", help="cobra: which module of the set is the base.")
+@click.option("--base", metavar="MODULE", help="cobra: the module of the set that is the base.")
 @click.option("--any-order", is_flag=True, help="cobra: leave the order of goals open.")
-@click.option("--cost", metavar="COSTS", help="cobra: what to minimize, as in `mass,cyc`.")
+@click.option("--cost", metavar="COSTS", help="cobra: what to minimise, for example `mass,cyc`.")
 @click.option(
     "--unit",
     type=click.Choice(["mm", "cm", "m", "in"]),
-    help="scene: the unit of STL and OBJ (metres otherwise), or instead of that of DAE and GLB.",
+    help="scene: the unit of STL and OBJ (default: m); replaces that of DAE and GLB.",
 )
-@click.option("--at", metavar="PLACE", help="scene: where its origin is, as `(0.5, 0, 0) m`.")
-@click.option("--force", is_flag=True, help="Replace files that are there.")
+@click.option(
+    "--at", metavar="PLACE", help="scene: the position of its origin, such as `(0.5, 0, 0) m`."
+)
+@click.option("--force", is_flag=True, help="Replace existing files.")
 def import_(
     kind: str,
     file: Path,
@@ -131,12 +141,12 @@ def import_(
     force: bool,  # noqa: FBT001
     **options: Any,
 ) -> int:
-    """Write what another tool describes as a spec: a robot, modules, a task or a scene.
+    """Convert a robot, modules, a task or a scene from another tool to a spec.
 
-    KIND says what FILE is: `urdf` (or xacro) a robot or, with --module, one module; `timor` a set
-    of modules, or its folder; `cobra` a task; `scene` obstacles.  What cannot be carried over is
-    listed, and stands as a comment at the top of what is written.  No file is read outside the
-    folder of FILE but below those that --package and --modules name.
+    The first argument is the kind of FILE: `urdf` (or xacro) is a robot or, with --module, one
+    module; `timor` is a set of modules, or its folder; `cobra` is a task; `scene` is obstacles.
+    Everything that is omitted is listed, also in a comment at the top of the spec.  srgc reads no
+    file outside the folder of FILE, except below those that --package and --modules name.
     """
     place, known = KINDS[kind]
     given = {name: value for name, value in options.items() if value not in (None, (), False)}

@@ -32,37 +32,39 @@ PICTURE, GRID = "figures/landscape.svg", "landscape.csv"
 @click.option(
     "--over",
     metavar="NAME[,NAME]",
-    help="One or two parameters, as in 4.length,8.length: the index of a symbol in the word and a "
-    "name.  Default: the first two that may vary.",
+    help="One or two parameters, such as 4.length,8.length: the index of a symbol in the word and "
+    "a name.  Default: the first two that can vary.",
 )
 @click.option(
     "--range",
     "ranges",
     metavar="NAME=LOW:HIGH",
     multiple=True,
-    help="Values of a parameter to look at, SI; default: all.  May be repeated.",
+    help="The range of a parameter in SI units; default: all.  Can be repeated.",
 )
 @click.option(
     "--points",
     type=click.IntRange(2, 1000),
-    help="Values per axis; default 11, and 41 on a single one.  Finite sets are taken whole.",
+    help="Values per axis; default 11, or 41 for one axis.  Finite sets are used completely.",
 )
 @click.option(
-    "--mark", "marks", metavar="X[,Y]", multiple=True, help="Mark this point.  May be repeated."
+    "--mark", "marks", metavar="X[,Y]", multiple=True, help="Mark this point.  Can be repeated."
 )
-@click.option("--label", "labels", multiple=True, help="The name of a mark, in their order.")
+@click.option(
+    "--label", "labels", multiple=True, help="The name of a mark, in the order of the marks."
+)
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True)
 @click.option(
     "-o",
     "output",
     type=PathOf(path_type=Path, dir_okay=False),
-    help="Draw here, as SVG.  Default: DIR/figures/landscape.svg.",
+    help="Write the SVG picture here.  Default: FOLDER/figures/landscape.svg.",
 )
 @click.option(
     "--csv",
     "table",
     type=PathOf(path_type=Path, dir_okay=False),
-    help="Write the grid here.  Default: DIR/landscape.csv.",
+    help="Write the grid here.  Default: FOLDER/landscape.csv.",
 )
 @QUIET
 def landscape(
@@ -79,8 +81,8 @@ def landscape(
 ) -> int:
     """Evaluate and draw the robustness of a robot over two of its parameters.
 
-    FOLDER is one that `srgc synth` has written with the verdict found.  The path of cells, when
-    they are entered and all other parameters are those of the design.
+    FOLDER is one that `srgc synth` has written with the verdict found.  The path of cells, the
+    times at which they are entered, and all other parameters are those of the design.
     """
     from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks
     from srgc.results.folder_writer import folder_output

@@ -23,12 +23,24 @@ from srgc.faults import UsageFault
 )
 @FILE
 @GRAMMAR
-@click.option("--max-length", type=click.IntRange(0), help="Most symbols of a word, edges too.")
-@click.option("--limit", type=click.IntRange(0), help="Most words of the list; default 100.")
+@click.option(
+    "--max-length",
+    type=click.IntRange(0),
+    help="The largest number of symbols of a word, including edges.",
+)
+@click.option(
+    "--limit", type=click.IntRange(0), help="The largest number of words to list; default 100."
+)
 @click.option("--count", is_flag=True, help="Print the number of words of each length.")
-@click.option("--sample", type=click.IntRange(1), help="Draw so many words of --length uniformly.")
-@click.option("--length", type=click.IntRange(0), help="With --sample: the symbols of a word.")
-@click.option("--seed", type=click.IntRange(0), help="With --sample; default 0.")
+@click.option(
+    "--sample",
+    type=click.IntRange(1),
+    help="Draw this many words of --length, uniformly at random.",
+)
+@click.option(
+    "--length", type=click.IntRange(0), help="With --sample: the number of symbols of a word."
+)
+@click.option("--seed", type=click.IntRange(0), help="With --sample: the seed; default 0.")
 @QUIET
 def words(
     file: Path,
@@ -41,11 +53,11 @@ def words(
     seed: int | None,
     quiet: bool,  # noqa: FBT001
 ) -> int:
-    """List the words of a robot family, shortest first; or count them, or draw some at random.
+    """List the words of a robot family, shortest first, or count them, or draw some at random.
 
-    A word has a symbol for every module and every edge, and 100 words are listed unless --limit
-    says otherwise.  Drawn at random, every word has the same chance, however many derivations it
-    has.
+    A word has a symbol for every module and every edge.  This command lists 100 words unless
+    --limit says otherwise.  A random draw gives every word the same chance, however many
+    derivations it has.
     """
     if sample is None and length is not None:
         raise UsageFault("--length goes with --sample; for other lists there is --max-length")
@@ -89,7 +101,7 @@ def words(
 def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ...]) -> int:  # noqa: FBT001
     """Decide whether a word is in the family, symbol by symbol.
 
-    Of a word that is not accepted the place is named at which no word goes on.
+    If the word is not accepted, the command names the place at which no word of the family goes on.
     """
     from srgc.session import chosen, program_of
     from srgc.text_reports.language_report import acceptance_text
@@ -109,9 +121,9 @@ def accepts(file: Path, grammar: str | None, trace: bool, symbols: tuple[str, ..
 @FILE
 @GRAMMAR
 def language(file: Path, grammar: str | None) -> int:
-    """Say what kind of language a family is: its automata, its words, whether it is ambiguous.
+    """Describe the language of a family: its automata, its words, and whether it is ambiguous.
 
-    Everything that is said is proved; what is undecidable, and stayed undecided, is called so.
+    Every statement is proved.  If a property is undecidable and remains open, the output says so.
     """
     from srgc.session import chosen, program_of
     from srgc.text_reports.language_report import language_text

@@ -15,7 +15,7 @@ from srgc.faults import UsageFault
     examples=["srgc lsp --help"],
     statuses={
         0: "ended by the client",
-        1: "the client has gone without `shutdown`, or sends what is no message",
+        1: "the client left without `shutdown`, or sent an invalid message",
     },
     reads_spec=False,
     read_on="docs/how-to/editors.md",
@@ -26,12 +26,13 @@ from srgc.faults import UsageFault
     "port",
     metavar="PORT",
     type=click.IntRange(1, 65535),
-    help="Serve the first client that connects to this port of this machine.",
+    help="Serve the first client that connects to this port on this machine.",
 )
 def lsp(stdio: bool, port: int | None) -> int:  # noqa: FBT001
     """Serve an editor over the Language Server Protocol.
 
-    An editor starts this; there is nothing to type.  Messages go to standard error.
+    Your editor starts this command; you do not have to type anything.  Messages go to standard
+    error.
     """
     if stdio and port is not None:
         raise UsageFault("--stdio does not go with --tcp")

@@ -36,9 +36,9 @@ from srgc.cli.completions import complete_name, complete_word
 @click.option(
     "--workspace",
     shell_complete=complete_name,
-    help="The workspace, where the file has some of both dimensions.",
+    help="The workspace, if the file has planar and spatial ones.",
 )
-@click.option("--derivation", type=click.IntRange(1), help="Which derivation, in order.")
+@click.option("--derivation", type=click.IntRange(1), help="The number of the derivation.")
 @click.option(
     "--format",
     "form",
@@ -47,7 +47,9 @@ from srgc.cli.completions import complete_name, complete_word
     show_default=True,
     help="For people, or as terms for SMT solvers.",
 )
-@click.option("--whole", is_flag=True, help="Equations of more than 8 degrees of freedom, too.")
+@click.option(
+    "--whole", is_flag=True, help="Also print the equations of more than 8 degrees of freedom."
+)
 @OUTPUT
 def model(
     file: Path,
@@ -62,7 +64,7 @@ def model(
 ) -> int:
     """Print the equations of motion of a robot: coordinates, parameters, M, c, g, effectors.
 
-    M(q) q'' + c(q, q') + g(q) = u, with the parameters of the modules left as letters.
+    The equations are M(q) q'' + c(q, q') + g(q) = u, with the parameters of the modules as symbols.
     """
     from srgc.chosen_robot import RobotRequest
     from srgc.paths import write_output

@@ -28,13 +28,13 @@ def _kinds(_context: click.Context, _parameter: click.Parameter, begun: str) -> 
     "-o",
     "output",
     type=PathOf(path_type=Path, allow_dash=True),
-    help="Write here; `-` is stdout.  Default: KIND.srg.",
+    help="Write to this file; `-` is stdout.  Default: KIND.srg.",
 )
-@click.option("--force", is_flag=True, help="Replace a file that is there.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
 def new(kind: str | None, output: Path | None, force: bool) -> int:  # noqa: FBT001
     """Write a starter file with comments that explain it.  Without KIND, list the kinds.
 
-    The file checks, and `srgc synth` finds a robot for it within seconds.
+    The file has no errors, and `srgc synth` finds a robot for it within seconds.
     """
     from srgc.starters.starter_files import list_of_starters, next_steps, starter
 

@@ -24,24 +24,24 @@ if TYPE_CHECKING:
     ],
     statuses={
         0: "a path was found, or the problem was written",
-        3: "there is none",
+        3: "there is no path",
         4: "unknown",
     },
     read_on="docs/how-to/planning.md",
 )
 @FILE
 @TASK
-@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
+@click.option("--cells", type=click.IntRange(1), help="Begin with at least this many cells.")
 @click.option(
     "--dump",
     type=click.Choice(["dimacs", "smt2"]),
-    help="Print the problem, not a solution: satisfiable if and only if there is one.",
+    help="Print the problem instead: it is satisfiable if and only if there is a plan.",
 )
 @click.option(
     "-o",
     "--output",
     type=PathOf(path_type=Path, dir_okay=False),
-    help="Draw cells, adjacency and path here, as SVG; with --dump, write that here.",
+    help="Write cells, adjacency and path as SVG here; with --dump, the problem.",
 )
 @QUIET
 def plan(
@@ -52,9 +52,9 @@ def plan(
     output: Path | None,
     quiet: bool,  # noqa: FBT001
 ) -> int:
-    """Print the cells that effectors go through, with the fewest changes.
+    """Print a path of cells for the effectors, with the fewest changes of cell.
 
-    It is a path for points: whether a robot can follow it, `srgc synth` finds out.
+    The path is for points.  `srgc synth` finds out whether a robot can follow it.
     """
     if output is not None and dump is None and output.suffix.lower() != ".svg":
         raise UsageFault(f"{output}: a plan is drawn as SVG; let the name end in .svg")

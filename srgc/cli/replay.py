@@ -20,7 +20,7 @@ from srgc.faults import REFUSED, UNKNOWN, UsageFault
         "srgc replay out/demo --in python --json",
     ],
     statuses={
-        0: "it was simulated, however far it is from the tube; of disturbed motions none left it",
+        0: "simulated, at any distance from the tube; no disturbed motion left it",
         REFUSED: "a disturbed motion left the tube",
         UNKNOWN: "there is no tube to compare with",
     },
@@ -34,13 +34,13 @@ from srgc.faults import REFUSED, UNKNOWN, UsageFault
     required=True,
     type=click.Choice(["mujoco", "python"]),
     help='mujoco: the exported MJCF, with pip install "srgc[mujoco]". python: our own equations '
-    "by a method of order eight.",
+    "with a method of order eight.",
 )
 @click.option(
     "--timestep",
     type=float,
     metavar="S",
-    help="mujoco: the longest step of the simulation; default 0.001, of disturbed motions 0.0001.",
+    help="mujoco: the longest step of the simulation; default 0.001, or 0.0001 with --disturbed.",
 )
 @click.option(
     "--integrator",
@@ -51,7 +51,7 @@ from srgc.faults import REFUSED, UNKNOWN, UsageFault
     "--halvings",
     type=click.IntRange(0, 16),
     default=0,
-    help="mujoco: run again so often, with half the step each time.",
+    help="mujoco: repeat this many times, with half the step each time.",
 )
 @click.option(
     "--disturbed",
@@ -59,7 +59,7 @@ from srgc.faults import REFUSED, UNKNOWN, UsageFault
     metavar="N",
     help="mujoco: N motions under the disturbances of the task, at random and at corners.",
 )
-@click.option("--seed", type=click.IntRange(0), help="Of the disturbances; default 0.")
+@click.option("--seed", type=click.IntRange(0), help="The seed of the disturbances; default 0.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 def replay(
     folder: Path,
@@ -71,11 +71,11 @@ def replay(
     seed: int | None,
     as_json: bool,  # noqa: FBT001
 ) -> int:
-    """Hold the planned inputs in a simulator and compare with the certified tube.
+    """Simulate the planned inputs and compare the motion with the certified tube.
 
-    It prints how far the motion gets out of the tube at most, and from its middle: what is seen is
-    the error of the simulator's own integration, which falls with its step.  With --disturbed it
-    says how many motions left the tube: none may, beyond that error.
+    The output says how far the motion leaves the tube at most, and how far it is from the middle.
+    This is the error of the simulator's own integration, which decreases with its step.  With
+    --disturbed, it says how many motions left the tube.  None may, beyond that error.
     """
     from srgc.replays.replay_report import replay_json, replay_text
     from srgc.replays.replay_run import ReplayRequest

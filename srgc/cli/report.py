@@ -25,16 +25,16 @@ NAME = "report.html"
     "-o",
     "--output",
     type=PathOf(path_type=Path, dir_okay=False),
-    help=f"Write the page here.  Default: DIR/{NAME}.",
+    help=f"Write the page here.  Default: FOLDER/{NAME}.",
 )
 @click.option(
     "--no-verify", is_flag=True, help="Do not check the certificate again; the page says so."
 )
 def report(folder: Path, quiet: bool, output: Path | None, no_verify: bool) -> int:  # noqa: FBT001
-    """Write a result folder as one HTML page that needs nothing else.
+    """Write a result folder as one self-contained HTML page.
 
-    FOLDER is one that `srgc synth` has written, with any verdict.  The certificate is checked
-    again, and the page says what comes of that.
+    FOLDER is one that `srgc synth` has written, with any verdict.  The command checks the
+    certificate again, and the page states the outcome.
     """
     from solvers.execution.one_thread import ONE_THREAD
 

@@ -28,54 +28,62 @@ from srgc.time_limit import TimeLimit
         "srgc verify out/demo",
         "srgc synth specs/nested.srg -o out/nested --seed 1 --time-limit 60 --quiet",
     ],
-    statuses={0: "found", 3: "impossible", 4: "unknown, or out of time"},
+    statuses={0: "found", 3: "impossible", 4: "unknown, or the time limit was reached"},
     read_on="docs/reference/results.md; of an impossible task, `srgc why`",
 )
 @FILE
 @TASK
 @click.option(
-    "--mission", shell_complete=complete_name, help="All tasks of this mission, not one task."
+    "--mission",
+    shell_complete=complete_name,
+    help="Solve all tasks of this mission instead of one task.",
 )
-@click.option("-o", "--output", type=PathOf(path_type=Path), help="Default: out/TASK.")
+@click.option(
+    "-o", "--output", type=PathOf(path_type=Path), help="The result folder.  Default: out/TASK."
+)
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option("--jobs", type=click.IntRange(1), help="Processes that search; default 1.")
-@click.option(
-    "--cluster", metavar="ADDRESS", help="Search on the workers of this Dask scheduler instead."
-)
+@click.option("--jobs", type=click.IntRange(1), help="The number of processes; default 1.")
+@click.option("--cluster", metavar="ADDRESS", help="Search on the workers of this Dask scheduler.")
 @limit_of_time("Seconds.")
-@click.option("--cells", type=click.IntRange(1), help="Begin with at least so many cells.")
+@click.option("--cells", type=click.IntRange(1), help="Begin with at least this many cells.")
 @click.option(
-    "--all", "every", is_flag=True, help="Go on after the first design, and compare all of them."
+    "--all", "every", is_flag=True, help="Continue after the first design, and compare all designs."
 )
 @click.option(
     "--pareto",
     is_flag=True,
-    help="As --all, but keep the designs alone that no other one dominates.",
+    help="Like --all, but keep only the designs that no other design dominates.",
 )
 @click.option(
     "--gap",
     metavar="PERCENT",
-    help="Go on until no robot is proved to be able to be more robust by more, as 5 %.",
+    help="Continue until it is proved that no robot is more robust by more than this, e.g. 5 %.",
 )
 @click.option(
     "--paths",
     type=click.IntRange(1),
-    help="Tried for a structure, and half as many once a cell is cut; default 6.",
+    help="Paths to try for a structure, and half as many after a cell is cut; default 6.",
 )
 @click.option(
-    "--evaluations", type=click.IntRange(1), help="Of parameters, in a search of them; default 12."
-)
-@click.option("--solver", metavar="NAME", help="Of convex programs: own (default), or of cvxpy's.")
-@click.option("--search", metavar="NAME", help="Of parameters: gp-acb (default) or nelder-mead.")
-@click.option(
-    "--smt", metavar="NAMES", help="Of scripts: SMT solvers, as cvc5 or z3,cvc5, that must agree."
+    "--evaluations",
+    type=click.IntRange(1),
+    help="Evaluations in each search of parameters; default 12.",
 )
 @click.option(
-    "--no-lemmas", is_flag=True, help="Refute every structure on its own, by evidence of its own."
+    "--solver", metavar="NAME", help="For convex programs: own (default) or one of cvxpy."
+)
+@click.option("--search", metavar="NAME", help="For parameters: gp-acb (default) or nelder-mead.")
+@click.option(
+    "--smt",
+    metavar="NAMES",
+    help="SMT solvers for refutations, such as cvc5 or z3,cvc5; they must agree.",
+)
+@click.option(
+    "--no-lemmas", is_flag=True, help="Refute every structure separately, with its own evidence."
 )
 @QUIET
 @VERBOSE
-@click.option("--json", "as_json", is_flag=True, help="Print design.json; no progress.")
+@click.option("--json", "as_json", is_flag=True, help="Print design.json and show no progress.")
 @click.option("--force", is_flag=True, help="Replace the results of another file or seed.")
 def synth(
     file: Path,
@@ -103,16 +111,16 @@ def synth(
 ) -> int:
     """Find a robot and prove it, or prove that there is none.
 
-    The verdict and all evidence are written to a folder, which `srgc verify` checks.  The same
-    file and seed give the same bytes, whatever --jobs.  The first proved design is in the folder at
-    once, and more robust ones replace it.  An interrupted run, or one that the time limit ended, is
-    resumed by the same command.  Once the spec was edited, the same command begins anew, and the
-    results before are kept as FOLDER.1, FOLDER.2 and so on.  Of a task with `minimize` the design
-    is the best one by that, and --all and --pareto compare designs by it; else by modules, length
-    and robustness.
+    The verdict and all evidence go to a folder, which `srgc verify` checks.  The same file and seed
+    give the same bytes, whatever --jobs is.  The folder contains the first design as soon as it is
+    proved, and more robust ones replace it.  The same command resumes a run that was interrupted or
+    that reached the time limit.  After you edit the spec, the same command starts again and keeps
+    the previous results as FOLDER.1, FOLDER.2 and so on.  For a task with `minimize`, the design is
+    the best one by its objectives, and --all and --pareto compare designs by them; for other tasks,
+    they compare modules, length and robustness.
 
-    With --mission all tasks of a mission are solved together: by one robot, or by robots that are
-    rebuilt between them with the fewest changes.
+    With --mission, one robot does all tasks of a mission, or robots are rebuilt between the tasks
+    with the fewest changes.
     """
     limit = TimeLimit(time_limit)
     if jobs is not None and cluster is not None:

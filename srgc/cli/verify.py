@@ -40,24 +40,26 @@ if TYPE_CHECKING:
     "--spec",
     type=PathOf(path_type=Path),
     shell_complete=complete_file,
-    help="Also: it is about this file.",
+    help="Also check that the result is about this file.",
 )
-@click.option("--task", metavar="NAME", help="It has to be about this task.")
-@click.option("--mission", metavar="NAME", help="It has to be about this mission.")
+@click.option("--task", metavar="NAME", help="The task that the result has to be about.")
+@click.option("--mission", metavar="NAME", help="The mission that the result has to be about.")
 @click.option(
-    "--expect", type=click.Choice(["found", "impossible"]), help="It has to have this verdict."
+    "--expect",
+    type=click.Choice(["found", "impossible"]),
+    help="The verdict that the result has to have.",
 )
 @click.option(
     "--trust",
     metavar="NAMES",
-    help="Run these SMT solvers, as z3,cvc5, and believe unsat if all say so.",
+    help="Run these SMT solvers (e.g. z3,cvc5) and believe unsat if all say so.",
 )
 @click.option(
     "--jobs",
     type=click.IntRange(1),
     default=1,
     show_default=True,
-    help="Processes that check independent parts side by side.",
+    help="The number of processes that check independent parts.",
 )
 @QUIET
 @click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
@@ -74,10 +76,10 @@ def verify(
 ) -> int:
     """Check a result independently of the search that made it.
 
-    Every condition of the certificate is proved again, with its margin, from the copy of the spec
-    in FOLDER.  No solver and no searcher is loaded for that.  With --task and --expect a
-    certificate about anything else is not judged, and the status is 6.  The report is the same,
-    whatever --jobs.
+    This proves every condition of the certificate again, with its margin, from the copy of the spec
+    in FOLDER.  It loads no solver and no part of the search.  With --task and --expect, it does not
+    judge a certificate about anything else, and the status is 6.  The report is the same, whatever
+    --jobs is.
     """
     from solvers.verdict import MISSION
     from solvers.verifier.proofs.scene import Watch

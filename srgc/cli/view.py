@@ -30,16 +30,16 @@ from srgc.cli.completions import complete_folder
 @click.option(
     "--port",
     type=click.IntRange(1, 65535),
-    help="Serve on this port; default: the first free one from 8080 on.",
+    help="Serve on this port; default: the first free port from 8080 on.",
 )
-@click.option("--no-browser", is_flag=True, help="Print the address alone.")
-@click.option("--no-tube", is_flag=True, help="Without the tube, which takes as long as a proof.")
+@click.option("--no-browser", is_flag=True, help="Only print the address.")
+@click.option("--no-tube", is_flag=True, help="Omit the tube, which takes as long as a proof.")
 def view(folders: tuple[Path, ...], port: int | None, no_browser: bool, no_tube: bool) -> int:  # noqa: FBT001
-    """Show designs as a live page in space, several side by side.
+    """View one or more designs in 3D, on a live page.
 
-    FOLDERs are such as `srgc synth` has written with the verdict found; of a mission all designs
-    are shown.  The page has a slider for the time, the regions, and the certified tube.  It is
-    served to this computer alone, until Ctrl-C.  It needs `pip install "srgc[view]"`.
+    Each FOLDER is one that `srgc synth` has written with the verdict found; for a mission, the page
+    shows all designs.  It has a time slider, the regions, and the certified tube.  The command
+    serves only this computer, until you press Ctrl-C.  It needs `pip install "srgc[view]"`.
     """
     from srgc.view.serving import refuse_without_viewer, serve, viewer_server
     from srgc.view.shown_designs import shown_designs

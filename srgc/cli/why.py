@@ -27,9 +27,11 @@ if TYPE_CHECKING:
 @FOLDER
 @QUIET
 @VERBOSE
-@click.option("--json", "as_json", is_flag=True, help="Print the explanation as JSON; no progress.")
-@limit_of_time("Seconds; what is known by then is printed.")
-@click.option("--no-runs", is_flag=True, help="Only the conflicts; suggest no changes.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print the explanation as JSON and show no progress."
+)
+@limit_of_time("Seconds; at the limit, print what is known.")
+@click.option("--no-runs", is_flag=True, help="Only find conflicts; suggest no changes.")
 def why(
     folder: Path,
     quiet: bool,  # noqa: FBT001
@@ -38,12 +40,12 @@ def why(
     time_limit: float | None,
     no_runs: bool,  # noqa: FBT001
 ) -> int:
-    """Say which lines of a spec conflict, and what would make its task possible.
+    """Explain which lines of a spec conflict, and what would make its task possible.
 
-    FOLDER is one that `srgc synth` has written with the verdict impossible or unknown.  Every
-    suggestion was found and proved by a run of its own.  Of a design of a task with `minimize` it
-    says what the next cheaper robots lack.  Of a mission, whatever its verdict, it says what is
-    refuted in each task, and what the cheapest robots cost that are left.
+    FOLDER is one that `srgc synth` has written with the verdict impossible or unknown.  A separate
+    run finds and proves each suggestion.  For a task with `minimize`, the command says what the
+    next cheaper robots lack.  For a mission with any verdict, it says what each task refutes, and
+    how much the cheapest remaining robots cost.
     """
     limit = TimeLimit(time_limit)
     from solvers.execution.one_thread import ONE_THREAD
