@@ -49,8 +49,8 @@ def _defaults(picture: Picture) -> Iterator[str]:
     )
     if longest:
         graph["ranksep"] = f"{max(0.8, LOOP_INCHES * longest - 0.4):.2f}"
-    if picture.title:
-        graph |= {"label": _quoted(picture.title), "labelloc": "t"}
+    if picture.title or picture.caption:
+        graph |= {"label": _written(picture), "labelloc": "b" if picture.caption else "t"}
     yield f"graph{_attributes({**graph, 'fontname': _quoted(FONT)})}"
     node = {"shape": picture.shape, "fontname": _quoted(FONT), "fontsize": "12"}
     if any(node.fill is not None for node in picture.nodes):
@@ -131,6 +131,14 @@ def _attributes(attributes: Mapping[str, str]) -> str:
     if not attributes:
         return ""
     return f" [{', '.join(f'{name}={value}' for name, value in attributes.items())}]"
+
+
+def _written(picture: Picture) -> str:
+    """What is written beside a picture: the title, and the caption with its lines on the left."""
+    title = _quoted(picture.title)[1:-1]
+    lines = "".join(f"{_quoted(line)[1:-1]}\\l" for line in picture.caption)
+    gap = "\\n" if title and lines else ""
+    return f'"{title}{gap}{lines}"'
 
 
 def _quoted(text: str) -> str:
