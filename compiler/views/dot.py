@@ -13,8 +13,9 @@ from compiler.views.workspace_view import Arrow, Edge, Node, Picture
 
 RED = "#d00000"
 FONT = "sans-serif"
-LOOP_INCHES = 0.05
-"""Half the width of a letter: labels of loops lie over their nodes, which are kept so far apart."""
+LETTER_INCHES, NODE_INCHES = 0.085, 0.5
+"""The widths of a letter and of a node: labels of loops lie over their nodes, which are kept so far
+apart that labels of neighbours do not meet."""
 
 # In a label a backslash starts an escape, and an ampersand an entity of HTML.
 _ESCAPES = str.maketrans({"\\": "\\\\", '"': '\\"', "\n": "\\n"})
@@ -48,7 +49,7 @@ def _defaults(picture: Picture) -> Iterator[str]:
         (len(line) for e in picture.edges if e.tail == e.head for line in e.lines), default=0
     )
     if longest:
-        graph["ranksep"] = f"{max(0.8, LOOP_INCHES * longest - 0.4):.2f}"
+        graph["ranksep"] = f"{max(0.8, LETTER_INCHES * longest - NODE_INCHES):.2f}"
     if picture.title or picture.caption:
         graph |= {"label": _written(picture), "labelloc": "b" if picture.caption else "t"}
     yield f"graph{_attributes({**graph, 'fontname': _quoted(FONT)})}"

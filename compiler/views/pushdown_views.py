@@ -23,7 +23,7 @@ EMPTY = "ε"
 ARROW = "→"
 
 
-LABEL_WIDTH = 40
+LABEL_WIDTH = 30
 """Characters of a line of a label, where it can be broken."""
 
 
