@@ -13,8 +13,9 @@ from compiler.views.workspace_view import Arrow, Edge, Node, Picture
 
 RED = "#d00000"
 FONT = "sans-serif"
-LOOP_INCHES = 0.05
-"""Half the width of a letter: labels of loops lie over their nodes, which are kept so far apart."""
+LETTER_INCHES, NODE_INCHES = 0.085, 0.5
+"""The widths of a letter and of a node: labels of loops lie over their nodes, which are kept so far
+apart that labels of neighbours do not meet."""
 
 # In a label a backslash starts an escape, and an ampersand an entity of HTML.
 _ESCAPES = str.maketrans({"\\": "\\\\", '"': '\\"', "\n": "\\n"})
@@ -48,9 +49,9 @@ def _defaults(picture: Picture) -> Iterator[str]:
         (len(line) for e in picture.edges if e.tail == e.head for line in e.lines), default=0
     )
     if longest:
-        graph["ranksep"] = f"{max(0.8, LOOP_INCHES * longest - 0.4):.2f}"
-    if picture.title:
-        graph |= {"label": _quoted(picture.title), "labelloc": "t"}
+        graph["ranksep"] = f"{max(0.8, LETTER_INCHES * longest - NODE_INCHES):.2f}"
+    if picture.title or picture.caption:
+        graph |= {"label": _written(picture), "labelloc": "b" if picture.caption else "t"}
     yield f"graph{_attributes({**graph, 'fontname': _quoted(FONT)})}"
     node = {"shape": picture.shape, "fontname": _quoted(FONT), "fontsize": "12"}
     if any(node.fill is not None for node in picture.nodes):
@@ -131,6 +132,14 @@ def _attributes(attributes: Mapping[str, str]) -> str:
     if not attributes:
         return ""
     return f" [{', '.join(f'{name}={value}' for name, value in attributes.items())}]"
+
+
+def _written(picture: Picture) -> str:
+    """What is written beside a picture: the title, and the caption with its lines on the left."""
+    title = _quoted(picture.title)[1:-1]
+    lines = "".join(f"{_quoted(line)[1:-1]}\\l" for line in picture.caption)
+    gap = "\\n" if title and lines else ""
+    return f'"{title}{gap}{lines}"'
 
 
 def _quoted(text: str) -> str:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from typing import cast
+from collections.abc import Sequence
 
-from compiler.robots.attributes import SemanticsError
 from compiler.robots.labelled_graph import LabelledGraph
 from compiler.views.workspace_view import (
     Arrow,
@@ -19,11 +16,9 @@ from compiler.views.workspace_view import (
     run_of,
 )
 from compiler.words.finite_automaton import Dfa
-from compiler.words.functional_automaton import Fra, fra
-from compiler.words.language import Language, language
-from compiler.words.pushdown_automaton import Pda, Transition, sra
+from compiler.words.language import Language
+from compiler.words.pushdown_automaton import sra
 from compiler.words.regular_automaton import linear_automaton
-from grammar_lang import ir
 
 # --- A grammar as a picture: nonterminals with their productions (Definition 3) -------------------
 
@@ -148,124 +143,6 @@ def _path(dfa: Dfa, word: Sequence[str]) -> tuple[int, ...]:
     if path is None or not dfa.accepting[path[-1]]:
         raise not_accepted(word)
     return path
-
-
-# --- The SRA as a picture: states, and what each move reads, pops and pushes (Definition 4) -------
-#
-# The empty word is written with the Greek letter, because ``eps`` is an ordinary edge symbol
-# (Gamma).
-
-
-EMPTY = "ε"
-ARROW = "→"
-
-
-def sra_view(pda: Pda, highlight: Sequence[str] | None = None) -> Picture:
-    """A pushdown automaton; a line of an edge says ``read, top of stack → what replaces it``.
-
-    Moves between the same states share an edge; those of an accepting run of ``highlight`` have
-    an edge of their own, whose data gives their ``steps`` in the run, counted from 0.
-
-    Raises:
-        HighlightError: the automaton does not accept ``highlight``.
-    """
-    run = () if highlight is None else run_of(pda, highlight)
-    steps: dict[Transition, list[int]] = {}
-    for step, transition in enumerate(run):
-        steps.setdefault(transition, []).append(step)
-    visited = {transition.target for transition in run} | ({pda.initial} if run else set())
-    moves: dict[tuple[int, int, bool], list[Transition]] = {}
-    for transition in pda.transitions:
-        key = (transition.state, transition.target, transition not in steps)
-        moves.setdefault(key, []).append(transition)
-    nodes = tuple(
-        Node(
-            f"s{state}",
-            name,
-            double=state == pda.final,
-            highlighted=state in visited,
-            data={"state": state},
-        )
-        for state, name in enumerate(pda.states)
-    )
-    edges = tuple(
-        Edge(
-            f"s{tail}",
-            f"s{head}",
-            tuple(move_text(pda, transition) for transition in shared),
-            highlighted=not plain,
-            data={
-                "moves": tuple(shared),
-                "steps": tuple(tuple(steps.get(transition, ())) for transition in shared),
-            },
-        )
-        for (tail, head, plain), shared in sorted(moves.items(), key=lambda item: item[0])
-    )
-    start = Arrow(f"s{pda.initial}", stack_text(pda, pda.initial_stack), highlighted=bool(run))
-    return Picture("sra", "circle", nodes, edges, (start,))
-
-
-def move_text(pda: Pda, transition: Transition) -> str:
-    """What a move reads, the top of the stack, and what replaces it."""
-    read = EMPTY if transition.read is None else symbol_text(pda.alphabet[transition.read])
-    top = symbol_text(pda.stack_alphabet[transition.pop])
-    return f"{read}, {top} {ARROW} {stack_text(pda, transition.push)}"
-
-
-def symbol_text(name: str) -> str:
-    """A symbol's name, in quotes where it could be taken for a sign of the notation."""
-    return f"'{name}'" if name in (EMPTY, ARROW, ",") or " " in name else name
-
-
-def stack_text(pda: Pda, symbols: Iterable[int]) -> str:
-    """Symbols of the stack, the top first."""
-    return " ".join(symbol_text(pda.stack_alphabet[s]) for s in symbols) or EMPTY
-
-
-# --- The FRA as a picture: the SRA with the semantic updates of each production on its moves ------
-
-
-UPDATE = "↳ "
-
-
-def functional_view(
-    program: ir.Program, grammar: ir.Grammar, highlight: Sequence[str] | None = None
-) -> Picture:
-    """The SRA's picture; below a move that applies a production stand its updates.
-
-    Raises:
-        HighlightError: the automaton does not accept ``highlight``.
-        SemanticsError: the grammar has no semantics.
-    """
-    if grammar.semantics is None:
-        raise SemanticsError(f"grammar `{grammar.name}` has no semantics")
-    family = language(grammar, program.terminals, program.modules)
-    automaton = fra(family.srg, family.accept, grammar.semantics, program.sources)
-    picture = sra_view(automaton.pda, highlight)
-    edges = tuple(_with_updates(edge, automaton) for edge in picture.edges)
-    return replace(picture, name="fra", edges=edges)
-
-
-def _with_updates(edge: Edge, automaton: Fra) -> Edge:
-    moves = cast("tuple[Transition, ...]", edge.data["moves"])
-    lines = tuple(line for transition in moves for line in move_lines(automaton, transition))
-    updates = tuple(automaton.updates(transition) for transition in moves)
-    return replace(edge, lines=lines, data={**edge.data, "updates": updates})
-
-
-def move_lines(automaton: Fra, transition: Transition) -> tuple[str, ...]:
-    """A move with the production that it applies, and the updates of that, a line each."""
-    if transition.label is None:
-        return (move_text(automaton.pda, transition),)
-    updates = (f"{UPDATE}{update}" for update in automaton.updates(transition))
-    return (f"{transition.label}: {_applied(automaton, transition.label)}", *updates)
-
-
-def _applied(automaton: Fra, label: str) -> str:
-    """The move that applies a production, with the names that its updates use: ``left:Arm``."""
-    production = automaton.productions[label]
-    right = [s.name if s.alias is None else f"{s.alias}:{s.name}" for s in production.right]
-    return f"{EMPTY}, {production.left} {ARROW} {' '.join(right) or EMPTY}"
 
 
 # --- The labelled graph of a robot as a picture (Definition 1, Figure 1c) -------------------------

@@ -129,7 +129,10 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A graph; ``shape`` is that of most of its nodes, ``title`` is written above it."""
+    """A graph; ``shape`` is that of most of its nodes, ``title`` is written above it.
+
+    The lines of ``caption`` are written below it.
+    """
 
     name: str
     shape: Shape
@@ -138,6 +141,7 @@ class Picture:
     initial: tuple[Arrow, ...] = ()
     title: str = ""
     directed: bool = True
+    caption: tuple[str, ...] = ()
 
 
 # --- The runs that views show in colour, and what is said where there is none ---------------------
@@ -160,7 +164,8 @@ def refuse_unknown(word: Sequence[str], alphabet: Container[str]) -> None:
 
 def not_accepted(word: Sequence[str]) -> HighlightError:
     """The fault of a word over the right symbols."""
-    return HighlightError(f"the word `{' '.join(word)}` is not accepted")
+    said = f"the word `{' '.join(word)}`" if word else "the empty word"
+    return HighlightError(f"{said} is not accepted")
 
 
 def run_of(pda: Pda, word: Sequence[str]) -> tuple[Transition, ...]:

@@ -224,7 +224,7 @@ def graph_text(picture: Picture) -> str:
     """The edges of a graph, one a line."""
     sign = "->" if picture.directed else "--"
     rows = [_line(tail, label, sign, head) for tail, label, head, _ in _rows(picture)]
-    return "\n".join([_title(picture), *rows[:MOST_ROWS], *_left_out(rows)])
+    return "\n".join([_title(picture), *rows[:MOST_ROWS], *_left_out(rows), *picture.caption])
 
 
 def graph_html(picture: Picture, remarks: Sequence[str] = ()) -> str:
@@ -238,7 +238,7 @@ def graph_html(picture: Picture, remarks: Sequence[str] = ()) -> str:
     return block(
         head(_title(picture)),
         table(("from", "label", "to"), cells),
-        lines(*_left_out(rows), *filter(None, [key]), *remarks),
+        lines(*_left_out(rows), *filter(None, [key]), *picture.caption, *remarks),
     )
 
 

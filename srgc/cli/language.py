@@ -69,7 +69,13 @@ def words(
         raise UsageFault("--limit goes with the list of words, not with --count or --sample")
     from srgc.results.progress_display import progress
     from srgc.session import chosen, program_of
-    from srgc.text_reports.language_report import counted, listed, sampled
+    from srgc.text_reports.language_report import (
+        EMPTY_WORD,
+        counted,
+        listed,
+        nothing_listed,
+        sampled,
+    )
 
     program = program_of(file)
     family = chosen(program.grammars, grammar, "grammar")
@@ -80,8 +86,12 @@ def words(
             lines = counted(program, family, max_length)
         else:
             lines = listed(program, family, max_length, 100 if limit is None else limit)
+    line: str | None = None
     for line in lines:
-        click.echo(line)
+        click.echo(line or EMPTY_WORD)
+    if line is None:
+        shortest = next(listed(program, family, None, 1), None)
+        click.echo(f"note: {nothing_listed(family, shortest, max_length)}", err=True)
     return 0
 
 

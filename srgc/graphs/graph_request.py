@@ -10,7 +10,8 @@ from itertools import islice
 from pathlib import Path
 
 from compiler.robots.attributes import SemanticsError
-from compiler.views.family_views import family_dfa_view, grammar_view, sra_view
+from compiler.views.family_views import family_dfa_view, grammar_view
+from compiler.views.pushdown_views import sra_view
 from compiler.views.words_view import all_words, longest_drawn, near_run, words_view
 from compiler.views.workspace_view import (
     HighlightError,
@@ -144,7 +145,7 @@ def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> 
         case "grammar":
             return Drawing(grammar_view(words, request.highlight))
         case "fra":
-            from compiler.views.family_views import functional_view
+            from compiler.views.pushdown_views import functional_view
 
             if request.highlight is not None:
                 _refuse_foreign(words, request.highlight)

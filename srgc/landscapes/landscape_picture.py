@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
@@ -10,8 +12,8 @@ from compiler.arrays import Array
 from solvers.search.configuration_search import Sample
 from srgc.landscapes.landscape import Landscape
 from srgc.landscapes.landscape_request import Axis
-from srgc.render.axes import Plot, Scale, axes, labelled, padded, titles
-from srgc.render.heat_map import contours, edges, heat_marks, heat_plot
+from srgc.render.axes import Plot, Scale, axes, labelled, titles, two_parts
+from srgc.render.heat_map import LACKING, contours, edges, heat_marks, heat_plot
 from srgc.render.html_text import number
 from srgc.render.svg import SAMPLE, document, label, line_path, symbol
 
@@ -25,28 +27,50 @@ SHAPES = ("diamond", "square", "plus", "wedge", "triangle")
 """Of the marks that are asked for, in their order."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    """Where samples are drawn: what is feasible in one plot, what is not in another or the same."""
+
+    feasible: Plot
+    lacking: Plot
+    wide: bool
+
+    def at(self, content: Landscape, sample: Sample) -> tuple[float, float] | None:
+        """The place of a sample; None outside of the plots, and where its value is not known."""
+        place = content.at(sample)
+        plot = self.feasible if sample.feasible else self.lacking
+        x, y = place if self.wide else (place[0], sample.robustness)
+        inside = plot.across.low <= x <= plot.across.high and plot.up.low <= y <= plot.up.high
+        return (plot.across(x), plot.up(y)) if inside else None
+
+
 def landscape_svg(content: Landscape, title: str) -> str:
     """The picture; ``title`` is above it."""
     wide = len(content.axes) == 2
-    plot = _plane(content) if wide else _line(content)
-    marks = _fields(content, plot) if wide else _curve(content, plot)
-    floor = None if wide else _floor(content)
-    drawn = list(_points(content, plot, floor))
-    points = "".join(
-        symbol(kind, shape, plot.across(x), plot.up(y)) for kind, shape, _, x, y in drawn
-    )
+    shown = _plane(content) if wide else _line(content)
+    marks = _fields(content, shown.feasible) if wide else _curves(content, shown)
+    drawn = list(_points(content, shown))
+    points = "".join(symbol(kind, shape, x, y) for kind, shape, _, (x, y) in drawn)
     legend = dict.fromkeys(
-        (symbol(kind, shape, SAMPLE / 2, 6), says) for kind, shape, says, _, _ in drawn
+        (symbol(kind, shape, SAMPLE / 2, 6), says) for kind, shape, says, _ in drawn
     )
     entries = [*_grid_legend(content), *legend]
+    lower = shown.lacking
+    size = lower.right + RIGHT, lower.base + BELOW
+    return document(f"{marks}{_frames(content, shown)}{points}", size, "chart", title, entries)
+
+
+def _frames(content: Landscape, shown: _Shown) -> str:
+    """The axes of the plots, one below the other where there are two."""
     names = [_named(axis) for axis in content.axes]
-    beside = names[1] if wide else "robustness ρ"
-    frame = axes(
-        plot, labelled(plot.across, 8), labelled(plot.up, 8), grid=False,
-        more=titles(plot, names[0], beside),
-    )  # fmt: skip
-    size = plot.right + RIGHT, plot.base + BELOW
-    return document(f"{marks}{frame}{points}", size, "chart", title, entries)
+    upper, lower = shown.feasible, shown.lacking
+    whole = Plot(lower.across, Scale(0, 1, lower.base, upper.top))
+    says = titles(whole, names[0], names[1] if shown.wide else "robustness ρ")
+    below = labelled(lower.across, 8)
+    if upper is lower:
+        return axes(lower, below, labelled(lower.up, 8), grid=False, more=says)
+    first = axes(upper, (), labelled(upper.up, 5), grid=False)
+    return first + axes(lower, below, labelled(lower.up, 4), grid=False, more=says)
 
 
 def _named(axis: Axis) -> str:
@@ -55,48 +79,41 @@ def _named(axis: Axis) -> str:
     return f"{axis.module}.{name}, symbol {symbol_}{unit}"
 
 
-def _rho(content: Landscape) -> Array:
-    """Rho over the grid, nan where infeasible; its shape is that of the axes."""
-    values = [item.robustness if item.feasible else np.nan for item in content.grid]
-    return np.array(values).reshape([len(axis.values) for axis in content.axes])
+def _rho(content: Landscape, *, feasible: bool) -> Array:
+    """Rho over the grid, nan where it is not of this kind; its shape is that of the axes."""
+    values = [item.robustness if item.feasible == feasible else np.nan for item in content.grid]
+    found = np.array(values).reshape([len(axis.values) for axis in content.axes])
+    found[~np.isfinite(found)] = np.nan
+    return found
 
 
 def _points(
-    content: Landscape, plot: Plot, floor: float | None
-) -> Iterator[tuple[str, str, str, float, float]]:
+    content: Landscape, shown: _Shown
+) -> Iterator[tuple[str, str, str, tuple[float, float]]]:
     """Class, shape, words of the legend and place of samples, marks and design, in this order.
 
-    Samples of the search that are outside of the plot are left out.
+    What is outside of the plots is left out.
     """
     for sample in content.samples:
-        x, y = _at(content, sample, floor)
-        inside = plot.across.low <= x <= plot.across.high and plot.up.low <= y <= plot.up.high
-        if inside and sample.feasible:
-            yield "over", "dot", "search, feasible", x, y
-        elif inside:
-            yield "over bad", "cross", "search, infeasible", x, y
+        kind, shape = ("over", "dot") if sample.feasible else ("over bad", "cross")
+        says = "search, feasible" if sample.feasible else "search, infeasible"
+        if (at := shown.at(content, sample)) is not None:
+            yield kind, shape, says, at
     for place, (mark, sample) in enumerate(zip(content.marks, content.marked, strict=True)):
-        value = f"ρ {number(sample.robustness)}" if sample.feasible else "infeasible"
-        x, y = _at(content, sample, floor)
-        yield "asked", SHAPES[place % len(SHAPES)], f"{mark.label}, {value}", x, y
-    says = f"design, ρ {number(content.design.robustness)}"
-    yield "over", "star", says, *_at(content, content.design, floor)
-
-
-def _at(content: Landscape, sample: Sample, floor: float | None) -> tuple[float, float]:
-    """Where a sample is on the axes; over one parameter what is infeasible is at the bottom."""
-    place = content.at(sample)
-    if floor is None:
-        return place[0], place[1]
-    return place[0], sample.robustness if sample.feasible else floor
+        value = f"ρ {number(sample.robustness)}{'' if sample.feasible else ', infeasible'}"
+        if (at := shown.at(content, sample)) is not None:
+            yield "asked", SHAPES[place % len(SHAPES)], f"{mark.label}, {value}", at
+    if (at := shown.at(content, content.design)) is not None:
+        yield "over", "star", f"design, ρ {number(content.design.robustness)}", at
 
 
 def _grid_legend(content: Landscape) -> list[tuple[str, str]]:
     found = []
     if any(not item.feasible for item in content.grid):
-        found.append(
-            ('<rect class="infeasible" x="2" y="1" width="20" height="10"/>', "infeasible")
-        )
+        wide = len(content.axes) == 2
+        says = "infeasible: the lower scale" if wide else "infeasible"
+        kind = f'fill="{LACKING[1]}"' if wide else 'class="infeasible"'
+        found.append((f'<rect {kind} x="2" y="1" width="20" height="10"/>', says))
     if len(content.axes) == 1:
         found.append((f'<path class="line series-1" d="M0 6h{SAMPLE:g}"/>', "grid"))
     return found
@@ -105,16 +122,17 @@ def _grid_legend(content: Landscape) -> list[tuple[str, str]]:
 # --- two parameters ------------------------------------------------------------------------------
 
 
-def _plane(content: Landscape) -> Plot:
+def _plane(content: Landscape) -> _Shown:
     first, second = content.axes
     box = (LEFT, TOP, LEFT + WIDTH, TOP + SQUARE)
-    return heat_plot(first.values.tolist(), second.values.tolist(), box)
+    plot = heat_plot(first.values.tolist(), second.values.tolist(), box)
+    return _Shown(plot, plot, wide=True)
 
 
 def _fields(content: Landscape, plot: Plot) -> str:
     first, second = content.axes
-    rho, xs, ys = _rho(content), first.values.tolist(), second.values.tolist()
-    marks = heat_marks(xs, ys, rho, plot)
+    rho, xs, ys = _rho(content, feasible=True), first.values.tolist(), second.values.tolist()
+    marks = heat_marks(xs, ys, rho, plot, _rho(content, feasible=False))
     if not np.isfinite(rho).any():
         x, y = (plot.left + plot.right) / 2, (plot.top + plot.base) / 2
         return marks + label(x, y, "middle", NOTHING, ' class="says"')
@@ -126,38 +144,48 @@ def _fields(content: Landscape, plot: Plot) -> str:
 # --- one parameter -------------------------------------------------------------------------------
 
 
-def _floor(content: Landscape) -> float:
-    """The least robustness that is known."""
-    known = [item for item in (*content.grid, content.design) if item.feasible]
-    return min(item.robustness for item in known)
-
-
-def _line(content: Landscape) -> Plot:
+def _line(content: Landscape) -> _Shown:
     borders = edges(content.axes[0].values.tolist())
-    shown = [*content.grid, content.design, *content.samples, *content.marked]
-    rho = [item.robustness for item in shown if item.feasible]
-    low, high = padded(min(rho), max(rho))
+    items = [*content.grid, content.design, *content.samples, *content.marked]
+    known = [item for item in items if np.isfinite(item.robustness)]
+    upper, lower = ([i.robustness for i in known if i.feasible == kind] for kind in (True, False))
     across = Scale(borders[0], borders[-1], LEFT, LEFT + WIDTH)
-    return Plot(across, Scale(low, high, TOP + LOW, TOP))
+    return _Shown(*two_parts(across, (TOP, TOP + LOW), upper, lower), wide=False)
 
 
-def _curve(content: Landscape, plot: Plot) -> str:
-    """Bands where no motion was found, and the values elsewhere, joined unless they are all."""
+def _curves(content: Landscape, shown: _Shown) -> str:
+    """Bands where no motion was found, and the values of each kind, joined where they are next."""
     (axis,) = content.axes
-    rho, borders = _rho(content), edges(axis.values.tolist())
-    bands, lines, run = [], [], list[tuple[float, float]]()
-    for place, value in enumerate(rho.tolist()):
-        x0, x1 = plot.across(borders[place]), plot.across(borders[place + 1])
-        if np.isfinite(value):
-            run.append((plot.across(float(axis.values[place])), plot.up(value)))
-            continue
-        bands.append(
-            f'<rect class="infeasible" x="{x0:.1f}" y="{plot.top:g}" width="{x1 - x0:.1f}" '
-            f'height="{plot.base - plot.top:g}"/>'
-        )
-        lines.append(run)
-        run = []
-    lines.append(run)
-    curve = "" if axis.discrete else "".join(line_path(np.array(line)) for line in lines if line)
-    dots = "".join(symbol("good", "dot", x, y) for line in lines for x, y in line)
-    return f'{"".join(bands)}<path class="line series-1" d="{curve}"/>{dots}'
+    bands = "".join(
+        f'<rect class="infeasible" x="{x0:.1f}" y="{shown.feasible.top:g}" width="{x1 - x0:.1f}" '
+        f'height="{shown.feasible.base - shown.feasible.top:g}"/>'
+        for x0, x1 in _infeasible(content, shown.feasible)
+    )
+    parts = []
+    for plot, kind, feasible in ((shown.feasible, "good", True), (shown.lacking, "lacks", False)):
+        rho = _rho(content, feasible=feasible)
+        lines = [
+            np.array([(plot.across(float(axis.values[k])), plot.up(float(rho[k]))) for k in run])
+            for run in _runs(np.isfinite(rho).tolist())
+        ]
+        curve = "".join(line_path(line) for line in lines if len(line) > 1)
+        if curve and not axis.discrete:
+            series = "series-1" if feasible else "series-2"
+            parts.append(f'<path class="line {series}" d="{curve}"/>')
+        parts += [symbol(kind, "dot", x, y) for line in lines for x, y in line.tolist()]
+    return "".join([bands, *parts])
+
+
+def _infeasible(content: Landscape, plot: Plot) -> Iterator[tuple[float, float]]:
+    """From where to where no point of the grid is feasible."""
+    (axis,) = content.axes
+    borders = edges(axis.values.tolist())
+    for run in _runs([not item.feasible for item in content.grid]):
+        yield plot.across(borders[run[0]]), plot.across(borders[run[-1] + 1])
+
+
+def _runs(kept: Sequence[bool]) -> Iterator[list[int]]:
+    """The places that are kept, those that follow each other together."""
+    for yes, group in groupby(range(len(kept)), key=lambda place: kept[place]):
+        if yes:
+            yield list(group)

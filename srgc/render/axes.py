@@ -8,9 +8,12 @@ from dataclasses import dataclass
 
 from srgc.render.html_text import number
 from srgc.render.svg import label
+from srgc.render.text_size import text_width
 
 LONGEST_LABEL = 7
 """Characters of a number; longer ones get an exponent, with which they have room, too."""
+LETTERS = 11.5
+"""The largest size of labels; where two on the axis to the right would meet, one is left out."""
 LEAST_SPAN = 0.04
 """Of what is shown, as a part of the largest value."""
 
@@ -114,6 +117,35 @@ def labelled(scale: Scale, most: int = 5) -> list[tuple[float, str]]:
     return list(zip(values, tick_labels(values), strict=True))
 
 
+LOWER_PART, BETWEEN = 0.38, 10.0
+"""Of a plot in two parts: the part of its height that the lower one has, and what is between."""
+
+
+def two_parts(
+    across: Scale, box: tuple[float, float], upper: Sequence[float], lower: Sequence[float]
+) -> tuple[Plot, Plot]:
+    """A plot for what is feasible above one for what is not, each with a scale of its own.
+
+    Where there is nothing of one kind, both are the plot of the other kind.
+
+    Args:
+        across: the axis that they share.
+        box: the top and the base of both together.
+        upper: the values of what is feasible.
+        lower: those of what is not.
+    """
+    top, base = box
+    if not upper or not lower:
+        low, high = padded(min(upper or lower), max(upper or lower))
+        whole = Plot(across, Scale(low, high, base, top))
+        return whole, whole
+    middle = base - LOWER_PART * (base - top)
+    ends = (min(upper), max(upper)), (min(lower), max(lower))
+    (a, b), (c, d) = (padded(*pair) for pair in ends)
+    first = Plot(across, Scale(a, b, middle - BETWEEN, top))
+    return first, Plot(across, Scale(c, d, base, middle))
+
+
 def axes(
     plot: Plot,
     below: Sequence[tuple[float, str]],
@@ -143,10 +175,13 @@ def axes(
         else:
             parts.append(_tick(left - 4, left, y, y))
         parts.append(label(left - 5 - (0 if grid else 2), y + 3.5, "end", says))
-    for value, says in below:
-        x = plot.across(value)
+    end = -math.inf
+    for value, says in sorted(below):
+        x, half = plot.across(value), text_width(says, LETTERS) / 2
         parts.append(_tick(x, x, base, base + 4))
-        parts.append(label(x, base + 16, "middle", says))
+        if x - half >= end:
+            parts.append(label(x, base + 16, "middle", says))
+            end = x + half + LETTERS / 3
     return "".join([*parts, more, "</g>"])
 
 

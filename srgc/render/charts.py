@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compiler.arrays import Array
-from srgc.render.axes import Plot, Scale, axes, labelled, padded, ticks
+from srgc.render.axes import Plot, Scale, axes, labelled, padded, ticks, two_parts
 from srgc.render.html_text import number, text
 from srgc.render.svg import label as written
 
@@ -215,8 +215,6 @@ def sampled(values: Array) -> Sequence[float]:
 
 EDGE = 12
 """Free on the right."""
-RAIL = 16
-"""Above the axis, for what is infeasible."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,36 +235,35 @@ def scatter_chart(
     *,
     counted: bool = False,
 ) -> str:
-    """Points over an axis.  Infeasible ones stand on a rail below, where there are feasible ones.
+    """Points over an axis; infeasible ones in a part of their own below, with their own scale.
 
     ``best`` is a line of the best value so far; ``counted``: the axis has whole numbers only.
     """
-    good = [point for point in points if point.mark != "bad"]
-    low, high = padded(*_ends([point.y for point in good or points]))
+    good, bad = (
+        [each.y for each in points if (each.mark == "bad") == lacks] for lacks in (False, True)
+    )
     left, right = padded(*_ends([point.x for point in points]))
-    base, railed = HEIGHT - BOTTOM, len(good) < len(points) and bool(good)
-    rail = base - (RAIL if railed else 0)
-    plot = Plot(Scale(left, right, LEFT, WIDTH - EDGE), Scale(low, high, rail - 4, TOP))
-    below = Plot(plot.across, Scale(low, high, base, TOP))
+    base = HEIGHT - BOTTOM
+    upper, lower = two_parts(Scale(left, right, LEFT, WIDTH - EDGE), (TOP, base), good, bad)
     values = [(value, number(value)) for value in ticks(left, right) if value.is_integer()]
     says = f"robustness over {label}: {len(points)}"
     size = f'viewBox="0 0 {WIDTH} {HEIGHT + 8}"'
-    parts = [
-        f'<svg class="chart" {size} role="img" aria-label="{text(says)}">',
-        axes(plot, (), labelled(plot.up, 4)),
-        axes(below, values if counted else labelled(plot.across), (),
-             more=written(WIDTH - EDGE, base + 29, "end", unit)),
-    ]  # fmt: skip
-    if railed:
-        parts.append(f'<rect class="rail" x="{LEFT}" y="{rail}" width="{WIDTH - EDGE - LEFT}" '
-                     f'height="{RAIL}"/>')  # fmt: skip
+    parts = [f'<svg class="chart" {size} role="img" aria-label="{text(says)}">']
+    if upper is not lower:
+        width, height = WIDTH - EDGE - LEFT, f"{base - lower.top:.1f}"
+        parts.append(f'<rect class="rail" x="{LEFT}" y="{lower.top:.1f}" width="{width}" '
+                     f'height="{height}"/>')  # fmt: skip
+        parts.append(axes(upper, (), labelled(upper.up, 4)))
+    parts.append(
+        axes(lower, values if counted else labelled(lower.across), labelled(lower.up, 4),
+             more=written(WIDTH - EDGE, base + 29, "end", unit))
+    )  # fmt: skip
     if best:
-        corners = "L".join(f"{plot.across(x):.1f} {plot.up(y):.1f}" for x, y in best)
+        corners = "L".join(f"{upper.across(x):.1f} {upper.up(y):.1f}" for x, y in best)
         parts.append(f'<path class="best" d="M{corners}"/>')
     for point in points:
-        on_rail = point.mark == "bad" and railed
-        y = rail + RAIL / 2 if on_rail else plot.up(point.y)
-        parts.append(_mark(point, plot.across(point.x), y))
+        plot = lower if point.mark == "bad" else upper
+        parts.append(_mark(point, plot.across(point.x), plot.up(point.y)))
     return "".join([*parts, "</svg>"])
 
 

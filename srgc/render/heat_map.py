@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from math import dist
+from typing import TypeAlias
 
 import numpy as np
 
@@ -14,8 +16,14 @@ from srgc.render.svg import label
 
 COLOURS = ("#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725")
 """From low to high robustness: viridis (van der Walt and Smith, 2015), at equal distances."""
+LACKING = ("#f3ece6", "#c9b8ad", "#8d7769")
+"""From what lacks least to what lacks most, where nothing is feasible: no colour of the others."""
 STEPS = 24
 """Fields of the scale of colours."""
+LOWER = 0.4
+"""The part of the height that the scale of what is infeasible has, where there are both."""
+SCRAP = 45.0
+"""Lines of equal values that are shorter are left out."""
 WIDTH, SIZE = 360, 300
 """Of the chart in the report; the second is the side of the square that holds plot and labels."""
 LEFT, TOP, BOTTOM = 56, 10, 26
@@ -29,11 +37,11 @@ def edges(values: Sequence[float]) -> list[float]:
     return [2 * values[0] - middle[0], *middle, 2 * values[-1] - middle[-1]]
 
 
-def colour(part: float) -> str:
+def colour(part: float, colours: Sequence[str] = COLOURS) -> str:
     """The colour of a part from 0 to 1, between those of the list."""
-    place = min(max(part, 0.0), 1.0) * (len(COLOURS) - 1)
-    i = min(int(place), len(COLOURS) - 2)
-    low, high = COLOURS[i], COLOURS[i + 1]
+    place = min(max(part, 0.0), 1.0) * (len(colours) - 1)
+    i = min(int(place), len(colours) - 2)
+    low, high = colours[i], colours[i + 1]
     parts = (
         round(int(low[k : k + 2], 16) * (i + 1 - place) + int(high[k : k + 2], 16) * (place - i))
         for k in (1, 3, 5)
@@ -48,69 +56,114 @@ def heat_plot(xs: Sequence[float], ys: Sequence[float], box: tuple[float, ...]) 
     return Plot(Scale(first[0], first[-1], left, right), Scale(second[0], second[-1], base, top))
 
 
-def heat_marks(xs: Sequence[float], ys: Sequence[float], values: Array, plot: Plot) -> str:
+def heat_marks(
+    xs: Sequence[float],
+    ys: Sequence[float],
+    values: Array,
+    plot: Plot,
+    lacks: Array | None = None,
+) -> str:
     """A field for each point of the grid, in the colour of its value, and the scale of colours.
 
     Args:
         xs: the values of the first parameter, ascending.
         ys: those of the second.
-        values: (len(xs), len(ys)); nan: infeasible, drawn grey.
-        plot: where the fields are; the scale is on its right.
+        values: (len(xs), len(ys)); nan: infeasible.
+        plot: where the fields are; the scales are on its right.
+        lacks: by how much, below 0, what is infeasible fails, with a scale of its own; nan: that
+            is not known, or the point is feasible.
     """
-    known = values[np.isfinite(values)]
-    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+    missing = np.full_like(values, np.nan) if lacks is None else lacks
+    kinds = [(values, COLOURS, _ends(values)), (-missing, LACKING, _ends(-missing))]
     columns, rows, parts = edges(xs), edges(ys), list[str]()
     for i, x in enumerate(xs):
         for j, y in enumerate(ys):
-            value = float(values[i, j])
+            value, lack = float(values[i, j]), float(missing[i, j])
             x0, x1 = plot.across(columns[i]), plot.across(columns[i + 1])
             y0, y1 = plot.up(rows[j + 1]), plot.up(rows[j])
-            says = f"robustness {number(value)}" if np.isfinite(value) else "infeasible"
+            fill = next(
+                (
+                    f'fill="{colour(_part(float(each[i, j]), ends), colours)}"'
+                    for each, colours, ends in kinds
+                    if ends is not None and np.isfinite(each[i, j])
+                ),
+                'class="infeasible"',
+            )
             parts.append(
                 f'<rect x="{x0:.1f}" y="{y0:.1f}" width="{x1 - x0 + 0.2:.1f}" '
-                f'height="{y1 - y0 + 0.2:.1f}" {_filled(value, low, high)}>'
-                f"<title>({number(x)}, {number(y)}): {says}</title></rect>"
+                f'height="{y1 - y0 + 0.2:.1f}" {fill}>'
+                f"<title>({number(x)}, {number(y)}): {_field_words(value, lack)}</title></rect>"
             )
-    return "".join(parts) + (_scale(low, high, plot) if known.size else "")
+    return "".join(parts) + _scales([each[2] for each in kinds], plot)
 
 
-def _filled(value: float, low: float, high: float) -> str:
-    if not np.isfinite(value):
-        return 'class="infeasible"'
-    return f'fill="{colour((value - low) / (high - low) if high > low else 1.0)}"'
+def _field_words(value: float, lack: float) -> str:
+    if np.isfinite(value):
+        return f"robustness {number(value)}"
+    return f"infeasible, robustness {number(lack)}" if np.isfinite(lack) else "infeasible"
 
 
-def _scale(low: float, high: float, plot: Plot) -> str:
-    """Which colour means which robustness."""
-    x, height = plot.right + 8, (plot.base - plot.top) / STEPS
+def _ends(values: Array) -> tuple[float, float] | None:
+    """The least and the greatest value that are known."""
+    known = values[np.isfinite(values)]
+    return (float(known.min()), float(known.max())) if known.size else None
+
+
+def _part(value: float, ends: tuple[float, float]) -> float:
+    """Where a value is between the ends, from 0 to 1."""
+    low, high = ends
+    return (value - low) / (high - low) if high > low else 1.0
+
+
+def _scales(ends: Sequence[tuple[float, float] | None], plot: Plot) -> str:
+    """Which colour means which robustness, and below that by how much what is infeasible fails."""
+    above, lacks = ends
+    middle = plot.base - LOWER * (plot.base - plot.top)
+    found = ""
+    if above is not None:
+        base = plot.base if lacks is None else middle - 10
+        found += _scale(above, COLOURS, (plot.top, base), plot.right + 8)
+    if lacks is not None:
+        # What lacks least, and is nearest to 0, is at the top.
+        top = plot.top if above is None else middle + 10
+        found += _scale((-lacks[1], -lacks[0]), LACKING[::-1], (top, plot.base), plot.right + 8)
+    return found
+
+
+def _scale(
+    ends: tuple[float, float], colours: Sequence[str], box: tuple[float, float], x: float
+) -> str:
+    """A scale of colours between a top and a base, with its ends."""
+    (low, high), (top, base) = ends, box
+    height = (base - top) / STEPS
     parts = [
-        f'<rect x="{x:g}" y="{plot.top + (STEPS - 1 - i) * height:.1f}" width="12" '
-        f'height="{height + 0.3:.1f}" fill="{colour(i / (STEPS - 1))}"/>'
+        f'<rect x="{x:g}" y="{top + (STEPS - 1 - i) * height:.1f}" width="12" '
+        f'height="{height + 0.3:.1f}" fill="{colour(i / (STEPS - 1), colours)}"/>'
         for i in range(STEPS)
     ]
-    parts.append(f'<g class="axes">{label(x + 15, plot.top + 8, "start", number(high, 3))}')
-    parts.append(f"{label(x + 15, plot.base, 'start', number(low, 3))}</g>")
+    parts.append(f'<g class="axes">{label(x + 15, top + 8, "start", number(high, 3))}')
+    parts.append(f"{label(x + 15, base, 'start', number(low, 3))}</g>")
     return "".join(parts)
 
 
 def plane_chart(
-    cells: Sequence[tuple[float, float, float | None]],
+    cells: Sequence[tuple[float, float, float, bool]],
     design: tuple[float, float],
     labels: tuple[str, str],
 ) -> str:
-    """The chart of the report; ``cells`` are two parameters with a value, None: infeasible."""
+    """The chart of the report; ``cells`` are two parameters, a value and whether it is feasible."""
     xs, ys = sorted({cell[0] for cell in cells}), sorted({cell[1] for cell in cells})
-    values = np.full((len(xs), len(ys)), np.nan)
+    values, lacks = (np.full((len(xs), len(ys)), np.nan) for _ in range(2))
     places = {x: i for i, x in enumerate(xs)}, {y: j for j, y in enumerate(ys)}
-    for x, y, value in cells:
-        values[places[0][x], places[1][y]] = np.nan if value is None else value
+    for x, y, value, feasible in cells:
+        (values if feasible else lacks)[places[0][x], places[1][y]] = value
     plot = heat_plot(xs, ys, (LEFT, TOP, SIZE, SIZE - BOTTOM))
     says = label(SIZE, SIZE + 6, "end", f"→ {labels[0]},  ↑ {labels[1]}")
     x, y = plot.across(design[0]), plot.up(design[1])
     return (
         f'<svg class="chart" viewBox="0 0 {WIDTH} {SIZE + 10}" role="img" '
         f'aria-label="{text(f"robustness over {labels[0]} and {labels[1]}")}">'
-        f"{heat_marks(xs, ys, values, plot)}"
+        f"{heat_marks(xs, ys, values, plot, lacks)}"
         f"{axes(plot, labelled(plot.across), labelled(plot.up), grid=False, more=says)}"
         f'<path class="design" d="M{x:.1f} {y - 6:.1f}l6 6l-6 6l-6 -6z"/></svg>'
     )
@@ -131,7 +184,7 @@ def contours(
     if not known.size or known.min() == known.max():
         return ""
     levels = np.linspace(known.min(), known.max(), count + 2)[1:-1]
-    data = []
+    found = list[_Segment]()
     for i in range(len(xs) - 1):
         for j in range(len(ys) - 1):
             corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
@@ -140,10 +193,38 @@ def contours(
                 continue
             places = [(plot.across(xs[a]), plot.up(ys[b])) for a, b in corners]
             for level in levels:
-                crossings = list(_crossings(places, heights, float(level)))
-                for (x0, y0), (x1, y1) in zip(crossings[::2], crossings[1::2], strict=True):
-                    data.append(f"M{x0:.1f} {y0:.1f}L{x1:.1f} {y1:.1f}")
-    return f'<path class="contour" d="{"".join(data)}"/>' if data else ""
+                crossings = [
+                    (round(x, 1), round(y, 1)) for x, y in _crossings(places, heights, float(level))
+                ]
+                found += zip(crossings[::2], crossings[1::2], strict=True)
+    data = "".join(
+        f"M{x0:.1f} {y0:.1f}L{x1:.1f} {y1:.1f}" for (x0, y0), (x1, y1) in _without_scraps(found)
+    )
+    return f'<path class="contour" d="{data}"/>' if data else ""
+
+
+_Point: TypeAlias = tuple[float, float]
+_Segment: TypeAlias = tuple[_Point, _Point]
+
+
+def _without_scraps(segments: Sequence[_Segment]) -> Iterator[_Segment]:
+    """The segments of lines that are long enough to be read; those that meet are one line."""
+    first: dict[_Point, _Point] = {}
+
+    def root(point: _Point) -> _Point:
+        while first.setdefault(point, point) != point:
+            first[point] = first[first[point]]
+            point = first[point]
+        return point
+
+    for a, b in segments:
+        first[root(a)] = root(b)
+    lengths: dict[_Point, float] = {}
+    for a, b in segments:
+        lengths[root(a)] = lengths.get(root(a), 0.0) + dist(a, b)
+    for a, b in segments:
+        if a != b and lengths[root(a)] >= SCRAP:
+            yield a, b
 
 
 def _crossings(

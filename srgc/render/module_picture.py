@@ -9,14 +9,16 @@ import numpy as np
 
 from compiler.arrays import Array
 from srgc.render.html_text import name_in_picture, text
+from srgc.render.label_placement import LabelPlacer, leader, sized
 from srgc.render.module_drawing import DrawnModule, ModuleDrawing
 from srgc.render.robot_drawing import axis_ends
 from srgc.render.svg import View, fitted, line_path, place
+from srgc.render.text_size import BASELINE, LINE
 
-HALF_LINE = 8.0
-LETTER = 8.0
-RADII = (20.0, 32.0, 46.0, 62.0, 80.0)
-DIRECTIONS = 16
+STEP = 8.0
+"""Between the points of what is drawn that names keep away from."""
+SMALL, LARGE = 13.0, 21.0
+"""The size of names; the second is that on a phone, for which pictures as wide as it have room."""
 GROUND = np.array([[0.0, 0.0], [-14, 12], [14, 12], [-14, 24], [0, 24], [14, 24]])
 HERE = np.array([[0.0, 0.0], [-7, 0], [7, 0], [0, -7], [0, 7]])
 """Where the shape of a base, and that of others, covers the picture, from its place on."""
@@ -44,7 +46,8 @@ def robot_picture(
         values: per place in the word, what a name says below itself: parameters with their units.
         fates: per place in the word, which of the ``SIGNS`` it has.
         beside: robots whose pictures are to have the same scale.
-        width: that of the picture, in units of the letters' 13; default: as wide as a page.
+        width: that of the picture, in units of the letters' 13; default: as wide as a page, with
+            room for the larger letters that it has on a phone.
     """
     view = _view(drawing, beside)
     view = view if width is None else view.scaled(width)
@@ -52,7 +55,8 @@ def robot_picture(
         f'<path class="other" d="{line_path(view.project(line))}"/>' for line in drawing.others
     )
     ordered = sorted(drawing.modules, key=lambda module: (ORDER[module.role], module.place))
-    names = _Names(view, _obstacles(drawing, view))
+    size = LARGE if width is None else SMALL
+    names = _Names(view, _obstacles(drawing, view), size)
     labels = {
         module.place: names.label(
             module, values.get(module.place, ()), signs_of(fates.get(module.place, ()))
@@ -67,9 +71,8 @@ def robot_picture(
         for module in ordered
     )
     marks = "".join(labels[module.place] for module in ordered)
-    size = f"{view.width:.0f} {view.height:.0f}"
     return (
-        f'<svg class="modules" viewBox="0 0 {size}" role="img" '
+        f'<svg class="modules" viewBox="0 0 {view.width:.0f} {view.height:.0f}" role="img" '
         f'aria-label="The robot, module by module">{others}{shapes}{marks}</svg>'
     )
 
@@ -186,18 +189,17 @@ def _obstacles(drawing: ModuleDrawing, view: View) -> Array:
 def _along(ends: Array) -> Array:
     """Points of a line, so close to each other that no name has room between them."""
     length = float(np.hypot(*(ends[1] - ends[0])))
-    steps = np.linspace(0, 1, 2 + int(length / HALF_LINE))[:, None]
+    steps = np.linspace(0, 1, 2 + int(length / STEP))[:, None]
     found: Array = ends[0] + steps * (ends[1] - ends[0])
     return found
 
 
 class _Names:
-    """Puts names where nothing is in their way: the nearest free place, or the least covered."""
+    """Puts names where nothing is in their way, in letters of a size or smaller ones."""
 
-    def __init__(self, view: View, drawn: Array) -> None:
-        self.view = view
-        self.drawn = drawn
-        self.taken: list[tuple[float, float, float, float]] = []
+    def __init__(self, view: View, drawn: Array, size: float) -> None:
+        self.view, self.size = view, size
+        self.placer = LabelPlacer((view.width, view.height), drawn)
 
     def label(self, module: DrawnModule, values: Sequence[str], signs: str = "") -> str:
         """The name of a module with its signs and its place, and what is said of it below."""
@@ -205,50 +207,18 @@ class _Names:
         if anchor is None:
             return ""
         lines = [f"{signs} {name_in_picture(module.name)} {module.place}".lstrip(), *values]
-        at = self.view.project(anchor)
-        half = np.array([LETTER * max(map(len, lines)) / 2 + 3, HALF_LINE * len(lines) + 2])
-        middle = self._free(at, half)
-        self.taken.append((*(middle - half), *(middle + half)))
-        x, top = middle[0], middle[1] - half[1] + 14
+        wanted = sized(self.view.project(anchor), lines, self.size, bold=True)
+        middle = self.placer.place(wanted)
+        if middle is None:
+            return ""
+        x, y = place(middle[0]), place(middle[1])
         name, *rest = (text(line) for line in lines)
         below = "".join(
-            f'<tspan class="value" x="{place(x)}" dy="1.22em">{line}</tspan>' for line in rest
+            f'<tspan class="value" x="{x}" dy="{LINE}em">{line}</tspan>' for line in rest
         )
-        rows = f'<tspan x="{place(x)}" y="{place(top)}">{name}</tspan>{below}'
-        leader = self._leader(at, middle, half)
+        first = f"{BASELINE - LINE * len(rest) / 2:.3f}em"
+        rows = f'<tspan x="{x}" y="{y}" dy="{first}">{name}</tspan>{below}'
         return (
-            f'<g class="name {module.role}" data-symbol="{module.place}">{leader}'
+            f'<g class="name {module.role}" data-symbol="{module.place}">{leader(wanted, middle)}'
             f"<text>{rows}</text></g>"
         )
-
-    def _free(self, at: Array, half: Array) -> Array:
-        best, least = at, float("inf")
-        for number, radius in enumerate(RADII):
-            for step in range(DIRECTIONS):
-                angle = 2 * np.pi * (step + 0.5) / DIRECTIONS
-                way = np.array([np.cos(angle), np.sin(angle)])
-                middle = at + way * (radius + np.abs(way) @ half - half.min() * 0.3)
-                cost = self._cost(middle, half) + 3.0 * number
-                if cost < least:
-                    best, least = middle, cost
-        return best
-
-    def _cost(self, middle: Array, half: Array) -> float:
-        """How much a name would cover, and how much of it would be outside of the picture."""
-        low, high = middle - half, middle + half
-        inside = ((self.drawn > low - 5) & (self.drawn < high + 5)).all(axis=1).sum()
-        size = np.array([self.view.width, self.view.height])
-        outside = np.maximum(-low, 0).sum() + np.maximum(high - size, 0).sum()
-        overlap = sum(
-            max(0.0, min(high[0], box[2]) - max(low[0], box[0]))
-            * max(0.0, min(high[1], box[3]) - max(low[1], box[1]))
-            for box in self.taken
-        )
-        return float(8.0 * inside + 10.0 * outside + overlap)
-
-    def _leader(self, at: Array, middle: Array, half: Array) -> str:
-        """A line from the name to what it names."""
-        end = np.clip(at, middle - half, middle + half)
-        if float(np.hypot(*(end - at))) < 12:
-            return ""
-        return f'<path class="leader" d="{line_path(np.stack([at, end]))}"/>'

@@ -119,7 +119,7 @@ def _motion_figure(drawn: _DrawnMotion, workspace: ir.Workspace, task: ir.Task) 
         + f'<path class="trace" d="{line_path(line)}"/>{symbol("begin", "disc", *line[0])}'
         + f'<g class="robot">{pose_marks(robot, poses[-1], view)}</g>'
         + (last if drawn.stuck is None else symbol("stuck", "cross", *line[-1]))
-        + shape_names(shapes, view)
+        + shape_names(shapes, view, np.concatenate([line, view.project(way)]))
     )
     left, below = AXES_ROOM
     along = ", seen along z" if dimension == 3 else ""

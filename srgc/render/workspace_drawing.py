@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import floor, log10
 from typing import Literal
@@ -17,10 +17,10 @@ from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang.ir import Workspace
 from srgc.render.axes import Plot, Scale, axes, labelled, titles
 from srgc.render.html_text import name_in_picture, number, text
+from srgc.render.label_placement import Label, LabelPlacer, leader_ends, sized
 from srgc.render.svg import View, closed_path, line_path, place
+from srgc.render.text_size import BASELINE
 
-LETTER = 7.2
-"""Width of a letter of names, all in all."""
 ShapeKind = Literal["bounds", "cell", "region", "obstacle", "target"]
 
 
@@ -161,21 +161,85 @@ def _shape_mark(group: Sequence[WorkspaceShape], view: View, here: Container[str
     return f'<g class="shape {kind}">{title}{face}{edges}</g>'
 
 
-def shape_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
-    """The names of regions, above all else: in the region where it has room, else above it."""
-    found = []
-    for index, shape in enumerate(shapes):
-        if not shape.label:
-            continue
-        corners = view.project(shape.corners)
-        low, high = corners.min(axis=0), corners.max(axis=0)
-        name = name_in_picture(shape.label)
-        fits = high[0] - low[0] > LETTER * len(name) + 8 and high[1] - low[1] > 22
-        x, y = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2 + 5 if fits else low[1] - 5
-        found.append(
-            f'<text data-shape="{index}" x="{place(x)}" y="{place(y)}">{text(name)}</text>'
-        )
-    return f'<g class="names">{"".join(found)}</g>'
+NAME_SIZE, NARROW_SIZE = 13.0, 24.0
+"""Of the names of regions, in units of the picture; the second where a page shows it small."""
+
+
+def shape_names(
+    shapes: Sequence[WorkspaceShape],
+    view: View,
+    drawn: Array | None = None,
+    *,
+    taken: Array | None = None,
+    size: float = NAME_SIZE,
+    kind: str = "names",
+) -> str:
+    """The names of regions, above all else: in the region where it has room, else beside it.
+
+    Args:
+        shapes: the sets; those without a label have no name.
+        view: how they are seen.
+        drawn: points (m, 2) of the picture that names should not cover.
+        taken: rectangles (m, 4) of the picture that names keep off.
+        size: that of the font.
+        kind: the classes of the group; scripts move its names by their ``data-half``.
+    """
+    placer = LabelPlacer((view.width, view.height), drawn)
+    if taken is not None:
+        placer.take(taken)
+    wanted = {
+        index: _name_of(shape, view, size) for index, shape in enumerate(shapes) if shape.label
+    }
+    # Names that have room stay in their regions, whatever the others are.
+    order = sorted(wanted, key=lambda index: (wanted[index].home is None, index))
+    places = {index: placer.place(wanted[index]) for index in order}
+    marks = "".join(
+        _name_mark(shapes[index], index, label, places[index], size)
+        for index, label in wanted.items()
+    )
+    return f'<g class="{kind}">{marks}</g>'
+
+
+def page_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
+    """The names of regions twice: for a page that is wide, and for a phone.
+
+    They keep off the lower left corner, where the scale or the triad is.
+    """
+    wide, high = (104.0, 104.0) if view.axes.shape[1] == 3 else (0.25 * view.width + 24, 40.0)
+    corner = np.array([[0.0, view.height - high, wide, view.height]])
+    return "".join(
+        shape_names(shapes, view, taken=corner, size=size, kind=f"names {kind}")
+        for kind, size in (("wide", NAME_SIZE), ("narrow", NARROW_SIZE))
+    )
+
+
+def _name_of(shape: WorkspaceShape, view: View, size: float) -> Label:
+    """The label of a set, in its middle where that has room for it."""
+    corners = view.project(shape.corners)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle = (low + high) / 2
+    label = sized(middle, [name_in_picture(shape.label)], size, bold=True)
+    across, up = high - low
+    if across > label.size[0] + 8 and up > label.size[1] + 5:
+        return replace(label, home=middle)
+    reach = min(across / 2, label.size[0] / 2), up / 2
+    return replace(label, reach=reach)
+
+
+def _name_mark(
+    shape: WorkspaceShape, index: int, label: Label, middle: Array | None, size: float
+) -> str:
+    """A name, with a line to what it names where that is far; hidden where no place is free."""
+    half = f"{label.size[0] / 2:.1f} {label.size[1] / 2:.1f}"
+    x, y = label.at if middle is None else middle
+    ends = None if middle is None else leader_ends(label, middle)
+    line = "" if ends is None else line_path(ends)
+    hidden = ' visibility="hidden"' if middle is None else ""
+    return (
+        f'<path class="leader" d="{line}"/><text data-shape="{index}" data-half="{half}" '
+        f'x="{place(x)}" y="{place(y + BASELINE * size)}"{hidden}>'
+        f"{text(name_in_picture(shape.label))}</text>"
+    )
 
 
 def box_corners(box: Array) -> Array:

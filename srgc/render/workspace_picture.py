@@ -5,16 +5,16 @@ Source: Section 3, W = (P, H, N), and the figures of the case study.  Space is s
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from compiler.arrays import Array
-from compiler.views.workspace_view import cell_label
 from compiler.workspaces.abstraction import Abstraction, Cell
 from grammar_lang.ir import Workspace
-from srgc.render.html_text import name_in_picture, text
-from srgc.render.svg import SAMPLE, SHAPES, View, document, fitted, line_path, moved, place
+from srgc.render.cell_names import CellNames
+from srgc.render.html_text import many
+from srgc.render.svg import PADDING, SAMPLE, SHAPES, View, document, fitted, line_path, moved, place
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
     KIND_SAMPLES,
@@ -26,14 +26,14 @@ from srgc.render.workspace_drawing import (
     workspace_shapes,
 )
 
-NARROWEST, WIDEST, PER_CELL = 560.0, 1200.0, 40.0
+NARROWEST, WIDEST, PER_CELL = 560.0, 1180.0, 60.0
 """The width of the picture: the last times the root of the number of cells, within the others."""
-LARGEST, SMALLEST = 12.0, 4.5
-"""Sizes of a name in units of the picture; where it would have to be smaller, it is left out."""
-LETTER, LINE = 0.68, 1.35
-"""Width of a letter and height of a line, in multiples of the size of the font."""
-MOST_NAMES = 60
-"""Of regions in space."""
+TALLEST = 1.3
+"""The height of the picture at most, in multiples of that width."""
+MOST_LINKED = 100
+"""Of more cells adjacency is not drawn: cells that touch are adjacent, and lines hide names."""
+IN_SPACE = 11.0
+"""The size of names in space."""
 
 
 def workspace_svg(
@@ -58,17 +58,20 @@ def workspace_svg(
     bounds = workspace_shapes(workspace, ())[:1]
     width = float(np.clip(PER_CELL * len(cells) ** 0.5, NARROWEST, WIDEST))
     view = fitted([bounds[0].corners, *(each.corners for each in shapes)], turning=False)
-    view = view.scaled(width)
+    view = _filled(view, np.concatenate([each.corners for each in (*bounds, *shapes)]), width)
     lines = [(number, cell_path(abstraction, path)) for number, path in enumerate(paths) if path]
     marks = shape_marks([*shapes, *bounds], view)
-    ends = {path[k] for path in paths if path for k in (0, -1)}
+    names = CellNames(cells, view, [view.project(line) for _, line in lines])
     if plane:
-        marks = plane_axes(view) + marks + _adjacency(abstraction, view)
-        marks += _names(cells, view, ends)
+        links = _adjacency(abstraction, view) if len(cells) <= MOST_LINKED else ""
+        written, unnamed = names.in_plane({cell for path in paths for cell in path})
+        marks = plane_axes(view) + marks + links
     else:
-        marks += triad(view) + _names_in_space(cells, view, ends)
+        written, unnamed = names.in_space(IN_SPACE)
+        marks += triad(view)
     for number, line in lines:
         marks += _path_marks(view.project(line), number, len(paths))
+    marks += written
     left, below = AXES_ROOM if plane else (0.0, 0.0)
     present = {cell.kind for cell in cells}
     legend: list[tuple[str, str]] = [
@@ -85,9 +88,16 @@ def workspace_svg(
         moved(left, 0, marks),
         (left + view.width, view.height + below),
         "scene" if plane else "scene space",
-        workspace.name if title is None else title,
+        f"{workspace.name if title is None else title}{_said(unnamed)}",
         legend,
     )
+
+
+def _filled(view: View, points: Array, width: float) -> View:
+    """The view so wide that points (m, d) fill it; narrower where it would be too tall."""
+    size = np.ptp(view.project(points), axis=0) + 2 * PADDING
+    factor = min(width / size[0], TALLEST * width / size[1])
+    return View(view.axes, view.centre, view.scale * factor, *(float(s * factor) for s in size))
 
 
 def _ordered(cells: Sequence[Cell]) -> list[Cell]:
@@ -109,61 +119,11 @@ def _adjacency(abstraction: Abstraction, view: View) -> str:
     return f'<path class="link" d="{data}"/>'
 
 
-def _names(cells: Sequence[Cell], view: View, ends: Container[int]) -> str:
-    """The names that fit, beside the mark where a path ends."""
-    found = []
-    for number, cell in enumerate(cells):
-        says = cell_label(cell)
-        size, upright = _room(cell, says, view.scale)
-        if size < SMALLEST:
-            says = cell.name
-            size, upright = _room(cell, says, view.scale)
-        if size < SMALLEST:
-            continue
-        x, y = view.project(np.array(cell.polytope.centre, dtype=float))
-        size = min(size, LARGEST)
-        turned = ' transform="rotate(-90)"' if upright else ""
-        if number in ends:
-            x, y, turned = x - 8, y - 8, ' class="aside"'
-        lines = says.split("\n")
-        middle = (len(lines) - 1) / 2
-        rows = "".join(
-            f'<tspan x="0" y="{place(LINE * size * (k - middle))}">{text(line)}</tspan>'
-            for k, line in enumerate(lines)
-        )
-        found.append(moved(x, y, f'<text font-size="{size:.1f}"{turned}>{rows}</text>'))
-    return f'<g class="fitted">{"".join(found)}</g>'
-
-
-def _room(cell: Cell, says: str, scale: float) -> tuple[float, bool]:
-    """The size at which a text fits into a cell about its middle, and whether upright."""
-    lines = says.split("\n")
-    across = LETTER * max(map(len, lines)) / 2
-    high = LINE * len(lines) / 2
-    slack = cell.polytope.b - cell.polytope.A @ np.array(cell.polytope.centre, dtype=float)
-    normals = np.abs(cell.polytope.A)
-    flat, upright = (
-        float((slack / (normals @ np.array(half))).min()) * scale
-        for half in ((across, high), (high, across))
-    )
-    return (flat, False) if flat >= min(upright, LARGEST) else (upright, True)
-
-
-def _names_in_space(cells: Sequence[Cell], view: View, ends: Container[int]) -> str:
-    """The names of the cells of regions, unless there are many."""
-    named = [number for number, cell in enumerate(cells) if cell.kind != "free"]
-    if len(named) > MOST_NAMES:
+def _said(unnamed: int) -> str:
+    """A line on cells that have no name here."""
+    if not unnamed:
         return ""
-    found = []
-    for number in named:
-        x, y = view.project(np.array(cells[number].polytope.centre, dtype=float))
-        if number in ends:
-            x, y, aside = x - 8, y - 8, ' class="aside"'
-        else:
-            aside = ""
-        name = text(name_in_picture(cells[number].name))
-        found.append(moved(x, y, f'<text font-size="11"{aside}>{name}</text>'))
-    return f'<g class="fitted">{"".join(found)}</g>'
+    return f"\n{many(unnamed, 'cell')} too small for a name: point at a cell to read its name"
 
 
 def _series(number: int) -> str:

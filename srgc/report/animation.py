@@ -8,48 +8,62 @@ from math import degrees, floor, log10
 import numpy as np
 
 from compiler.arrays import Array
+from compiler.robots.robot import RobotDof
 from srgc.render.html_text import json_script, number, text, with_unit
 from srgc.render.robot_drawing import DrawnRobot, pose_marks
 from srgc.render.svg import NAMED, View, line_path
 from srgc.render.workspace_drawing import (
+    KIND_SAMPLES,
     boxes_path,
+    page_names,
     scale_bar,
     shape_marks,
-    shape_names,
     shape_path,
     triad,
 )
 from srgc.report.evidence import Evidence
 from srgc.report.motion_data import scene_data
 from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes, motion_scene
-from srgc.results.found_design import FoundDesign
 
 POSES = 6
 WIDEST_BOX = 15.0
 """Up to what half width on the picture the box of an instant is magnified."""
 MOST_MAGNIFIED = 1e15
 """Narrower boxes are not drawn larger."""
+KIND_WORDS = {"obstacle": "obstacle", "target": "target", "region": "other region"}
+TUBE_SAMPLE = '<path class="tube" d="M2 1h10v7h10v3h-10v-3h-10Z"/>'
+"""Of the boxes of a tube what a legend shows."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0)
 LONGEST_SHOW, SHORTEST_SHOW = 8.0, 1.0
 """Seconds that a motion is shown at most and at least, at the speed that is chosen first."""
 LINE_POINTS = 160
+NEAREST = (
+    "Of all motions that were tried this one came nearest to the task. It does not do it, and "
+    "nothing of it is proved."
+)
 
 
 def motion_section(evidence: Evidence) -> str:
-    """The section of the page; the workspace alone where the result has no robot."""
+    """The section of the page; the workspace alone where there is neither robot nor motion."""
     scene = motion_scene(evidence)
-    if scene.motion is None or evidence.found is None:
+    motion, found, nearest = scene.motion, evidence.found, evidence.nearest
+    if motion is None:
         return _workspace_alone(evidence, scene)
-    motion = scene.motion
     factor = magnified(motion.tube, scene.view)
     data = {**scene_data(scene), "factor": factor}
-    caption = (
-        f"{robot_caption(scene)} {tube_caption(motion.tube, factor, repeats=evidence.task.repeat)}"
-    )
+    if found is not None:
+        title, word, model = "Motion", found.derivation.word, found.model
+        tube = tube_caption(motion.tube, factor, repeats=evidence.task.repeat)
+        caption = f"{robot_caption(scene)} {tube}"
+    elif nearest is not None:
+        title, word, model = "The nearest motion, which fails", nearest.word, nearest.model
+        caption = f"{NEAREST} {robot_caption(scene)}"
+    else:
+        raise ValueError("a motion of no robot")
     return (
-        '<section id="motion"><h2>Motion</h2>'
+        f'<section id="motion"><h2>{title}</h2>'
         f"<figure>{motion_picture(scene, motion, factor)}{controls([scene])}"
-        f"{readings(evidence.found, motion)}"
+        f"{readings(word, model.dofs, motion)}{legend(scene)}"
         f"<figcaption>{caption}</figcaption></figure>"
         f"{poses(scene, motion)}{json_script('motion-data', data)}</section>"
     )
@@ -57,7 +71,7 @@ def motion_section(evidence: Evidence) -> str:
 
 def _workspace_alone(evidence: Evidence, scene: MotionScene) -> str:
     shapes = shape_marks(scene.shapes, scene.view)
-    shapes += shape_names(scene.shapes, scene.view) + measure(scene)
+    shapes += page_names(scene.shapes, scene.view) + measure(scene)
     return (
         '<section id="motion"><h2>Workspace</h2><figure>'
         f"{scene_picture(scene.view, f'Workspace {evidence.workspace.name}', shapes)}"
@@ -96,7 +110,7 @@ def motion_picture(scene: MotionScene, motion: RobotMotion, factor: float) -> st
     if motion.tube is not None:
         boxes = _instant_boxes(motion.tips[0], motion.tube.half_widths[0], factor)
         parts.append(f'<path class="instant" d="{boxes_path(list(boxes), view)}"/>')
-    parts.append(shape_names(scene.shapes, view))
+    parts.append(page_names(scene.shapes, view))
     parts.append(measure(scene))
     return scene_picture(
         view, "The robot in its workspace at the time that the slider gives", "".join(parts)
@@ -182,19 +196,18 @@ def show_speeds(total: float) -> list[float]:
     return found
 
 
-def readings(found: FoundDesign, motion: RobotMotion) -> str:
+def readings(word: Sequence[str], dofs: Sequence[RobotDof], motion: RobotMotion) -> str:
     """Time, cells and coordinates, which the script keeps up to date."""
     last = with_unit(motion.steps * motion.step, "s")
     rows = [("t", '<dd class="time">0 s</dd>')]
     sample = f'<dd><span class="sample">0</span> of {motion.steps}, to {last}</dd>'
     rows.append(("sample", sample))
     several = len(motion.visits) > 1
-    for index, visits in enumerate(motion.visits):
+    for index, visits in enumerate(motion.visits if any(motion.visits) else ()):
         which = f" of effector {index + 1}" if several else ""
         first = text(visits[0].cell) if visits else ""
         rows.append((f"cell{which}", f'<dd class="cell">{first}</dd>'))
-    word = found.derivation.word
-    for index, dof in enumerate(found.model.dofs):
+    for index, dof in enumerate(dofs):
         names = ", ".join(f"{text(word[place])} {place}" for place in dof.symbols)
         value = _coordinate(float(motion.q[0, index]), turning=dof.kind == "revolute")
         rows.append((f"q{index + 1} <small>{names}</small>", f'<dd class="q">{value}</dd>'))
@@ -204,6 +217,22 @@ def readings(found: FoundDesign, motion: RobotMotion) -> str:
 
 def _coordinate(value: float, *, turning: bool) -> str:
     return f"{degrees(value):.1f}°" if turning else f"{number(value)} m"
+
+
+def legend(scene: MotionScene) -> str:
+    """What the marks of the picture stand for, with samples of them."""
+    kinds = {shape.kind for shape in scene.shapes}
+    entries = [(KIND_SAMPLES[kind], says) for kind, says in KIND_WORDS.items() if kind in kinds]
+    motion = scene.motion
+    if motion is not None and motion.tube is not None:
+        entries.append((TUBE_SAMPLE, "proved tube: the effector is in these boxes"))
+    if motion is not None:
+        entries.append(('<path class="trace" d="M1 6h22"/>', "way of the effector so far"))
+    items = "".join(
+        f'<li><svg class="scene" viewBox="0 0 24 12" aria-hidden="true">{sample}</svg>{says}</li>'
+        for sample, says in entries
+    )
+    return f'<ul class="legend">{items}</ul>'
 
 
 def robot_caption(scene: MotionScene) -> str:
@@ -224,6 +253,10 @@ def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str
     sides = 2 * tube.half_widths
     every = "every round of every motion" if repeats else "every disturbed motion"
     holds = every if tube.disturbed else "the motion"
+    apart = (
+        " Their corners may reach into an obstacle where the motion itself does not: no collision "
+        "is drawn, and what is proved of distances stands under Margins."
+    )
     words = (
         f"Boxes: the certified tube; each box holds the effector throughout one of "
         f"{len(tube.boxes)} intervals of time, so it is as long as the way that is made in it"
@@ -236,8 +269,9 @@ def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str
     )
     if factor > 1:
         shown = f"{factor:,.0f}".replace(",", "\u202f")
-        return f"{words}; the box about the effector is drawn {shown} times as wide as it is."
-    return f"{words}; that is the box about the effector."
+        drawn = f"the box about the effector is drawn {shown} times as wide as it is"
+        return f"{words}; {drawn}.{apart}"
+    return f"{words}; that is the box about the effector.{apart}"
 
 
 def _length(metres: float) -> str:

@@ -23,6 +23,7 @@ from solvers.verifier.report import Outcome, Report
 from solvers.verifier.verification import verify_directory
 from srgc.faults import UsageFault
 from srgc.report.front_motions import FrontMotion, front_motions
+from srgc.report.nearest_robot import NearestRobot, nearest_robot
 from srgc.report.tables import Evaluation, Trajectory, evaluations, planned_trajectory
 from srgc.results.found_design import FoundDesign, FoundRecord, found_design, found_record
 from srgc.results.result_folder import json_object
@@ -62,6 +63,7 @@ class Evidence:
             too, and ``found.task`` but for the number of steps, which is that of the motion.
         record: how the design was found; None together with ``found``.
         trajectory: its sampled motion, by the certificate; None together with ``found``.
+        nearest: after ``unknown`` the motion that came nearest to a design, where it is kept.
         tube: the enclosure of its motion; None without a design, where it was not computed, or
             where that failed.
         report: what the verifier says of the folder now; None where it was not asked.
@@ -88,6 +90,7 @@ class Evidence:
     found: FoundDesign | None
     record: FoundRecord | None
     trajectory: Trajectory | None
+    nearest: NearestRobot | None
     tube: CertifiedTube | None
     report: Report | None
     conflicts: tuple[Conflict, ...]
@@ -184,6 +187,9 @@ def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Ev
         record = found_record(folder, found)
         cells = record.cells
         trajectory = planned_trajectory(found)
+    kept = None
+    if design["verdict"] == "unknown":
+        kept = nearest_robot(folder, design, posed.program, posed.task)
     pareto = json_object(folder / "pareto.json", needed=False)
     checked_designs(pareto, folder / "pareto.json")
     report = verify_directory(folder, watch=watch) if verify else None
@@ -199,6 +205,7 @@ def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Ev
         found,
         record,
         trajectory,
+        kept,
         _tube(folder, report) if found is not None else None,
         report,
         quick_conflicts(tried) if verify else (),

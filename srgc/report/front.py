@@ -13,7 +13,7 @@ from srgc.render.axes import Plot, Scale, axes, labelled, padded, titles
 from srgc.render.html_text import json_script, many, text
 from srgc.render.robot_drawing import pose_marks
 from srgc.render.svg import View, fitted, line_path
-from srgc.render.workspace_drawing import WorkspaceShape, shape_marks, shape_names, workspace_shapes
+from srgc.render.workspace_drawing import WorkspaceShape, page_names, shape_marks, workspace_shapes
 from srgc.report.animation import measure, scene_picture
 from srgc.report.compared_designs import Axis, Compared, ComparedDesigns, shown
 from srgc.report.evidence import Evidence
@@ -199,7 +199,7 @@ def _scene(
         return ""
     scene = MotionScene(evidence.workspace.dimension, shapes, None, view)
     robots = "".join(_robot(number, motion, view) for number, motion in motions.items())
-    content = shape_marks(shapes, view) + robots + shape_names(shapes, view) + measure(scene)
+    content = shape_marks(shapes, view) + robots + page_names(shapes, view) + measure(scene)
     picture = scene_picture(view, "The chosen design, moving", content, turned=False)
     return (
         f'<figure class="front-scene screen-only" hidden="">{picture}'

@@ -195,11 +195,12 @@ def evaluations_part(evidence: Evidence) -> str:
     design = (
         ", the diamond is the design, which was improved after the last evaluation"
         if evidence.found is not None
-        else "; their robustness is by how much they fail"
+        else ""
     )
     return (
         "<h3>Evaluations</h3><p>Each evaluation is the most robust motion that was found for some "
-        f"parameters. Circles can be followed, crosses cannot{design}.</p>{''.join(parts)}{rest}"
+        f"parameters. Circles can be followed, crosses cannot{design}.{_lacking(samples)}</p>"
+        f"{''.join(parts)}{rest}"
     )
 
 
@@ -278,6 +279,13 @@ def _design(evidence: Evidence) -> dict[str, float]:
     }
 
 
+def _lacking(samples: Sequence[Evaluation]) -> str:
+    """What is said of points that cannot be followed, which have a scale of their own."""
+    if all(each.feasible for each in samples):
+        return ""
+    return " What cannot be followed has a scale of its own: below 0, by how much the motion fails."
+
+
 def _named(evidence: Evidence, structure: int, name: str) -> tuple[str, str]:
     """A parameter for people, and its unit where the design has it."""
     words = [each["word"] for each in evidence.design["structures_tried"]]
@@ -305,7 +313,7 @@ def landscape_part(evidence: Evidence) -> str:
     head = (
         f"<h3>Landscape</h3><p>Robustness over {text(' and '.join(labels))}: {len(samples)} "
         f"points, {sum(each.feasible for each in samples)} that can be followed. Other parameters, "
-        "the cell path and its timing are those of the design, the diamond.</p>"
+        f"the cell path and its timing are those of the design, the diamond.{_lacking(samples)}</p>"
     )
     if not 1 <= len(names) <= 2 or len(samples) > MOST_CELLS:
         return head + "<p>The picture is <code>figures/landscape.svg</code>.</p>"
@@ -316,7 +324,7 @@ def landscape_part(evidence: Evidence) -> str:
     else:
         first, second = names
         cells = [
-            (each.theta[first], each.theta[second], each.robustness if each.feasible else None)
+            (each.theta[first], each.theta[second], each.robustness, each.feasible)
             for each in samples
         ]
         chart = plane_chart(cells, (design[first], design[second]), (labels[0], labels[1]))

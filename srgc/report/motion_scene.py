@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compiler.arrays import Array
-from srgc.render.robot_drawing import DrawnRobot, drawn_robot, motion_samples
+from compiler.robots.robot import RobotModel
+from srgc.render.robot_drawing import DrawnRobot, MotionSamples, drawn_robot, motion_samples
 from srgc.render.svg import View, fitted
 from srgc.render.workspace_drawing import WorkspaceShape, workspace_shapes
 from srgc.report.evidence import Evidence
+from srgc.report.nearest_robot import NearestRobot
 from srgc.report.tables import Trajectory
 from srgc.results.found_design import FoundDesign
 
@@ -111,6 +113,8 @@ def motion_scene(evidence: Evidence, most: int = MOST_NUMBERS) -> MotionScene:
         if evidence.tube is not None:
             tube = tube_boxes(evidence.tube, len(evidence.found.model.effectors))
         motion = robot_motion(evidence.found, evidence.trajectory, tube, most=most)
+    if evidence.verdict == "unknown":
+        motion = nearest_motion(evidence, most)
     shapes = _shapes(evidence, motion)
     return MotionScene(
         evidence.workspace.dimension, shapes, motion, fitted(seen_corners(shapes, motion))
@@ -138,16 +142,8 @@ def robot_motion(
 
     Its points have about so many coordinates at most.
     """
-    model = found.model
-    robot = drawn_robot(model, found.theta)
-    first = robot.points(trajectory.q[:1])
-    instants = int(np.clip(most // max(first.size, 1), FEWEST_INSTANTS, MOST_INSTANTS))
-    turning = np.array([dof.kind == "revolute" for dof in model.dofs], dtype=bool)
-    samples = motion_samples(
-        trajectory.t, trajectory.q, trajectory.qd, turning=turning, most=instants
-    )
+    robot, samples = _drawn(found.model, found.theta, trajectory, most)
     visits = tuple(_visits(path) for path in found.claim.path)
-    step = float(found.task.step)
     return RobotMotion(
         robot,
         samples.times,
@@ -155,9 +151,38 @@ def robot_motion(
         robot.points(samples.coordinates),
         visits,
         len(trajectory.t) - 1,
-        step,
+        float(found.task.step),
         tube,
     )
+
+
+def nearest_motion(evidence: Evidence, most: int = MOST_NUMBERS) -> RobotMotion | None:
+    """The motion that came nearest to a design, where there is none; its cells are not known."""
+    kept = evidence.nearest
+    if kept is None:
+        return None
+    robot, samples = _drawn(kept.model, kept.theta, kept, most)
+    return RobotMotion(
+        robot,
+        samples.times,
+        samples.coordinates,
+        robot.points(samples.coordinates),
+        ((),) * len(kept.model.effectors),
+        len(kept.t) - 1,
+        float(evidence.task.step),
+        None,
+    )
+
+
+def _drawn(
+    model: RobotModel, theta: Array, motion: Trajectory | NearestRobot, most: int
+) -> tuple[DrawnRobot, MotionSamples]:
+    """A robot as it is drawn, and the instants at which it is."""
+    robot = drawn_robot(model, theta)
+    first = robot.points(motion.q[:1])
+    instants = int(np.clip(most // max(first.size, 1), FEWEST_INSTANTS, MOST_INSTANTS))
+    turning = np.array([dof.kind == "revolute" for dof in model.dofs], dtype=bool)
+    return robot, motion_samples(motion.t, motion.q, motion.qd, turning=turning, most=instants)
 
 
 def _visits(path: Sequence[str]) -> tuple[CellVisit, ...]:

@@ -14,18 +14,18 @@ from srgc.results.folder_writer import NEAREST_PICTURE
 
 
 def nearest_section(evidence: Evidence) -> str:
-    """The nearest motion with its picture; nothing where there is none, or a design."""
+    """What the nearest motion lacks; with its picture where the motion itself is not shown."""
     nearest = evidence.design.get("nearest")
     if evidence.found is not None or not isinstance(nearest, dict):
         return ""
     return (
-        f'<section id="nearest"><h2>The nearest motion</h2>{_says(nearest)}'
+        f'<section id="nearest"><h2>What the nearest motion lacks</h2>{_says(nearest)}'
         f"{''.join(_picture(evidence))}</section>"
     )
 
 
 def _says(nearest: Mapping[str, Any]) -> str:
-    """What it is, what it lacks, and what to try first."""
+    """What it is and what it lacks."""
     word = nearest.get("word")
     robot = " ".join(map(str, word)) if isinstance(word, list) else ""
     cause, reason = (text(str(nearest.get(name, ""))) for name in ("cause", "reason"))
@@ -33,9 +33,6 @@ def _says(nearest: Mapping[str, Any]) -> str:
     if reason:
         parts.append(f' <span class="soft">{reason}</span>')
     parts.append(" Nothing of this motion is proved.</p>")
-    first = nearest.get("try_first")
-    if isinstance(first, str):
-        parts.append(f"<p>Try first {text(first.replace('`', ''))}.</p>")
     return "".join(parts)
 
 
@@ -48,6 +45,8 @@ def _stuck(stuck: Any) -> str:
 
 
 def _picture(evidence: Evidence) -> Iterator[str]:
+    if evidence.nearest is not None:
+        return
     with suppress(OSError):
         picture = b64encode(bounded_bytes(evidence.folder / NEAREST_PICTURE)).decode()
         yield f'<img alt="the nearest motion" src="data:image/svg+xml;base64,{picture}">'

@@ -15,26 +15,30 @@ from srgc.report.missions.mission_page import mission_page
 from srgc.report.nearest import nearest_section
 from srgc.report.objectives import objectives_section
 from srgc.report.proof import check_section, margins_section
-from srgc.report.robot_and_word import change_section, robot_section
-from srgc.report.verdict import verdict_section
+from srgc.report.robot_and_word import change_section, derivation_section, robot_section
+from srgc.report.verdict import proved_section, verdict_head
+from srgc.report.what_next import next_section
 from srgc.report.why_not import why_not_section
 from srgc.results.mission_refusal import is_mission_folder
 
 SECTIONS = (
-    robot_section,
-    objectives_section,
-    change_section,
     motion_section,
+    nearest_section,
+    next_section,
+    proved_section,
+    objectives_section,
     charts_section,
     width_section,
     gains_section,
     margins_section,
-    nearest_section,
+    robot_section,
+    change_section,
     history_section,
     why_not_section,
     check_section,
+    derivation_section,
 )
-"""After the verdict; the first one only where there is a robot."""
+"""After the head: the motion first, what it rests on later, the derivation last."""
 
 
 def report_page(folder: Path, *, verify: bool = True, watch: Watch = UNWATCHED) -> str:
@@ -55,7 +59,5 @@ def report_page(folder: Path, *, verify: bool = True, watch: Watch = UNWATCHED) 
 
 def page_of(evidence: Evidence) -> str:
     """The whole page."""
-    head = verdict_section(evidence)
-    sections = SECTIONS if evidence.found is not None else SECTIONS[1:]
-    rest = [section(evidence) for section in sections]
-    return html_page(f"{evidence.task.name}: {evidence.verdict}", head, rest)
+    rest = [section(evidence) for section in SECTIONS]
+    return html_page(f"{evidence.task.name}: {evidence.verdict}", verdict_head(evidence), rest)

@@ -39,7 +39,7 @@ def margins_section(evidence: Evidence) -> str:
         "violated. Bars are logarithmic, each unit to its own scale. "
         '<span class="screen-only">Choose a time to see the robot there.</span></p>'
         '<div class="scroll"><table class="margins"><thead><tr><th>condition</th>'
-        '<th class="figure">margin</th><th class="bar" aria-label="size"></th>'
+        '<th class="figure">margin</th><th class="bar">size</th>'
         "<th>closest at</th><th>where</th><th>known</th></tr></thead>"
         f"<tbody>{rows}</tbody></table></div></section>"
     )

@@ -19,32 +19,35 @@ from srgc.results.found_design import FoundDesign
 
 
 def robot_section(evidence: Evidence) -> str:
-    """The section of the page; where the result has no robot, it says why."""
+    """The robot of the page with its word; nothing where the result has none."""
     found = evidence.found
     if found is None:
-        return f'<section id="robot"><h2>The robot</h2><p>{_why_none(evidence)}</p></section>'
+        return ""
     grammar, modules = found.program.grammars[found.task.grammar], found.program.modules
-    roles = {name: module.role for name, module in modules.items()}
+    roles = _roles(found)
     return (
-        '<section id="robot"><h2>The robot, its word and its derivation</h2>'
+        '<section id="robot"><h2>The robot and its word</h2>'
         f"{_word(found.derivation, roles)}"
         f"<figure>{_picture(found, grammar, modules)}</figure>"
-        f'<div class="scroll">{_table(found, roles)}</div>'
-        f"<h3>Derivation</h3><p>{_leftmost(found.derivation)}</p>"
-        f'<div class="scroll">{derivation_tree(found.derivation, roles)}</div></section>'
+        f'<div class="scroll">{_table(found, roles)}</div></section>'
     )
 
 
-def _why_none(evidence: Evidence) -> str:
-    if evidence.verdict == "impossible":
-        return (
-            "There is none. The verdict says what is proved about that, and for which robots of "
-            "the family."
-        )
+def derivation_section(evidence: Evidence) -> str:
+    """How the grammar derives the word; nothing where the result has none."""
+    found = evidence.found
+    if found is None:
+        return ""
     return (
-        "None was found. That does not mean that there is none: the search ended before it "
-        "found a robot or ruled all of them out."
+        f'<section id="derivation"><h2>Derivation</h2><p>{_leftmost(found.derivation)}</p>'
+        f'<div class="scroll">{derivation_tree(found.derivation, _roles(found))}</div>'
+        "</section>"
     )
+
+
+def _roles(found: FoundDesign) -> dict[str, ir.Role]:
+    """The modules with their roles."""
+    return {name: module.role for name, module in found.program.modules.items()}
 
 
 def _word(derivation: Derivation, roles: Mapping[str, ir.Role]) -> str:
@@ -81,7 +84,7 @@ def _picture(found: FoundDesign, grammar: ir.Grammar, modules: Mapping[str, ir.M
     if absent:
         caption += f" Not drawn, as no frame passes them: {', '.join(absent)}."
     picture = robot_picture(drawing, values)
-    return f'<div class="scroll">{picture}</div><figcaption>{caption}</figcaption>'
+    return f"{picture}<figcaption>{caption}</figcaption>"
 
 
 def _parameters(found: FoundDesign) -> dict[int, list[tuple[str, str]]]:

@@ -28,19 +28,24 @@ MODEL = (
 )
 
 
-def verdict_section(evidence: Evidence) -> str:
-    """The head of the page."""
+def verdict_head(evidence: Evidence) -> str:
+    """The head of the page: the task, the verdict and the robot."""
     word, kind = judged_words(evidence.verdict, evidence.report)
-    design = evidence.design
+    return (
+        f'<header><p class="kicker">srgc report · {text(evidence.design["spec"])}</p>'
+        f"<h1>{text(evidence.task.name)}</h1>"
+        f'<p class="verdict {kind}">{text(word)}</p>{_robot_line(evidence)}</header>'
+    )
+
+
+def proved_section(evidence: Evidence) -> str:
+    """What was proved, the task in words, and the robot in figures."""
     proved = "".join(f"<p>{sentence}</p>" for sentence in _proved(evidence))
     sentences = "".join(
         f"<li>{_code(sentence)}</li>"
         for sentence in task_sentences(evidence.program, evidence.task)
     )
     return (
-        f'<header><p class="kicker">srgc report · {text(design["spec"])}</p>'
-        f"<h1>{text(evidence.task.name)}</h1>"
-        f'<p class="verdict {kind}">{text(word)}</p>{_robot_line(evidence)}</header>'
         f'<section id="verdict"><div class="columns"><div><h2>What was proved</h2>{proved}</div>'
         f"<div><h2>The task</h2><ul>{sentences}</ul></div></div>{_facts(evidence)}</section>"
     )

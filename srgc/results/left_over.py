@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from compiler.robots.normal_form import family_of
-from compiler.views.family_views import dfa_view, sra_view
+from compiler.views.family_views import dfa_view
+from compiler.views.pushdown_views import sra_view
 from compiler.views.workspace_view import Picture
 from compiler.words.acceptance import at_most
 from compiler.words.finite_automaton import intersection
@@ -60,5 +61,5 @@ def _remarks(words: Language, conditions: list[str]) -> tuple[str, ...]:
     said += f"; and {more} more" if more > 0 else ""
     if words.is_empty():
         return (f"nothing is left: all words satisfy the condition of a lemma ({said})",)
-    first = words.shortest_word() or ()
-    return (f"left by {said}: the first word is {' '.join(first)}",)
+    first = " ".join(words.shortest_word() or ()) or "the empty word"
+    return (f"left by {said}: the first word is {first}",)

@@ -24,6 +24,9 @@ from srgc.session import UsageFault
 
 MOST_TRANSITIONS = 20_000
 
+EMPTY_WORD = "(empty word)"
+"""How a list shows the word without symbols; no symbol has such a name."""
+
 READERS = {
     "finite automaton": "a finite automaton",
     "pushdown automaton": "a pushdown automaton whose states are sets of what may follow",
@@ -133,7 +136,7 @@ def _ambiguity(family: Language) -> Iterator[tuple[str, str]]:
     if not found.words:
         yield "ambiguous", "no" if found.decided else "no ambiguous word was found"
         return
-    yield "ambiguous", f"yes: {' '.join(found.words[0])}"
+    yield "ambiguous", f"yes: {' '.join(found.words[0]) or EMPTY_WORD}"
     for derivation in islice(derivations_of(family, found.words[0]), 2):
         yield "  derived by", " ".join(derivation.labels)
 
@@ -264,6 +267,17 @@ def comparison_text(
 
 
 # --- ``srgc words``: the lines of the list, of the counts, of the sample --------------------------
+
+
+def nothing_listed(family: ir.Grammar, shortest: str | None, max_length: int | None) -> str:
+    """Why a list of words has no line; ``shortest`` is the shortest word of the family, if any."""
+    if shortest is None:
+        return f"grammar `{family.name}` has no words"
+    length = len(shortest.split())
+    if max_length is not None and length > max_length:
+        least = f"{length} symbol{'' if length == 1 else 's'}"
+        return f"the shortest word of grammar `{family.name}` has {least}: `{shortest}`"
+    return "no word was asked for"
 
 
 def listed(

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from srgc.cli import run
 from tests.oracles.browsers import Opened
+from tests.oracles.nearest_folder import without_claim
 
 TAB = "\ue004"
 """The key, as the WebDriver protocol names it."""
@@ -167,6 +170,63 @@ def test_names_of_any_length_stay_on_a_phone(opened: Open) -> None:
         "document.querySelectorAll(texts).forEach((e) => { e.textContent = long; });"
     )
     assert page.run("return document.documentElement.scrollWidth;") == width
+
+
+COVERED = """
+const found = [];
+for (const svg of document.querySelectorAll('#motion > figure > .scene, #robot .modules, .chart')) {
+  const shown = Array.from(svg.querySelectorAll('text')).filter((e) => e.checkVisibility({
+    visibilityProperty: true }) && e.getBoundingClientRect().width > 0);
+  const boxes = shown.map((e) => [e.textContent, e.getBoundingClientRect()]);
+  const frame = svg.getBoundingClientRect();
+  boxes.forEach(([says, a], i) => {
+    if (a.left < frame.left - 1 || a.right > frame.right + 1) found.push([says, 'outside']);
+    boxes.slice(i + 1).forEach(([other, b]) => {
+      const w = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+      const h = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+      if (w > 1 && h > 3) found.push([says, other]); });
+    });
+}
+return found;
+"""
+"""Texts of pictures that meet, or leave them, as the browser has set them."""
+
+
+@pytest.mark.parametrize("width", [320, 768, 1280])
+@pytest.mark.parametrize("spec", ["planar_arm", "spatial"])
+def test_no_label_lies_on_another(opened: Open, spec: str, width: int) -> None:
+    page = opened(spec)
+    page.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=width, height=740, deviceScaleFactor=1, mobile=width < 500,
+    )  # fmt: skip
+    assert page.run(COVERED) == []
+    if spec == "spatial":
+        for button in page.all("#motion [data-view]"):
+            page.run("arguments[0].click();", button)
+            assert page.run(COVERED) == []
+
+
+@pytest.mark.parametrize("width", [320, 1280])
+def test_the_page_of_an_unknown_task_is_as_wide_as_the_screen(
+    opened: Open, made: Callable[[str], Path], tmp_path: Path, width: int
+) -> None:
+    page = opened("turner")
+    folder = without_claim(made("turner") / "out", tmp_path / "out")
+    assert run(["report", str(folder), "-q"]) == 0
+    page.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=width, height=740, deviceScaleFactor=1, mobile=width < 500,
+    )  # fmt: skip
+    page.driver.get((folder / "report.html").as_uri())
+    assert page.run("return document.documentElement.scrollWidth;") <= width
+    before = page.on_screen(page.one("#motion .robot .effector"))
+    page.run(
+        "const e = arguments[0]; e.value = e.max; e.dispatchEvent(new Event('input'));",
+        page.one("#motion input[type=range]"),
+    )
+    assert page.on_screen(page.one("#motion .robot .effector")) != before
+    assert page.complaints() == []
 
 
 def test_without_scripts_there_are_poses_and_nothing_that_does_nothing(opened: Open) -> None:

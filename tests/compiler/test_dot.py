@@ -16,7 +16,8 @@ import pydot
 import pytest
 
 from compiler.views.dot import to_dot
-from compiler.views.family_views import family_dfa_view, grammar_view, sra_view
+from compiler.views.family_views import family_dfa_view, grammar_view
+from compiler.views.pushdown_views import sra_view
 from compiler.views.words_view import words_view
 from compiler.views.workspace_view import Arrow, Edge, Node, Picture
 from compiler.words.language import Language, language

@@ -12,7 +12,7 @@ import pytest
 from compiler.robots.attributes import SemanticsError, evaluate
 from compiler.robots.robot import RobotModel
 from compiler.views.dot import to_dot
-from compiler.views.family_views import functional_view, sra_view
+from compiler.views.pushdown_views import functional_view, sra_view
 from compiler.views.workspace_view import HighlightError
 from compiler.words.derivation import Derivation, replay
 from compiler.words.functional_automaton import Fra, fra, functional_run, production_labels
@@ -174,16 +174,20 @@ def test_the_picture_is_that_of_the_sra_with_updates() -> None:
     assert [(e.tail, e.head, e.highlighted) for e in picture.edges] == [
         (e.tail, e.head, e.highlighted) for e in plain.edges
     ]
-    lines = [line for edge in picture.edges for line in edge.lines]
+    lines = picture.caption
     at = lines.index("longer: ε, Arm → JO eps L eps Arm")
-    assert lines[at + 1 : at + 4] == [
+    assert [*lines[at + 1 : at + 4]] == [
         "↳ this.turned = this.at * rot(z, JO.q)",
         "↳ Arm.at = this.turned * move(x, L.length)",
         "↳ rod(frame: this.turned, axis: x, length: L.length, density: L.density)",
     ]
-    moves = [line for edge in plain.edges for line in edge.lines]
-    without = [line.split(": ", 1)[-1] for line in lines if not line.startswith("↳")]
-    assert [line.replace("left:", "").replace("right:", "") for line in without] == moves
+    # every production once, in the order of the grammar, and on each edge by name
+    named = [line.split(":")[0] for line in lines if not line.startswith(("↳", "left out"))]
+    assert named == [production.label for production in grammar.productions]
+    for edge in picture.edges:
+        labels = [move.label for move in edge.data["moves"] if move.label is not None]
+        said = " ".join(edge.lines).removeprefix("apply ")
+        assert all(label in said for label in labels)
     assert "beam: ε, Robot → B eps W eps T [ left:Arm ] [ right:Arm ]" in lines
     assert "↳ left.at = this.turned * move(y, T.reach) * rot(z, 90 deg)" in lines
     assert to_dot(picture).startswith('digraph "fra"')
@@ -201,13 +205,13 @@ def test_updates_are_shown_as_they_are_written() -> None:
     program = load_text(text, "g.srg").program
     assert program is not None
     (grammar,) = program.grammars.values()
-    shown = [line for e in functional_view(program, grammar).edges for line in e.lines]
+    shown = functional_view(program, grammar).caption
     at = shown.index("side: ε, A → L")
     assert shown[at + 1] == "↳ this.tip = this.at * move( y, (50 cm + 150 cm) * L.length / (1 m) )"
     assert "put: ε, A → first:A up second:A" in shown
     assert "nothing: ε, E → ε" in shown
     bare = replace(program, sources=())
-    shown = [line for e in functional_view(bare, grammar).edges for line in e.lines]
+    shown = functional_view(bare, grammar).caption
     assert shown[at] == "side: ε, A → L"
     assert shown[at + 1] == "↳ this.tip = this.at * move(y, 2 * L.length / 1)"
 

@@ -2,11 +2,13 @@ from __future__ import annotations
 
 from itertools import islice, pairwise, product
 
+import networkx as nx
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.views.family_views import dfa_view, family_dfa_view, grammar_view, sra_view
+from compiler.views.family_views import dfa_view, family_dfa_view, grammar_view
+from compiler.views.pushdown_views import sra_view
 from compiler.views.words_view import added, near_run, words_view
 from compiler.views.workspace_view import HighlightError, Picture
 from compiler.words.language import Language, language
@@ -147,9 +149,37 @@ def test_the_sra(lang: Language) -> None:
     found = edges(picture)
     assert ("", "q0", "N $") in found
     assert ("q5", "f", "ε, $ → ε") in found
-    assert any("ε, N → N eps JO" in label for _, _, label in found)
+    assert any("ε, N → B | N eps JO | N eps L" in label for _, _, label in found)
     assert double(picture) == {"f"}
     assert len({edge[:2] for edge in found}) == len(found)
+
+
+def test_the_sra_leaves_out_states_without_a_way_to_the_final_one(lang: Language) -> None:
+    """A search forwards from every state, with the transitions as they are, is the oracle."""
+    pda = sra(lang.srg, lang.accept)
+    graph = nx.DiGraph((move.state, move.target) for move in pda.transitions)
+    live = {state for state in graph if nx.has_path(graph, state, pda.final)}
+    picture = sra_view(pda)
+    assert {node.data["state"] for node in picture.nodes} == live
+    gone = [name for state, name in enumerate(pda.states) if state not in live]
+    assert gone
+    assert picture.caption == (f"left out: {', '.join(gone)}; no word is accepted from there",)
+    moves = [move for edge in picture.edges for move in edge.data["moves"]]
+    assert sorted(map(repr, moves)) == sorted(
+        repr(move) for move in pda.transitions if {move.state, move.target} <= live
+    )
+
+
+def test_many_productions_are_one_label_of_short_lines() -> None:
+    """Twelve productions: what is written gives each right side back, in short lines."""
+    rights = [f"{'N ' if k else ''}{'abc'[k % 3]} {' '.join('cab'[: k % 4])}" for k in range(12)]
+    lang = language(grammar(f"N -> {' | '.join(rights)}", ALPHABET), ALPHABET, frozenset("abc"))
+    loops = [e for e in sra_view(sra(lang.srg, lang.accept)).edges if e.tail == e.head]
+    (loop,) = loops
+    assert all(len(line) <= 34 for line in loop.lines)
+    said = " ".join(line.strip() for line in loop.lines).removesuffix(" x, x → ε for x = a, b, c")
+    found = said.removeprefix("ε, N → ").split(" | ")
+    assert [right.split() for right in found] == [right.split() for right in rights]
 
 
 def test_the_red_run_of_the_sra_reads_the_word(lang: Language) -> None:
@@ -238,7 +268,7 @@ VIEWS = {
         ("B eps X", "`X` is not a symbol"),
         ("B eps L eps EN", "`B eps L eps EN` is not accepted"),
         ("EN", "`EN` is not accepted"),
-        ("", "`` is not accepted"),
+        ("", "the empty word is not accepted"),
     ],
 )
 def test_words_without_a_run(lang: Language, view: str, word: str, message: str) -> None:

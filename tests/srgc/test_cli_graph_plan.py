@@ -93,7 +93,7 @@ def test_a_word_without_a_run_is_one_message(srgc, arm_file, what):
     for word, message in [
         ("B eps X eps EN", "error: `X` is not a symbol of the words\n"),
         ("B eps L eps EN", "error: the word `B eps L eps EN` is not accepted\n"),
-        ("", "error: the word `` is not accepted\n"),
+        ("", "error: the empty word is not accepted\n"),
     ]:
         ran = srgc("graph", arm_file, "--of", what, "--highlight", word)
         assert (ran.status, ran.out, ran.err) == (2, "", message)

@@ -129,7 +129,7 @@ def test_modules_with_dynamics_of_their_own(srgc, arm_file):
     [
         (["--word", "B eps X"], "error: `X` is not a symbol of the words\n"),
         (["--word", "B eps L eps EN"], "error: the word `B eps L eps EN` is not accepted\n"),
-        (["--word", ""], "error: the word `` is not accepted\n"),
+        (["--word", ""], "error: the empty word is not accepted\n"),
         (["--word", TWO, "--derivation", "2"],
          "error: the word has 1 derivation: there is no --derivation 2\n"),
         (["--word", TWO, "--grammar", "Nope"],

@@ -5,6 +5,9 @@ from itertools import pairwise, product
 
 import pytest
 
+from srgc.text_reports.language_report import nothing_listed
+from tests.oracles.grammars import arm
+
 SYMBOLS = ["JO", "L", "EN"]
 
 
@@ -135,3 +138,38 @@ def test_a_long_word_is_traced(srgc, arm_file):
     assert ran.status == 0
     assert "more" in ran.out
     assert len(ran.out) < 120 * 3 * len(word)
+
+
+EMPTY = """
+module B {{ role base; }}
+edge eps;
+grammar Maybe {{ start N; bare: N -> {right}; more: N -> N eps B; accept {accept}; }}
+"""
+
+
+@pytest.mark.parametrize("sample", [(), ("--sample", "1", "--length", "0")])
+def test_the_word_without_symbols_is_no_blank_line(srgc, spec, sample):
+    path = spec(EMPTY.format(right="empty", accept="length <= 2 or length >= 0"))
+    ran = srgc("words", path, *sample, *(() if sample else ("--limit", "2")))
+    expected = ["(empty word)"] if sample else ["(empty word)", "eps B"]
+    assert (ran.status, ran.out.splitlines()) == (0, expected)
+    assert "(empty word)" not in srgc("words", path, "--count", "--max-length", "3").out
+
+
+@pytest.mark.parametrize(
+    ("accept", "options", "said"),
+    [
+        ("contains eps", ("--max-length", "2"),
+         "the shortest word of grammar `Maybe` has 3 symbols: `B eps B`"),
+        ("contains eps", ("--limit", "0"), "no word was asked for"),
+    ],
+)  # fmt: skip
+def test_no_list_is_empty_without_a_reason(srgc, spec, accept, options, said):
+    ran = srgc("words", spec(EMPTY.format(right="B", accept=accept)), *options)
+    assert (ran.status, ran.out) == (0, "")
+    assert ran.err == f"note: {said}\n"
+
+
+def test_a_family_without_words_has_a_reason_too():
+    """`srgc check` refuses it; where it cannot decide that, the list says so."""
+    assert nothing_listed(arm(), None, None) == "grammar `PlanarArm` has no words"

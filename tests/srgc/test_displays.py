@@ -105,11 +105,14 @@ def test_an_automaton_without_graphviz(odd, monkeypatch):
     graph = srgc.graph(odd, "sra", highlight=ODD_WORD)
     shown = read(graph)
     assert sum(tag == "tr" for tag, _ in shown.tags) == len(graph.picture.edges) + 1
-    assert "N → N <b>& JO" in shown.text
+    assert "N <b>& JO" in shown.text
     marked = [attributes for _, attributes in shown.tags if attributes.get("class") == "bad"]
     assert len(marked) == 3 * sum(edge.highlighted for edge in graph.picture.edges) > 0
     assert "◎" in shown.text
-    assert len(str(graph).splitlines()) == len(graph.picture.edges) + 1
+    (said,) = graph.picture.caption
+    assert said in shown.text
+    assert str(graph).splitlines()[-1] == said
+    assert len(str(graph).splitlines()) == len(graph.picture.edges) + 2
 
 
 def test_an_automaton_by_graphviz(odd, monkeypatch):

@@ -55,8 +55,9 @@ def test_it_is_drawn_in_the_folder_and_in_the_report(folder: Path) -> None:
     assert "the nearest motion, not proved" in (folder / "figures" / "nearest.svg").read_text()
     assert run(["report", str(folder)]) == 0
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "The nearest motion" in page
-    assert "data:image/svg+xml;base64," in page
+    assert "The nearest motion, which fails" in page
+    assert '"motion":' in page.partition('id="motion-data">')[2].partition("</script>")[0]
+    assert "data:image/svg+xml;base64," not in page  # it moves
 
 
 def test_it_is_there_when_time_runs_out_while_a_path_is_tried(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ const srgcScene = function (data, picture, holder) {
 
   function drawShapes() {
     if (d !== 3) return;
-    const labels = new Map(all(".names text").map((label) => [Number(label.dataset.shape), label]));
+    const outlines = new Map();
     all(".shape").forEach((mark, index) => {
       const shape = data.shapes[index], corners = [];
       for (let i = 0; i < shape.corners.length; i += 3) corners.push(seen(shape.corners, i));
@@ -45,21 +45,40 @@ const srgcScene = function (data, picture, holder) {
         edges += line([corners[shape.edges[i]], corners[shape.edges[i + 1]]]);
       }
       mark.querySelector(".edges").setAttribute("d", edges);
-      const label = labels.get(index);
-      if (!label) return;
-      const xs = corners.map((c) => c[0]), ys = corners.map((c) => c[1]);
-      const left = Math.min(...xs), right = Math.max(...xs);
-      const top = Math.min(...ys), bottom = Math.max(...ys);
-      const fits = right - left > 7.2 * label.textContent.length + 8 && bottom - top > 22;
-      label.setAttribute("x", ((left + right) / 2).toFixed(1));
-      label.setAttribute("y", (fits ? (top + bottom) / 2 + 5 : top - 5).toFixed(1));
+      outlines.set(index, corners);
     });
+    all(".names").forEach((group) => drawNames(group, outlines));
     all(".triad path").forEach((mark, i) => {
       mark.setAttribute("d", "M0 0L" + text([34 * axes[0][i], -34 * axes[1][i]]));
     });
     all(".triad text").forEach((mark, i) => {
       mark.setAttribute("x", (44 * axes[0][i]).toFixed(1));
       mark.setAttribute("y", (-44 * axes[1][i]).toFixed(1));
+    });
+  }
+
+  // The names of a group have one size; there is another group for phones.
+  function drawNames(group, outlines) {
+    const texts = Array.from(group.querySelectorAll("text"));
+    const labels = texts.map((mark) => {
+      const corners = outlines.get(Number(mark.dataset.shape));
+      const half = mark.dataset.half.split(" ").map(Number);
+      const low = [0, 1].map((i) => Math.min(...corners.map((c) => c[i])));
+      const high = [0, 1].map((i) => Math.max(...corners.map((c) => c[i])));
+      const at = [0, 1].map((i) => (low[i] + high[i]) / 2), size = [0, 1].map((i) => high[i] - low[i]);
+      const fits = size[0] > 2 * half[0] + 8 && size[1] > 2 * half[1] + 5;
+      const reach = fits ? [0, 0] : [Math.min(size[0] / 2, half[0]), size[1] / 2];
+      return { at: at, half: half, reach: reach, home: fits ? at : null };
+    });
+    const triad = { at: [52, data.height - 52], half: [52, 52] };
+    srgcLabels.placed(labels, [data.width, data.height], [triad]).forEach((middle, i) => {
+      const mark = texts[i], end = middle && srgcLabels.end(labels[i], middle);
+      mark.previousElementSibling.setAttribute("d", end ? line([labels[i].at, end]) : "");
+      mark.setAttribute("visibility", middle ? "visible" : "hidden");
+      if (!middle) return;
+      mark.setAttribute("x", middle[0].toFixed(1));
+      // Letters stand 0.36 of their size below the middle of a line that is 1.25 of it high.
+      mark.setAttribute("y", (middle[1] + 0.576 * labels[i].half[1]).toFixed(1));
     });
   }
 

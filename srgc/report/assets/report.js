@@ -67,3 +67,15 @@
   document.addEventListener("srgc-time", (event) => show(event.detail.t));
   if (charts.length) { show(Number(charts[0].dataset.t0)); }
 })();
+// What scrolls inside the page is a stop of the tab key, so that it can be scrolled without a pointer.
+(function () {
+  "use strict";
+  const regions = Array.from(document.querySelectorAll(".scroll, pre"));
+  const mark = (each) => {
+    if (each.scrollWidth > each.clientWidth) each.tabIndex = 0; else each.removeAttribute("tabindex");
+  };
+  const all = () => regions.forEach(mark);
+  window.addEventListener("resize", all);
+  document.addEventListener("toggle", all, true);
+  all();
+})();

@@ -2,9 +2,7 @@
 // leaf in the derivation tree marks all four.
 (function () {
   "use strict";
-  const root = document.getElementById("robot");
-  if (!root) return;
-  const marks = Array.from(root.querySelectorAll("[data-symbol]"));
+  const marks = Array.from(document.querySelectorAll("#robot [data-symbol], #derivation [data-symbol]"));
 
   function light(symbol) {
     marks.forEach((mark) => mark.classList.toggle("lit", mark.dataset.symbol === symbol));

@@ -8,20 +8,21 @@ from solvers.verifier.proofs.scene import UNWATCHED, Watch
 from srgc.report.html_page import html_page
 from srgc.report.missions.mission_check_section import mission_check_section
 from srgc.report.missions.mission_evidence import MissionEvidence, read_mission_evidence
-from srgc.report.missions.mission_verdict import mission_verdict_section
+from srgc.report.missions.mission_verdict import mission_head, mission_proved_section
 from srgc.report.missions.motions_section import motions_section
 from srgc.report.missions.robots_section import robots_section
 from srgc.report.missions.tasks_section import earlier_section, refuted_section, tasks_section
 
 SECTIONS = (
-    robots_section,
     motions_section,
+    mission_proved_section,
+    robots_section,
     tasks_section,
     refuted_section,
     earlier_section,
     mission_check_section,
 )
-"""After the verdict; each is empty where there is nothing to show."""
+"""After the head, the motions first; each is empty where there is nothing to show."""
 
 
 def mission_page(folder: Path, *, verify: bool = True, watch: Watch = UNWATCHED) -> str:
@@ -42,4 +43,4 @@ def page_of_mission(evidence: MissionEvidence) -> str:
     """The whole page."""
     title = f"{evidence.mission.mission.name}: {evidence.mission.verdict}"
     rest = [section(evidence) for section in SECTIONS]
-    return html_page(title, mission_verdict_section(evidence), rest)
+    return html_page(title, mission_head(evidence), rest)

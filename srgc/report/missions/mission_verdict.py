@@ -17,17 +17,24 @@ from srgc.results.mission_folder import FROM
 from srgc.results.stated_objectives import short
 
 
-def mission_verdict_section(evidence: MissionEvidence) -> str:
-    """The head of the page."""
+def mission_head(evidence: MissionEvidence) -> str:
+    """The head of the page: the mission, the verdict and what is claimed."""
     word, kind = judged_words(evidence.mission.verdict, _report(evidence), "claim")
+    mission = evidence.mission
+    return (
+        f'<header><p class="kicker">srgc report · {text(mission.design["spec"])}</p>'
+        f"<h1>{text(mission.mission.name)}</h1>"
+        f'<p class="verdict {kind}">{text(word)}</p>{_headline(evidence)}</header>'
+    )
+
+
+def mission_proved_section(evidence: MissionEvidence) -> str:
+    """What was proved, and what was asked."""
     mission = evidence.mission
     proved = "".join(f"<p>{sentence}</p>" for sentence in _proved(evidence))
     asked = "".join(f"<li>{sentence}</li>" for sentence in _asked(evidence))
     what = "One step from a robot that there is" if mission.evolved else "The mission"
     return (
-        f'<header><p class="kicker">srgc report · {text(mission.design["spec"])}</p>'
-        f"<h1>{text(mission.mission.name)}</h1>"
-        f'<p class="verdict {kind}">{text(word)}</p>{_headline(evidence)}</header>'
         f'<section id="verdict"><div class="columns"><div><h2>What was proved</h2>{proved}</div>'
         f"<div><h2>{what}</h2><ul>{asked}</ul></div></div>{_facts(evidence)}</section>"
     )

@@ -9,6 +9,7 @@ from srgc.render.html_text import json_script, text
 from srgc.render.svg import fitted
 from srgc.report.animation import (
     controls,
+    legend,
     magnified,
     motion_picture,
     poses,
@@ -55,7 +56,7 @@ def motions_section(evidence: MissionEvidence) -> str:
     title = "The motion" if len(moved) == 1 else "The motions, one after the other"
     return (
         f'<section id="motion"><h2>{title}</h2><figure>{parts}{_jumps(evidence, scenes)}'
-        f"{controls(scenes)}{said}<figcaption>{robot_caption(scenes[0])}</figcaption></figure>"
+        f"{controls(scenes)}{said}{legend(scenes[0])}<figcaption>{robot_caption(scenes[0])}</figcaption></figure>"
         f'<div class="stills">{stills}</div>{json_script("motion-data", data)}</section>'
     )
 
@@ -101,7 +102,8 @@ def _said(task: Evidence, found: FoundDesign, scene: MotionScene, motion: RobotM
     """What is read at the time of the animation, and what the tube is."""
     factor = magnified(motion.tube, scene.view)
     tube = tube_caption(motion.tube, factor, repeats=task.task.repeat)
-    return f'<div class="said">{readings(found, motion)}<p class="soft">{tube}</p></div>'
+    values = readings(found.derivation.word, found.model.dofs, motion)
+    return f'<div class="said">{values}<p class="soft">{tube}</p></div>'
 
 
 def _rebuilt(evidence: MissionEvidence, number: int) -> str:

@@ -160,10 +160,11 @@ def test_infeasible_points_stand_apart_from_feasible_ones() -> None:
 
 
 def test_a_landscape_has_a_field_per_point() -> None:
-    cells = [(x, y, None if x == y else x + y) for x in (0.0, 1.0, 2.0) for y in (5.0, 1.0)]
+    cells = [(x, y, -1.0 if x == y else x + y, x != y) for x in (0.0, 1.0, 2.0) for y in (5.0, 1.0)]
     page = Page(plane_chart(cells, (1.0, 5.0), ("a", "b")))
     assert len(page.all("title")) == len(cells)
-    assert len(page.all("rect", class_="infeasible")) == 1
+    said = [each.text for each in page.all("title")]
+    assert [each for each in said if "infeasible" in each] == ["(1, 1): infeasible, robustness -1"]
 
 
 @pytest.mark.parametrize(
