@@ -34,9 +34,11 @@ extensions = [
     "sphinx_copybutton",
     "_extensions.generated_pages",
     "_extensions.mathml",
+    "_extensions.playground_link",
     "_extensions.type_links",
 ]
-exclude_patterns = ["_extensions", "_build", "decisions/README.md"]
+exclude_patterns = ["_extensions", "_templates", "_build", "decisions/README.md"]
+templates_path = ["_templates"]
 nitpicky = True
 # Annotations name classes without their modules, of which only those of this site are found, and
 # names of other packages, whose pages are elsewhere.
