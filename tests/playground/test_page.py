@@ -106,6 +106,10 @@ def test_a_graph_is_drawn(page: Playground) -> None:
     page.show(TURNER)
     page.one("#tab-graph").click()
     page.wait("document.getElementById('picture').naturalWidth")
+    page.run(
+        "playground.text = arguments[0];", TURNER.replace("Turner", "Other").replace("EN", "TIP")
+    )
+    page.wait("document.getElementById('dot').textContent.includes('TIP')")
     page.run("document.getElementById('of').value = 'words';")
     page.one("#word").send_keys("B eps")
     page.wait("!document.getElementById('drawn-fault').hidden")
@@ -149,7 +153,7 @@ def test_a_broken_link_says_so(reopened: Reopened) -> None:
 
 def test_a_run_can_be_stopped(page: Playground) -> None:
     """A grammar that takes long; what comes after is answered by another worker."""
-    long = "\n".join(f"module M{i} {{ role link; param a in [1, 2] m; }}" for i in range(60_000))
+    long = "\n".join(f"module M{i} {{ role link; param a in [1, 2] m; }}" for i in range(15_000))
     page.run("playground.text = arguments[0];", long)
     page.wait("!document.getElementById('stop').hidden")
     page.one("#stop").click()

@@ -11,6 +11,7 @@ const PATIENCE = 1000; // ms before one may stop what runs
 const LIBRARIES = { flint: "python-flint (7 MB), which this spec needs" };
 
 const $ = (id) => document.getElementById(id);
+const texts = {}; // of the examples
 let changedAt = performance.now();
 let said = "";
 let patience;
@@ -105,7 +106,8 @@ const SHOW = {
     const of = $("of").value;
     $("deep").hidden = of !== "words";
     const depth = of === "words" ? Number($("depth").value) || 0 : 0;
-    const chosen = { of, grammar: $("grammar").value, word: $("word").value, depth };
+    const grammar = $("which").hidden ? "" : $("grammar").value;
+    const chosen = { of, grammar, word: $("word").value, depth };
     const found = await engine.ask({ ask: "graph", text, ...chosen });
     if (!found || text !== editor.text) return;
     $("drawn").hidden = Boolean(found.fault);
@@ -126,14 +128,16 @@ const SHOW = {
   },
 };
 
-function look() {
+async function look() {
   const { text } = editor;
-  SHOW.check(text);
+  await SHOW.check(text); // which says what grammars there are
+  if (text !== editor.text) return;
   if (tabs.chosen === "fmt" || tabs.chosen === "graph") SHOW[tabs.chosen](text);
 }
 
 function changed() {
   changedAt = performance.now();
+  if (texts[$("example").value] !== editor.text) $("example").value = "";
   clearTimeout(pause);
   pause = setTimeout(look, PAUSE);
 }
@@ -151,7 +155,6 @@ async function format() {
 
 async function examples() {
   const groups = await (await fetch("examples.json")).json();
-  const texts = {};
   $("example").append(new Option("Choose …", ""));
   for (const { group, specs } of groups) {
     const made = document.createElement("optgroup");
