@@ -5,7 +5,7 @@ export OMP_NUM_THREADS ?= 1
 # Tests start hundreds of processes; without compiled files each of them compiles srgc anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo quick test timings test-slow coverage docs editor pictures golden grammar fmt lint types
+.PHONY: demo quick test timings test-slow coverage docs editor playground pictures golden grammar fmt lint types
 .PHONY: dist sbom hooks bench srgc-bench paper lock clean
 
 KERNEL := compiler/expressions/machine/ball_kernel.c
@@ -23,7 +23,7 @@ demo: .venv/installed
 
 # The tests that take less than 0.03 s each and start no process. Two processes with half of the files
 # each take two thirds of the time of two workers that import all files and report every test.
-QUICK := -m "not slow and not site and not types and not editor and not long"
+QUICK := -m "not slow and not site and not types and not editor and not playground and not long"
 
 quick: .venv/installed
 	@mkdir -p out
@@ -81,6 +81,18 @@ editor: .venv/installed editors/vscode/node_modules/.package-lock.json
 	rm -f out/srg-*.vsix
 	cd editors/vscode && npm run --silent package -- -o ../../out/
 	SRGC_VSIX=$$(echo out/srg-*.vsix) $(BIN)/pytest -m editor tests/editors
+
+# The page that checks specs in a browser, as out/playground, and its tests; needs Node 20 and npm.
+editors/playground/node_modules/.package-lock.json: editors/playground/package-lock.json
+	cd editors/playground && npm ci
+	touch $@
+
+playground: .venv/installed editors/playground/node_modules/.package-lock.json
+	rm -rf out/wheels
+	$(BIN)/python editors/playground/wheels.py out/wheels
+	cd editors/playground && npm run --silent build -- ../../out/wheels ../../out/playground
+	SRGC_PLAYGROUND_BUILT=out/playground $(BIN)/pytest -m playground tests/playground
+	@echo "page: out/playground/index.html, to be served"
 
 # Rewrites what the pages of codes and of tests/golden show; read the difference before you keep it.
 golden: .venv/installed
@@ -164,4 +176,4 @@ lock:
 	printf '%s\n' $(TIMOR) | $(COMPILE) -o requirements/timor.lock -
 
 clean:
-	rm -rf .venv out build .coverage .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info editors/vscode/node_modules editors/vscode/dist
+	rm -rf .venv out build .coverage .mypy_cache .ruff_cache .pytest_cache .hypothesis *.egg-info editors/*/node_modules editors/vscode/dist

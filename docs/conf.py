@@ -35,9 +35,11 @@ extensions = [
     "_extensions.generated_pages",
     "_extensions.glossary_links",
     "_extensions.mathml",
+    "_extensions.playground_link",
     "_extensions.type_links",
 ]
-exclude_patterns = ["_extensions", "_build", "decisions/README.md"]
+exclude_patterns = ["_extensions", "_templates", "_build", "decisions/README.md"]
+templates_path = ["_templates"]
 nitpicky = True
 # Annotations name classes without their modules, of which only those of this site are found, and
 # names of other packages, whose pages are elsewhere.

@@ -57,8 +57,11 @@ def _with_near_name(path: Path, checked: Checked) -> Checked:
 
 
 @without_collection
-def check_loaded(loaded: Loaded) -> Checked:
-    """All checks on what was read; with errors, on what of it is sound."""
+def check_loaded(loaded: Loaded, *, formulas: bool = True) -> Checked:
+    """All checks on what was read; with errors, on what of it is sound.
+
+    Without ``formulas`` those are left out that need NumPy and a SAT solver.
+    """
     if loaded.sound is None:
         return Checked(None, loaded.diagnostics, loaded.sources)
     sink = Sink(list(loaded.diagnostics))
@@ -89,7 +92,7 @@ def check_loaded(loaded: Loaded) -> Checked:
 
         start_diagnostics(loaded.sound, sink)
         given_start_diagnostics(loaded.sound, sink)
-    if any(task.satisfy for task in tasks):
+    if formulas and any(task.satisfy for task in tasks):
         # The SAT solver is loaded for formulas alone, so that other checks start fast.
         from compiler.checks.loop_checks import loop_diagnostics
         from compiler.tasks.obstacle_pieces import task_by_task

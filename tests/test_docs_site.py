@@ -109,6 +109,13 @@ def test_links_lead_to_pages_and_places(site: Path, read: dict[Path, Page]) -> N
                 assert unquote(parts.fragment) in read[target].names, (file.name, address)
 
 
+def test_a_playground_that_is_built_is_linked(site: Path, read: dict[Path, Page]) -> None:
+    if not (ROOT / "out" / "playground" / "index.html").is_file():
+        pytest.skip("the playground is not built: run `make playground`")
+    assert "playground/index.html" in read[site / "index.html"].links
+    assert "../playground/index.html" in read[site / "how-to" / "playground.html"].links
+
+
 def test_formulas_need_no_script(site: Path, read: dict[Path, Page]) -> None:
     assert "math" in read[site / "explanation" / "theory.html"].tags
     assert not [file for file in site.rglob("*") if "mathjax" in file.name.lower()]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, SupportsFloat, TypeAlias, assert_never
+from typing import TYPE_CHECKING, Literal, SupportsFloat, TypeAlias, assert_never
 
 from compiler.words.pushdown_automaton import Pda, Transition, accepting_run
-from compiler.workspaces.abstraction import Abstraction, Cell, CellKind
 from grammar_lang.ir import Workspace
+
+if TYPE_CHECKING:  # the views of families need no numpy
+    from compiler.workspaces.abstraction import Abstraction, Cell, CellKind
 
 # --------------------------------------------------------------------------------------------------
 # The cells of a workspace as a picture: nodes where cells are, edges where they are adjacent.

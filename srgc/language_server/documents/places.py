@@ -9,7 +9,7 @@ from lsprotocol import types as lsp
 from grammar_lang.names.declarations import MEMBERS, Entity
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis
-from srgc.language_server.documents.published import UriOf
+from srgc.language_server.documents.uris import UriOf
 
 
 def location(analysis: Analysis, span: Span, uri_of: UriOf) -> lsp.Location:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterable, Sequence, Set
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TypeAlias
 
 from lsprotocol import types as lsp
@@ -18,6 +17,7 @@ from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.open_documents import Document
 from srgc.language_server.documents.programs import Programs
+from srgc.language_server.documents.uris import UriOf
 
 # --- Findings as an editor shows them -------------------------------------------------------------
 
@@ -31,8 +31,6 @@ _FADED = frozenset({Code.UNUSED_NAME, Code.UNUSED_SYMBOL, Code.UNPRODUCTIVE, Cod
 """An obstacle that nothing avoids is not among them: that is likely to be a mistake."""
 MOST = 500
 """So many findings of a file are shown; errors come first."""
-
-UriOf = Callable[[Path], str]
 
 
 def code_link(code: Code) -> lsp.CodeDescription | None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import errno
+from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+
+UriOf = Callable[[Path], str]
 
 
 def path_of(uri: str) -> Path | None:

@@ -20,7 +20,7 @@ from grammar_lang.parsing.tables import RESERVED
 from grammar_lang.source import Span
 from srgc.language_server.documents.analysis import Analysis, analyse
 from srgc.language_server.documents.places import described
-from srgc.language_server.documents.published import UriOf
+from srgc.language_server.documents.uris import UriOf
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 

@@ -21,7 +21,7 @@ from grammar_lang.syntax import tasks as t
 from srgc.language_server.documents.analysis import Analysis
 from srgc.language_server.documents.line_map import LineMap
 from srgc.language_server.documents.places import location
-from srgc.language_server.documents.published import UriOf
+from srgc.language_server.documents.uris import UriOf
 
 _KINDS = lsp.SymbolKind
 _MOST = 500
