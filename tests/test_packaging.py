@@ -158,7 +158,9 @@ def rows(heading: str) -> list[list[str]]:
 
 
 def test_the_page_lists_the_libraries_that_are_needed() -> None:
-    named = [name for row in rows("Size and dependencies") for name in re.findall(r"`([^`]+)`", row[0])]
+    named = [
+        name for row in rows("Size and dependencies") for name in re.findall(r"`([^`]+)`", row[0])
+    ]
     assert sorted(map(canonicalize_name, named)) == sorted(NEEDED)
 
 
