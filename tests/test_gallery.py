@@ -275,7 +275,11 @@ def test_reports_are_linked_where_there_are_some(tmp_path: Path) -> None:
     assert (site / "gallery" / "reports" / "far_shelf.html").is_file()
 
 
-@pytest.mark.parametrize(("text", "verdict"), [(TURNER, "found"), (BEYOND_REACH, "impossible")])
+@pytest.mark.parametrize(
+    ("text", "verdict"),
+    [(TURNER, "found"), (BEYOND_REACH, "impossible")],
+    ids=["found", "impossible"],
+)
 def test_a_small_example_from_spec_to_page(text: str, verdict: str, tmp_path: Path) -> None:
     """With the real commands, which find what the spec is made for."""
     (tmp_path / "specs").mkdir()
