@@ -79,7 +79,9 @@ def test_one_drawing_is_seen_at_every_time(picture: Path) -> None:
         ]
         assert len(visible) == 1
     assert picture.stat().st_size < 1_000_000
-    assert "<script" not in picture.read_text(encoding="utf-8")
+    text = picture.read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert "prefers-reduced-motion" in text
 
 
 def test_long_drawings_are_fewer(
