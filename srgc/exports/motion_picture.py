@@ -17,7 +17,7 @@ from srgc.exports.scenes.fine_instants import FineInstants, fine_instants
 from srgc.faults import UsageFault
 from srgc.render.html_text import number
 from srgc.render.robot_drawing import DrawnRobot, drawn_robot, pose_marks
-from srgc.render.svg import View, document, fitted, label, line_path, moved
+from srgc.render.svg import View, clipped, document, fitted, label, line_path, moved
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
     plane_axes,
@@ -65,7 +65,9 @@ def motion_picture(design: FoundDesign) -> str:
         times = np.linspace(0, end, max(room, LEAST) + 1)
         poses = _points(robot, motion, times)
     plane = workspace.dimension == 2
-    marks = (plane_axes(view) if plane else triad(view)) + shape_marks(shapes, view)
+    marks = (plane_axes(view) if plane else triad(view)) + clipped(
+        view.width, view.height, shape_marks(shapes, view)
+    )
     marks += "".join(
         f'<path class="trace" d="{line_path(view.project(line))}"/>'
         for line in _lines(robot, motion, end)
