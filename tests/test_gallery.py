@@ -159,7 +159,8 @@ class Shop:
 
     def run(self, command: str) -> Ran:
         self.ran.append(command)
-        kind, first, *_, last = command.split()
+        kind, first, *more = command.split()
+        last = more[-1] if more else first
         if kind == "synth":
             (self.root / last / "spec").mkdir(parents=True)
             shutil.copy(self.root / first, self.root / last / "spec")
