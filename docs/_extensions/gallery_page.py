@@ -65,9 +65,10 @@ class Step:
 
     @property
     def shown(self) -> str:
-        """The time, with a sign where other programs kept the machine busy."""
-        digits = 1 if self.seconds < 100 else 0
-        return f"{self.seconds:.{digits}f} s{'†' if self.cpu < BUSY * self.seconds else ''}"
+        """The time, or where other programs kept the machine busy that of the processor, signed."""
+        busy = self.cpu < BUSY * self.seconds
+        time = self.cpu if busy else self.seconds
+        return f"{time:.{1 if time < 100 else 0}f} s{'†' if busy else ''}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +138,7 @@ def _introduction(runs: Mapping[str, Run]) -> Iterator[str]:
     yield ""
     yield f"Measured on {measured}. Each command is a process of its own; memory is its peak."
     if any(_is_busy(run) for run in runs.values()):
-        yield "†: other programs kept the machine busy, and the time is too long."
+        yield "†: time of the processor, since other programs kept the machine busy."
 
 
 def _is_busy(run: Run) -> bool:
