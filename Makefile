@@ -5,7 +5,7 @@ export OMP_NUM_THREADS ?= 1
 # Tests start hundreds of processes; without compiled files each of them compiles srgc anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo quick test timings test-slow coverage docs editor playground pictures golden grammar fmt lint types
+.PHONY: demo quick test timings test-slow coverage docs editor playground pictures gallery golden grammar fmt lint types
 .PHONY: dist sbom hooks bench srgc-bench paper lock clean
 
 KERNEL := compiler/expressions/machine/ball_kernel.c
@@ -70,6 +70,11 @@ pictures: .venv/installed
 	$(BIN)/srgc synth out/fetch.srg --force -o out/fetch
 	$(BIN)/srgc export out/fetch --to svg -o docs/pictures/fetch.svg
 	$(BIN)/python docs/_extensions/cheat_sheet.py
+
+# Runs the examples of docs/gallery, measures them and writes the page, best on a machine that does
+# nothing else. Run again, it leaves out what is finished; `make gallery SHARD=1/4` is a quarter.
+gallery: .venv/installed
+	$(BIN)/python benchmarks/gallery.py $(if $(SHARD),--shard=$(SHARD))
 
 # The extension for VS Code, as out/srg-VERSION.vsix, and its tests; needs Node 20 and npm.
 editors/vscode/node_modules/.package-lock.json: editors/vscode/package-lock.json

@@ -17,7 +17,7 @@ from srgc.exports.scenes.fine_instants import FineInstants, fine_instants
 from srgc.faults import UsageFault
 from srgc.render.html_text import number
 from srgc.render.robot_drawing import DrawnRobot, drawn_robot, pose_marks
-from srgc.render.svg import View, document, fitted, label, line_path, moved
+from srgc.render.svg import View, clipped, document, fitted, label, line_path, moved
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
     plane_axes,
@@ -30,6 +30,10 @@ from srgc.results.found_design import FoundDesign
 
 PER_SECOND, FEWEST, MOST = 20, 24, 90
 """Drawings in a second of the motion, and how many there are at least and at most."""
+LARGEST, LEAST = 120_000, 12
+"""Letters of all drawings together: where each is long, there are fewer, down to that many."""
+ENTRY = 300
+"""Letters that a drawing has beside its marks."""
 REST = 1.0
 """Seconds for which the last one stays before the motion begins again."""
 FINE = 200
@@ -56,8 +60,14 @@ def motion_picture(design: FoundDesign) -> str:
     poses = _points(robot, motion, times)
     own = robot.own(poses)
     view = fitted([shapes[0].corners, own.reshape(-1, own.shape[-1])], turning=False)
+    room = LARGEST // (len(pose_marks(robot, poses[0], view)) + ENTRY)
+    if room < count:
+        times = np.linspace(0, end, max(room, LEAST) + 1)
+        poses = _points(robot, motion, times)
     plane = workspace.dimension == 2
-    marks = (plane_axes(view) if plane else triad(view)) + shape_marks(shapes, view)
+    marks = (plane_axes(view) if plane else triad(view)) + clipped(
+        view.width, view.height, shape_marks(shapes, view)
+    )
     marks += "".join(
         f'<path class="trace" d="{line_path(view.project(line))}"/>'
         for line in _lines(robot, motion, end)

@@ -125,6 +125,8 @@ def graph(text: str, of: str, grammar: str, word: str, depth: int) -> Answer:
 
 def complete(text: str, at: int) -> Answer:
     """What the language server offers at a place, and where the word begins that it replaces."""
+    from lsprotocol import types as lsp
+
     from srgc.language_server.completions.completion import completions
 
     spec = spec_of(text)
@@ -134,7 +136,9 @@ def complete(text: str, at: int) -> Answer:
         "offers": [
             {
                 "label": offer.label,
-                "kind": "" if offer.kind is None else offer.kind.name.lower(),
+                "kind": ""
+                if offer.kind is None
+                else lsp.CompletionItemKind(offer.kind).name.lower(),
                 "detail": offer.detail or "",
                 "insert": offer.text_edit.new_text if offer.text_edit else offer.label,
                 "snippet": offer.insert_text_format == SNIPPET,

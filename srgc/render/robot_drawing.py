@@ -90,7 +90,8 @@ class DrawnJoint:
 class DrawnRobot:
     """The parts of a robot, as numbers of points.
 
-    ``bones`` lead from frame to frame, where these are apart; ``effectors`` are in their order.
+    ``bones`` lead from frame to frame, where these are apart; ``effectors`` are in their order. One
+    that is not ``grounded`` flies or drives: it has no foot, and ``joints`` leave its slides out.
     """
 
     numeric: NumericRobot
@@ -101,6 +102,7 @@ class DrawnRobot:
     bones: tuple[tuple[int, int], ...]
     joints: tuple[DrawnJoint, ...]
     effectors: tuple[int, ...]
+    grounded: bool
 
     def points(self, q: Array) -> Array:
         """All points at coordinates q (K, n), shape (K, points, d), in metres."""
@@ -139,6 +141,7 @@ def drawn_robot(model: RobotModel, theta: Array) -> DrawnRobot:
         _bones(model),
         tuple(_joints(model, tips)),
         model.effectors,
+        not any(_floats(model, node.step) for node in model.frames),
     )
 
 
@@ -148,7 +151,9 @@ def _marked(model: RobotModel) -> tuple[RobotModel, dict[int, int]]:
     zero, one, minus = range(len(model.scalars), len(scalars))
     frames, tips = list(model.frames), dict[int, int]()
     for number, node in enumerate(model.frames):
-        if isinstance(node.step, Joint) and model.dimension == 3:
+        if model.dimension == 2 or not isinstance(node.step, Joint):
+            continue
+        if not _floats(model, node.step):
             vector = [zero, zero, zero]
             vector[node.step.axis] = one if node.step.sign > 0 else minus
             tips[number] = len(frames)
@@ -168,7 +173,7 @@ def _joints(model: RobotModel, tips: dict[int, int]) -> list[DrawnJoint]:
     return [
         DrawnJoint(node.step.dof, model.dofs[node.step.dof].kind, number, tips.get(number))
         for number, node in enumerate(model.frames)
-        if isinstance(node.step, Joint)
+        if isinstance(node.step, Joint) and not _floats(model, node.step)
     ]
 
 
@@ -192,8 +197,19 @@ def _bones(model: RobotModel) -> tuple[tuple[int, int], ...]:
 def _moves(model: RobotModel, step: Step | None) -> bool:
     """Whether the origin of a frame may be elsewhere than that of its parent."""
     if isinstance(step, Joint):
-        return model.dofs[step.dof].kind == "prismatic"
+        return model.dofs[step.dof].kind == "prismatic" and not _floats(model, step)
     return isinstance(step, Offset)
+
+
+def _floats(model: RobotModel, step: Step | None) -> bool:
+    """Whether a step is a slide of a module that moves in other ways, too: nothing leads along it.
+
+    So drones and platforms on wheels are described, and the planar joints of URDF.
+    """
+    if not isinstance(step, Joint) or model.dofs[step.dof].kind == "revolute":
+        return False
+    symbols = model.dofs[step.dof].symbols
+    return sum(dof.symbols == symbols for dof in model.dofs) > 1
 
 
 # --- marks ----------------------------------------------------------------------------------------
@@ -202,7 +218,7 @@ def _moves(model: RobotModel, step: Step | None) -> bool:
 def pose_marks(robot: DrawnRobot, points: Array, view: View) -> str:
     """The robot with its points (P, d): rods, the lines between its frames, joints, effectors."""
     seen = view.project(points)
-    marks = [_foot(seen[WORLD])]
+    marks = [_foot(seen[WORLD])] if robot.grounded else []
     marks += [_shape(shape, seen, view) for shape in robot.shapes]
     marks += [_segment("bone", seen[[a, b]]) for a, b in robot.bones]
     for rod in robot.rods:

@@ -42,14 +42,17 @@ def line_path(points: Array) -> str:
 
 
 def closed_path(corners: Array) -> str:
-    """A polygon (m, 2) as the data of a path from corner to corner, short where m is large."""
+    """A polygon (m, 2) as the data of a path from corner to corner, short where m is large.
+
+    Of a single corner it is a dot, which a stroke with round ends makes a disc.
+    """
     tenths = np.rint(10 * corners).astype(int)
     steps = "".join(
         f" {place(dx / 10)} {place(dy / 10)}" for dx, dy in np.diff(tenths, axis=0).tolist()
     )
     short = _LEADING_ZERO.sub(r"\1.", steps.lstrip()).replace(" -", "-")
     x, y = tenths[0].tolist()
-    return f"M{place(x / 10)} {place(y / 10)}l{short}Z"
+    return f"M{place(x / 10)} {place(y / 10)}{'l' if short else ''}{short}Z"
 
 
 def label(x: float, y: float, anchor: str, content: str, more: str = "") -> str:
@@ -60,6 +63,11 @@ def label(x: float, y: float, anchor: str, content: str, more: str = "") -> str:
 def moved(x: float, y: float, content: str) -> str:
     """Marks with their origin elsewhere."""
     return f'<g transform="translate({place(x)} {place(y)})">{content}</g>'
+
+
+def clipped(width: float, height: float, content: str) -> str:
+    """What of some marks is within (0, 0) and the size; a picture in a picture needs no names."""
+    return f'<svg width="{place(width)}" height="{place(height)}">{content}</svg>'
 
 
 def symbol(kind: str, shape: str, x: float, y: float) -> str:

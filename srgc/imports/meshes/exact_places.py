@@ -9,10 +9,11 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from srgc.imports.meshes.mesh import Floats, Ints
     from srgc.imports.source_fault import SourceFault
+
 
 Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
 Axis: TypeAlias = tuple[int, Fraction, Fraction]
@@ -39,7 +40,7 @@ class ExactPlaces:
         axes: for each coordinate where it is read, and what becomes of it.
     """
 
-    read: Floats
+    read: NDArray[np.float64]
     binary: bool = False
     longer: Mapping[tuple[int, int], Fraction] = field(default_factory=dict)
     axes: tuple[Axis, Axis, Axis] = _PLAIN
@@ -58,9 +59,9 @@ class ExactPlaces:
         found = self.longer.get((row, column))
         return rational(value) if found is None else found
 
-    def vertices(self) -> Floats:
+    def vertices(self) -> NDArray[np.float64]:
         """All of them (n, 3) in doubles; each coordinate is within :meth:`slack` of its place."""
-        columns: list[Floats] = []
+        columns: list[NDArray[np.float64]] = []
         for column, factor, shift in self.axes:
             values = self.read[:, column]
             columns.append(values if factor == 1 else values * float(factor))
@@ -76,7 +77,7 @@ class ExactPlaces:
         sizes = [abs(float(k)) * float(most[column]) + abs(float(s)) for column, k, s in self.axes]
         return NEAR * max(sizes) + 1e-300
 
-    def part(self, numbers: Ints) -> ExactPlaces:
+    def part(self, numbers: NDArray[np.int64]) -> ExactPlaces:
         """Those of some rows."""
         if not self.longer:
             return replace(self, read=self.read[numbers])
@@ -96,7 +97,7 @@ class ExactPlaces:
         )
         return replace(self, axes=(x, y, z))
 
-    def placed(self, turn: Floats, shift: Sequence[Fraction]) -> ExactPlaces:
+    def placed(self, turn: NDArray[np.float64], shift: Sequence[Fraction]) -> ExactPlaces:
         """Them after a turn by right angles (3, 3), of entries -1, 0 and 1, and a shift."""
         axes = list[Axis]()
         for row, by in zip(turn.tolist(), shift, strict=True):
@@ -126,7 +127,7 @@ def exact_decimal(word: str) -> Fraction:
 
 
 def longer_decimals(
-    rows: Iterable[Sequence[str]], read: Floats, fault: Callable[[str], SourceFault]
+    rows: Iterable[Sequence[str]], read: NDArray[np.float64], fault: Callable[[str], SourceFault]
 ) -> dict[tuple[int, int], Fraction]:
     """By row and column the decimals of texts that are not those of their doubles (n, m).
 

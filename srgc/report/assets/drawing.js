@@ -55,7 +55,7 @@ const srgcDrawing = (function () {
 
   // `at` gives the place in the picture of a point by its number.
   function robot(marks, motion, at) {
-    put(marks.foot, at(0));
+    if (marks.foot) put(marks.foot, at(0));
     motion.bones.forEach(([a, b], i) => ends(marks.bones[i], at(a), at(b)));
     motion.solids.forEach((corners, i) => marks.solids[i].setAttribute("d", line(outline(corners.map(at))) + "Z"));
     let capsule = 0;

@@ -79,4 +79,22 @@ def test_one_drawing_is_seen_at_every_time(picture: Path) -> None:
         ]
         assert len(visible) == 1
     assert picture.stat().st_size < 1_000_000
-    assert "<script" not in picture.read_text(encoding="utf-8")
+    text = picture.read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert "prefers-reduced-motion" in text
+
+
+def test_long_drawings_are_fewer(
+    made: Callable[[str], Path], picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "few.svg"
+    monkeypatch.setattr("srgc.exports.motion_picture.LARGEST", 25_000)
+    assert run(["export", str(made("planar_arm") / "out"), "--to", "svg", "-o", str(path)]) == 0
+    many, few = frames(picture), frames(path)
+    assert 12 < len(few) < len(many)
+    drawn = path.read_text(encoding="utf-8").partition('<g class="robot"')[2]
+    assert len(drawn.partition('<g class="names"')[0]) < 1.05 * 25_000
+    for index in (0, -1):
+        assert few[index][-1].text == many[index][-1].text
+    clocks = np.array([numbers(frame[-1].text)[0] for frame in few])
+    np.testing.assert_allclose(np.diff(clocks), clocks[-1] / (len(few) - 1), atol=0.011)

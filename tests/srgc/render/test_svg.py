@@ -33,6 +33,11 @@ def test_a_closed_path_comes_back_to_its_corners() -> None:
     np.testing.assert_allclose(found, corners, atol=0.051)
 
 
+def test_a_path_of_one_corner_is_a_dot() -> None:
+    """SVG 1.1, 8.3.9: an `l` has coordinates; 11.4: a path without length has round caps."""
+    assert closed_path(np.array([[3.0, 4.5]])) == "M3 4.5Z"
+
+
 def test_a_file_needs_nothing_else() -> None:
     """No variable of a page, no address but that of the namespace, a size of its own."""
     svg = document(moved(1, 2, '<path class="line"/>'), (100, 50), "chart", "a <b>\nc", [("", "d")])
