@@ -81,8 +81,8 @@ class MeshObstacles:
         from srgc.imports.meshes.mesh_file import read_mesh
         from srgc.imports.meshes.piece_files import pieces_text
 
-        mesh = read_mesh(self.files.path_of(geometry.file), geometry.size[0])
-        vertices = mesh.vertices * (np.array(geometry.size) / geometry.size[0])
+        mesh = read_mesh(self.files.path_of(geometry.file))
+        vertices = mesh.vertices * np.array(geometry.size)
         found = decomposed(
             vertices, mesh.triangles, detail=self.detail or DETAIL, pieces=self.pieces
         )
