@@ -53,7 +53,8 @@ class BodyMeshes:
         from srgc.imports.meshes.decomposition import DETAIL, decomposed
         from srgc.imports.meshes.piece_files import pieces_text
 
-        vertices, triangles = self._mesh(file, scale)
+        vertices, triangles, notes = self._mesh(file, scale)
+        self.remarks += notes
         detail = DETAIL if self.detail is None else self.detail
         cut = decomposed(vertices, triangles, detail=detail, pieces=self.pieces)
         stem = posixpath.splitext(posixpath.basename(file))[0]
@@ -67,24 +68,29 @@ class BodyMeshes:
         self.remarks.append(_told(owner, file, cut))
         return [f"{self.folder}/{name}.obj" for name in names]
 
-    def _mesh(self, file: str, scale: Sequence[float]) -> tuple[Floats, Ints]:
-        """Corners in metres and triangles; a mirrored mesh has its triangles turned."""
+    def _mesh(self, file: str, scale: Sequence[float]) -> tuple[Floats, Ints, list[str]]:
+        """Corners in metres, triangles, and what of the file was not taken.
+
+        A mirrored mesh has its triangles turned.
+        """
         import numpy as np
 
         from srgc.imports.meshes.mesh_file import read_mesh
+        from srgc.imports.meshes.obj_file import TOGETHER
 
         mesh = read_mesh(self.files.path_of(file))
         triangles = mesh.triangles
         if np.prod(scale) < 0:
             triangles = triangles[:, ::-1]
-        return mesh.vertices * np.asarray(scale, dtype=float), triangles
+        left_out = [note for note in mesh.notes if not note.endswith(TOGETHER)]
+        return mesh.vertices * np.asarray(scale, dtype=float), triangles, left_out
 
     def moments(self, file: str, scale: Sequence[float]) -> Moments | None:
         """The moments of a closed mesh for a density of 1 kg/m^3, None of an open one."""
         import numpy as np
         import trimesh
 
-        vertices, triangles = self._mesh(file, scale)
+        vertices, triangles, _ = self._mesh(file, scale)
         mesh = trimesh.Trimesh(vertices, triangles)
         if not mesh.is_volume:
             return None
