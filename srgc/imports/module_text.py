@@ -18,7 +18,7 @@ from srgc.imports.module_set import (
     Shape,
     Turn,
 )
-from srgc.imports.quantities import Quantities, decimal_text
+from srgc.imports.quantities import Quantities, digits_text
 
 _AXES = "xyz"
 
@@ -71,12 +71,12 @@ class _Writer:
             written = self.write.angles if turns else self.write.interval
             parts.append(f"in {written(*dof.range)}")
         if dof.rate is not None:
-            rate = decimal_text(dof.rate)
+            rate = digits_text(dof.rate)
             parts.append(f"rate in [-{rate}, {rate}] {unit}/s")
         if dof.accel is not None:
-            parts.append(f"accel <= {decimal_text(dof.accel)} {unit}/s^2")
+            parts.append(f"accel <= {digits_text(dof.accel)} {unit}/s^2")
         if dof.effort is not None:
-            parts.append(f"effort <= {decimal_text(dof.effort)} {'N*m' if turns else 'N'}")
+            parts.append(f"effort <= {digits_text(dof.effort)} {'N*m' if turns else 'N'}")
         yield f"{' '.join(parts)};{_behind(dof.comment)}"
         yield from _drive(dof.name, dof.drive, turns=turns)
         if dof.passive:
@@ -91,7 +91,7 @@ class _Writer:
 
     def body(self, body: Body) -> str:
         text = (
-            f"solid(frame: {self.place(body.place)}, mass: {decimal_text(body.mass)} kg, "
+            f"solid(frame: {self.place(body.place)}, mass: {digits_text(body.mass)} kg, "
             f"com: {self.write.vector(body.com)}, inertia: {self.write.inertia(body.inertia)});"
         )
         return f"{text}{_behind(body.comment)}"
@@ -145,7 +145,7 @@ def _drive(name: str, drive: Drive, *, turns: bool) -> Iterator[str]:
         "coulomb": " N*m" if turns else " N",
     }
     said = [
-        f"{part} {decimal_text(value)}{unit}"
+        f"{part} {digits_text(value)}{unit}"
         for part, unit in units.items()
         if (value := getattr(drive, part)) is not None
     ]

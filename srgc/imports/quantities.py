@@ -21,6 +21,9 @@ WORTH_SAYING = 1e-9
 """What is rounded by less (rad, m) is not told of."""
 _DECIMALS = Decimal("1e-12")
 _STEP = 15
+_TENTH = 0.1
+_LONGEST = 20
+"""A number of more characters is written with an exponent."""
 
 
 def decimal_text(value: float | Decimal) -> str:
@@ -31,6 +34,14 @@ def decimal_text(value: float | Decimal) -> str:
     rounded = number.quantize(_DECIMALS) if abs(number) < 1 else _significant(number)
     text = f"{rounded.normalize():f}"
     return "0" if text in ("-0", "") else text
+
+
+def digits_text(value: float) -> str:
+    """A mass or another quantity that may be small: at least twelve digits, as of 1 and above."""
+    if abs(value) >= _TENTH or not value:
+        return decimal_text(value)
+    text = f"{Decimal(f'{value:.12g}').normalize():f}"
+    return text if len(text) <= _LONGEST else f"{value:.12g}"
 
 
 def _significant(number: Decimal) -> Decimal:
@@ -117,4 +128,4 @@ class Quantities:
 def _digits(value: float) -> str:
     """A number to fifteen digits, which moments of small parts need."""
     text = f"{Decimal(f'{value:.15g}').normalize():f}" if value else "0"
-    return text if len(text) <= 20 else f"{value:.15g}"
+    return text if len(text) <= _LONGEST else f"{value:.15g}"
