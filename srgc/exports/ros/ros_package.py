@@ -60,8 +60,8 @@ def ros_package(robot: ExportedRobot, motion: ExportedMotion) -> dict[str, bytes
         "config/trajectory.yaml": joint_trajectory(motion),
         **moveit_files(name, robot, planning_groups(robot)),
     }
-    if joints := joints_json(robot):
-        texts[f"urdf/{name}{SUFFIX}"] = joints
+    if beside := joints_json(robot):
+        texts[f"urdf/{name}{SUFFIX}"] = beside
     found = {path: text.encode() for path, text in texts.items()}
     found |= {places[hull]: content for hull, content in meshes.items()}
     return found | visual_files(robot.visuals, visuals)
