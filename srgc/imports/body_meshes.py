@@ -51,9 +51,11 @@ class BodyMeshes:
 
     def _written_pieces(self, owner: str, file: str, scale: Sequence[float]) -> list[str]:
         from srgc.imports.meshes.decomposition import DETAIL, decomposed
+        from srgc.imports.meshes.obj_file import TOGETHER
         from srgc.imports.meshes.piece_files import pieces_text
 
         mesh = self._mesh(file, scale)
+        self.remarks += [note for note in mesh.notes if not note.endswith(TOGETHER)]
         detail = DETAIL if self.detail is None else self.detail
         cut = decomposed(
             mesh.vertices, mesh.triangles, detail=detail, pieces=self.pieces, places=mesh.places

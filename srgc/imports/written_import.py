@@ -46,27 +46,34 @@ def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:
 
     Raises:
         UsageFault: a file is there already and ``force`` is not set, another spec in the folder
-            names a mesh that would change, or a file cannot be written; then nothing is left of it.
+            names a mesh that would change, or a file cannot be written; then none is, and those
+            that were there stay.
     """
     if path.is_dir():
         raise UsageFault(f"{path} is a folder; `-o` names a file")
     contents = {path.parent / name: data for name, data in imported.files.items()}
     contents[path] = imported.text.encode()
     changed = [p for p, data in contents.items() if os.path.lexists(p) and not _same(p, data)]
+    for place in changed:
+        if place.is_dir() and not place.is_symlink():
+            raise UsageFault(f"{place} is a folder, and a file of that name is to be written")
     _refuse_shared([p for p in changed if p != path], path)
     if changed and not force:
         raise UsageFault(f"{changed[0]} is there already; --force replaces it")
-    written = list[Path]()
+    staged = list[Path]()
     try:
         for place, data in contents.items():
             place.parent.mkdir(parents=True, exist_ok=True)
-            _replace(place, data)
-            written.append(place)
+            staged.append(_empty_beside(place))
+            staged[-1].write_bytes(data)
+        for before, place in zip(staged, contents, strict=True):
+            before.replace(place)
     except OSError as error:
-        for place in written:
-            place.unlink(missing_ok=True)
         raise UsageFault(f"{path}: {error.strerror}") from None
-    return written
+    finally:
+        for before in staged:
+            before.unlink(missing_ok=True)
+    return list(contents)
 
 
 def _refuse_shared(meshes: list[Path], path: Path) -> None:
@@ -93,17 +100,12 @@ def _same(place: Path, data: bytes) -> bool:
     return place.is_file() and not place.is_symlink() and place.read_bytes() == data
 
 
-def _replace(place: Path, data: bytes) -> None:
-    """Write a file under a name of its own first, so that it is there as a whole or not at all."""
+def _empty_beside(place: Path) -> Path:
+    """A new file beside another one, which takes its place when all are written."""
     descriptor, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
-    try:
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(data)
-        Path(name).chmod(0o666 & ~_umask())
-        Path(name).replace(place)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    os.close(descriptor)
+    Path(name).chmod(0o666 & ~_umask())
+    return Path(name)
 
 
 def _umask() -> int:

@@ -83,9 +83,8 @@ class MeshObstacles:
         from srgc.imports.meshes.mesh_file import read_mesh
         from srgc.imports.meshes.piece_files import pieces_text
 
-        mesh = read_mesh(self.files.path_of(geometry.file), geometry.size[0])
-        unit = rational(geometry.size[0])
-        mesh = mesh.scaled([rational(factor) / unit for factor in geometry.size])
+        mesh = read_mesh(self.files.path_of(geometry.file))
+        mesh = mesh.scaled([rational(factor) for factor in geometry.size])
         found = decomposed(
             mesh.vertices,
             mesh.triangles,

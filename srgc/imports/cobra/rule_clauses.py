@@ -35,6 +35,10 @@ def rules_of(task: TaskData, remarks: list[str], *, accel: bool) -> Rules:
             remarks.append(f"{each.place.path}: a rule of one goal became one of the whole task")
         elif each.local:
             remarks.append(f"{each.place.path}: a rule of one goal")
+        if each.kind == "selfCollisionFree" and each.margin:
+            remarks.append(
+                f"{each.place['safety_margin'].path}: a margin between bodies of a robot"
+            )
     if "allGoalsFulfilled" not in kinds and "allGoalsFulfilledInOrder" not in kinds:
         remarks.append("the task does not ask for all of its goals; this one does")
     parts = {part for each in task.constraints for part in each.parts}

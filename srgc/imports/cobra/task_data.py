@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias, get_args
 
 from srgc.imports.cobra.pose_data import Frames, ToleratedPose
 from srgc.imports.json_place import Place
-from srgc.imports.timor.geometry_data import Geometry, read_geometries
+from srgc.imports.timor.geometry_data import IDENTITY, Geometry, read_geometries
 
 GoalKind: TypeAlias = Literal["at", "reach", "returnTo", "pause", "follow"]
 DRAFTS = ("pick", "place", "leave", "cover")
@@ -107,7 +107,7 @@ def read_task(place: Place) -> TaskData:
         header.get("taskName", "").text(),
         header.get("gravity", [0, 0, -9.81]).numbers(3),
         [entry.text() for entry in header.get("author", []).one_or_more()],
-        [_obstacle(entry) for entry in _with_ids(place.get("obstacles", []))],
+        [_obstacle(entry, remarks) for entry in _with_ids(place.get("obstacles", []))],
         goals,
         constraints,
         place.get("costFunction", "").text(),
@@ -126,8 +126,10 @@ def _with_ids(place: Place, most: int = MOST_OBSTACLES) -> Sequence[Place]:
     return place.one_or_more()
 
 
-def _obstacle(place: Place) -> Obstacle:
+def _obstacle(place: Place, remarks: list[str]) -> Obstacle:
     # A pose of the whole obstacle stands in older files; Timor does not read it.
+    if place.get("pose", IDENTITY).value != IDENTITY:
+        remarks.append(f"{place['pose'].path}: a pose of the whole obstacle, beside that of shapes")
     place.keys(("ID", "name", "collision", "visual", "pose", "acknowledgement"))
     name = place.get("name", "").text()
     return Obstacle(place["ID"].text(), name, read_geometries(place["collision"]), place)

@@ -23,11 +23,11 @@ from srgc.imports.source_fault import SourceFault, file_fault
 from srgc.imports.xml_source import Element, XmlFile, xml_file
 
 UP: dict[str, tuple[tuple[int, int, int], ...]] = {
-    "X_UP": ((0, -1, 0), (1, 0, 0), (0, 0, 1)),
+    "X_UP": ((0, -1, 0), (0, 0, -1), (1, 0, 0)),
     "Y_UP": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
     "Z_UP": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
 }
-"""What turns a file with that axis up so that z is."""
+"""What turns a file with that axis up so that z is: COLLADA 1.4.1, element ``up_axis``."""
 APPEARANCE = (
     "library_images",
     "library_effects",

@@ -28,6 +28,8 @@ INDICES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 TRIANGLES, STRIP, FAN = 4, 5, 6
 PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
 """Extensions by which corners are stored in other ways."""
+INSTANCES = "EXT_mesh_gpu_instancing"
+"""By it one node stands for a mesh in many places."""
 
 
 def gltf_mesh(content: bytes, path: Path) -> Mesh:
@@ -42,6 +44,8 @@ def gltf_mesh(content: bytes, path: Path) -> Mesh:
         packed = [each for each in file.json.get("extensionsRequired", ()) if each in PACKED]
         if packed:
             raise file_fault(path, f"it needs {packed[0]}, which is not unpacked here")
+        if INSTANCES in file.json.get("extensionsUsed", ()):
+            raise file_fault(path, f"it has {INSTANCES}, which is not read", "write each mesh out")
         parts = list(file.parts())
     except SourceFault:
         raise

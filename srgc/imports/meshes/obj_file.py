@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,8 @@ from srgc.imports.source_fault import SourceFault, file_fault, line_span
 FLAT = 1e-9
 """A corner that turns back by less, as a share of the area, is straight."""
 Corners = list[tuple[float, float, float]]
+TOGETHER = "groups (`g`) in an object (`o`), which is one with all of them"
+"""Of a scene, whose objects are obstacles; nothing of a body is left out by it."""
 
 
 @dataclass(slots=True)
@@ -53,7 +55,7 @@ class _Lines:
                 self.vertices.append(self.vertex(number, words[1:4]))
                 too_many(len(self.vertices) // 3, self.path)
             case "f":
-                self.face(number, words[1:])
+                self.face(number, [*takewhile(lambda word: word[0] != "#", words[1:])])
             case "o" | "g" if self.by_object == (words[0] == "o"):
                 self.starts.append((" ".join(words[1:]), len(self.triangles)))
             case "g":
@@ -110,7 +112,9 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
     lines = _Lines(path, text, any(row.split()[:1] == ["o"] for row in rows))
     held = list[str]()
     for number, row in enumerate(rows, 1):
-        held += row.split()
+        # A comment ends with its line, also where a path in it ends with a backslash.
+        comment = not held and row.lstrip().startswith("#")
+        held += [] if comment else row.split()
         if held and held[-1].endswith("\\") and number < len(rows):  # the next line goes on
             held[-1:] = filter(None, [held[-1][:-1]])
         elif held:
@@ -128,7 +132,7 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
     if lines.left_out:
         notes.append(f"{path.name}: {lines.left_out} faces of one or two corners: left out")
     if any(len(names) > 1 for names in lines.groups.values()):
-        notes.append(f"{path.name}: groups (`g`) in an object (`o`), which is one with all of them")
+        notes.append(f"{path.name}: {TOGETHER}")
     places = ExactPlaces(vertices, longer=lines.longer)
     return Mesh(vertices, triangles, _objects(lines, path.stem), tuple(notes), places)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from srgc.imports.meshes.enclosing import THINNEST
 from srgc.imports.meshes.joining import Joining
 from srgc.imports.meshes.measures import union_of
 from srgc.imports.meshes.mesh import Bools, Floats, Ints
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 LOOK = 1.1
 """What pieces add is measured again when there are so many times as many."""
+TINY = 10 * THINNEST
+"""Parts below it (m) stay whole: pieces of their parts would be about as thick as they."""
 ROUGH, JOINED = 0.6, 1.1
 """Shares of the detail: parts are split down to the first, and joined up to the second."""
 
@@ -47,7 +50,7 @@ def _split_up(regions: list[Region], budget: float, most: int) -> list[Region]:
     total, count, done = sum(each.excess for each in regions), len(regions), list[Region]()
     while heap and total > budget and len(heap) + len(done) < most:
         _, _, worst = heapq.heappop(heap)
-        parts = worst.split()
+        parts = _split(worst)
         if parts == [worst]:
             done.append(worst)
             continue
@@ -56,6 +59,12 @@ def _split_up(regions: list[Region], budget: float, most: int) -> list[Region]:
             count += 1
             heapq.heappush(heap, (-part.excess, count, part))
     return [*done, *(each for _, _, each in sorted(heap, key=lambda each: each[1]))]
+
+
+def _split(region: Region) -> list[Region]:
+    """Regions instead of one; only itself where it cannot be split, or is tiny."""
+    tiny = float(np.ptp(region.points, axis=0).max()) < TINY
+    return [region] if tiny else region.split()
 
 
 def _inside_hulls(sides: Floats, regions: Sequence[Region]) -> Bools:
@@ -91,7 +100,7 @@ def refined(regions: list[Region], budget: float, most: int) -> list[Region]:
             if together(alive) <= budget:
                 break
         _, _, worst = heapq.heappop(heap)
-        parts = worst.split()
+        parts = _split(worst)
         if parts == [worst] or len(heap) + len(done) + len(parts) > most:
             done.append(worst)
             if sum(each.piece_volume - each.volume for each in done) > budget:

@@ -111,6 +111,8 @@ def moveit_scene(path: Path) -> Scene:
         _object(lines, scene, name, own_pose=new)
         if len(scene.objects) > MOST_SHAPES:
             raise lines.fault(f"there are more than {MOST_SHAPES:,} shapes")
+    if any(map(str.strip, lines.rows[lines.at :])):
+        scene.dropped.append("what stands behind the `.`, where the scene ends")
     return scene
 
 

@@ -50,6 +50,8 @@ class Geometries:
         if not kinds or kinds[0].tag == "empty":
             self.scene.dropped.append(f"{name}: an empty geometry")
             return
+        for other in kinds[1:]:
+            self.scene.dropped.append(f"{name}: a second shape in one geometry, {other.tag}")
         element = kinds[0]
         fault = partial(_fault, file, element, name)
         if element.tag == "mesh":

@@ -42,7 +42,7 @@ def read_geometries(place: Place, depth: int = 0) -> list[Geometry]:
     found = list[Geometry]()
     for entry in place.one_or_more():
         kind = entry["type"].text().lower()
-        entry.keys(("type", "parameters", "pose"))
+        entry.keys(("type", *(("geometries",) if kind == "composed" else ("parameters", "pose"))))
         if kind == "composed":
             if depth == DEEPEST:
                 raise entry.fault(f"shapes are composed {DEEPEST} times at most")

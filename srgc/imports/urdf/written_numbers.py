@@ -121,3 +121,6 @@ def _check_geometry(file: XmlFile, element: Element) -> None:
     if kinds[0] == "mesh" and scale is not None:
         parts = scale.replace(",", " ").split()
         check_text(file, element[0], "scale", " ".join(parts), 1 if len(parts) == 1 else 3)
+        if 0 in map(float, parts):
+            message = f"`scale` is `{visible(scale[:60])}`, which leaves a mesh flat"
+            raise file.fault(element[0], message, attribute="scale")

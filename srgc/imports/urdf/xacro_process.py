@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import resource
 import sys
 from collections.abc import Mapping, Sequence
@@ -84,6 +85,14 @@ def expanded(file: str, packages: Mapping[str, str], arguments: Arguments) -> st
     return text
 
 
+def _in_words(cause: BaseException) -> str:
+    """What a fault says, in one line and without numbers of the system."""
+    if isinstance(cause, RecursionError):
+        return "a recursion of macros or expressions has no end"
+    said = re.sub(r"\[Errno \d+\] ", "", " ".join(str(cause).split()))
+    return said or type(cause).__name__
+
+
 def main() -> int:
     """Expand what standard input names; 1 and one line on standard error where it fails."""
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
@@ -93,9 +102,7 @@ def main() -> int:
     try:
         text = expanded(asked["file"], asked["packages"], arguments)
     except BaseException as error:
-        cause = getattr(error, "exc", None) or error
-        said = " ".join(str(cause).split()) or type(cause).__name__
-        sys.stderr.write(f"\n{said[:500]}\n")
+        sys.stderr.write(f"\n{_in_words(getattr(error, 'exc', None) or error)[:500]}\n")
         return 1
     json.dump({"text": text, "arguments": list(arguments.known)}, sys.stdout)
     return 0

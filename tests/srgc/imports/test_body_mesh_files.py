@@ -57,3 +57,14 @@ def test_pictures_do_not_replace_pieces(tmp_path):
     for row in rows(met, "v"):
         point = [Fraction(float(x)) for x in row]
         assert not all(outside(piece, point) for piece in pieces)
+
+
+def test_what_of_a_mesh_is_not_taken_is_told(tmp_path):
+    (tmp_path / "met").mkdir()
+    (tmp_path / "seen").mkdir()
+    box = turned_boxes([0.0])
+    (tmp_path / "met" / "part.obj").write_text(f"{box}f 1 2\n")
+    (tmp_path / "seen" / "part.obj").write_text(box)
+    (tmp_path / "pair.urdf").write_text(ROBOT)
+    remarks = urdf_import(tmp_path / "pair.urdf").remarks
+    assert any("1 faces of one or two corners: left out" in each for each in remarks)

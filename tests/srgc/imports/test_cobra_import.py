@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 import srgc as interface
 from srgc.imports.cobra.cobra_import import cobra_import
@@ -181,6 +183,41 @@ def test_obstacles(tmp_path: Path) -> None:
     assert (
         "avoid self with body; avoid Wall, Wall_2, Wall_3, Wall_4 with body, margin 10 mm;" in text
     )
+
+
+def test_what_of_obstacles_is_not_carried_over_is_listed(tmp_path: Path) -> None:
+    shape = {"type": "sphere", "parameters": {"r": 0.1}, "pose": at(1, 0, 0)}
+    composed = {"type": "composed", "geometries": [shape], "pose": at(5, 0, 0)}
+    obstacles = [
+        {"ID": "1", "collision": [composed]},
+        {"ID": "2", "collision": [shape], "pose": at(0, 0, 3)},
+        {"ID": "3", "collision": [shape], "pose": at(0, 0, 0)},
+    ]
+    rules = [{"type": "collisionFree"}, {"type": "selfCollisionFree", "safety_margin": 0.05}]
+    goals = [goal("a", 0.2), goal("b", 0.3)]
+    _, remarks = imported(tmp_path, goals, rules, obstacles=obstacles)
+    assert any("constraints[3].safety_margin: a margin between" in each for each in remarks)
+    assert any("obstacles[0].collision[0].pose: an unknown key" in each for each in remarks)
+    assert not any("geometries: an unknown key" in each for each in remarks)
+    assert any("obstacles[1].pose: a pose of the whole" in each for each in remarks)
+    assert not any("obstacles[2]" in each for each in remarks)
+
+
+def test_a_mesh_has_the_unit_of_its_file(tmp_path: Path) -> None:
+    """A cube of 400 mm in COLLADA, whose unit is the millimetre; scaled by 2 it is 800 mm."""
+    box = trimesh.creation.box((400, 400, 400))
+    text = box.export(file_type="dae").decode()
+    assert "<asset>" in text
+    unit = '<unit meter="0.001" name="millimeter"/>'
+    (tmp_path / "box.dae").write_text(re.sub(r"(<up_axis>)", rf"{unit}\1", text), encoding="utf-8")
+    shape = {"type": "mesh", "parameters": {"file": "box.dae", "scale": 2}}
+    goals = [goal("a", 1.2), goal("b", 1.3)]
+    rules = [{"type": "collisionFree"}]
+    imported(tmp_path, goals, rules, obstacles=[{"ID": "Box", "collision": [shape]}])
+    (path,) = (tmp_path / "out" / "obstacles").iterdir()
+    corners = [line.split()[1:] for line in path.read_text().splitlines() if line[:2] == "v "]
+    sizes = np.ptp(np.array(corners, dtype=float), axis=0)
+    assert sizes == pytest.approx([0.8, 0.8, 0.8], abs=1e-3)
 
 
 def test_obstacles_that_may_be_touched_are_left_out(tmp_path: Path) -> None:

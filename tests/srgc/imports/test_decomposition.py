@@ -53,6 +53,16 @@ def prism(outline, height):
     return trimesh.creation.extrude_triangulation(corners, triangles, height)
 
 
+@pytest.mark.parametrize("size", [1e-5, 1e-7])
+def test_a_mesh_smaller_than_the_thinnest_piece_is_one_piece(size):
+    """As of a file whose unit was mistaken; it was split on and on, in vain."""
+    corners = size * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    found = decomposed(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    assert len(found.pieces) == 1
+    assert contained(corners, found.pieces).all()
+    assert found.measures.farthest < 2e-5
+
+
 L_SHAPE = [(0, 0), (0.4, 0), (0.4, 0.1), (0.1, 0.1), (0.1, 0.5), (0, 0.5)]
 
 

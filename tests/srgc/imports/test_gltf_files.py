@@ -127,6 +127,15 @@ def test_a_mirror_turns_triangles_round(tmp_path: Path, node: Content) -> None:
     assert sorted({x for x, _, _ in mesh.vertices.tolist()}) == [2, 3]
 
 
+def test_instances_are_not_dropped_in_silence(tmp_path: Path) -> None:
+    """By EXT_mesh_gpu_instancing a node stands for its mesh in many places."""
+    places = {"extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}}
+    content, binary = square(6, None, **places)
+    path = written(tmp_path, glb(content | {"extensionsUsed": ["EXT_mesh_gpu_instancing"]}, binary))
+    with pytest.raises(UsageFault, match="EXT_mesh_gpu_instancing"):
+        read_mesh(path)
+
+
 def test_lines_are_left_out_with_a_note(tmp_path: Path) -> None:
     content, binary = square(6)
     content["meshes"][0]["primitives"].append({"attributes": {"POSITION": 0}, "mode": 1})

@@ -22,7 +22,7 @@ RAW = {
     "no text": (b'{"modules": "\xff"}', "UTF-8"),
     "deep": (b"[" * 200_000, "nested too deeply"),
     "deep objects": (b'{"a":' * 200_000, "nested too deeply"),
-    "digits": (b'{"modules": ' + b"9" * 5000 + b"}", "digits"),
+    "digits": (b'{"modules": ' + b"9" * 5000 + b"}", "of thousands of digits"),
     "twice": (b'{"modules": [], "modules": []}', "`modules` occurs twice"),
     "huge": (b'{"modules": "' + b"x" * (17 * 2**20) + b'"}', "bytes"),
     "zip": (b"PK\x03\x04" + b"\0" * 40, ""),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 import struct
 import zipfile
 from fractions import Fraction
@@ -134,7 +135,7 @@ def dae(tmp_path, **changed):
     [
         ("Z_UP", [(0, 0, 0.1), (0.01, 0, 0.1), (0, 0, 0.12)]),
         ("Y_UP", [(0, -0.1, 0), (0.01, -0.1, 0), (0, -0.12, 0)]),
-        ("X_UP", [(0, 0, 0.1), (0, 0.01, 0.1), (0, 0, 0.12)]),
+        ("X_UP", [(0, -0.1, 0), (0, -0.1, 0.01), (0, -0.12, 0)]),
     ],
 )
 def test_collada_has_a_unit_and_an_axis_that_is_up(tmp_path, up, corners):
@@ -143,6 +144,28 @@ def test_collada_has_a_unit_and_an_axis_that_is_up(tmp_path, up, corners):
     assert mesh.objects[0].name == "plate"
     other = read_mesh(dae(tmp_path, up=up), 1.0)
     assert np.allclose(other.vertices, 100 * mesh.vertices)
+
+
+TETRAHEDRON = """v 0 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 1
+f 1 3 2 # the floor
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
+
+
+def test_comments_of_obj_take_no_other_line_away(tmp_path):
+    path = tmp_path / "part.obj"
+    path.write_text("# C:\\parts\\\n" + TETRAHEDRON + "# C:\\end\\\n")
+    mesh = read_mesh(path)
+    plain = tmp_path / "plain.obj"
+    plain.write_text(re.sub("#.*", "", TETRAHEDRON))
+    loaded = trimesh.load(plain, force="mesh", process=False)
+    assert len(mesh.triangles) == 4
+    assert same_surface(mesh, loaded)
 
 
 def test_images_of_collada_are_not_opened(tmp_path):

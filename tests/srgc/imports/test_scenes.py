@@ -150,6 +150,16 @@ def test_planes_are_listed_and_a_floor_is_a_bound(tmp_path):
     assert -Fraction(-1, 4) in {row.offset for row in bounds.rows if row.normal[2] < 0}
 
 
+def test_what_stands_behind_the_end_is_listed(tmp_path):
+    first, second = obj("a", "box\n1 1 1"), obj("b", "box\n1 1 1")
+    whole = scene_import(scene_file(tmp_path, first, end=".\n\n"))
+    assert whole.remarks == ()
+    path = scene_file(tmp_path, first, end=f".\nother\n{second}.\n")
+    assert scene_import(path).remarks == (
+        "not carried over: what stands behind the `.`, where the scene ends",
+    )
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
@@ -235,6 +245,13 @@ def test_frames_that_poses_are_relative_to(tmp_path):
     places = {each.name: each.pose.shift for each in scene.objects}
     assert np.allclose(places["m_b"], (1, 0, 1))
     assert np.allclose(places["m_a"], (-4, 0, 1))  # five along the turned y of b
+
+
+def test_a_second_shape_of_a_geometry_is_listed(tmp_path):
+    ball = "<sphere><radius>3</radius></sphere>"
+    scene = read_scene(world(tmp_path, model("m", BOX + ball)))
+    assert len(scene.objects) == 1
+    assert scene.dropped[-1:] == ["m: a second shape in one geometry, sphere"]
 
 
 def test_what_sdf_has_and_a_workspace_has_not_is_listed(tmp_path):

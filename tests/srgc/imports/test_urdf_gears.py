@@ -200,3 +200,23 @@ def test_what_was_exported_comes_back_with_its_drives(
     program = public.load(text=plain)
     without = public.robot(program, word).mass_matrix([0.3, -0.2, 0.5, 0.1])
     np.testing.assert_allclose(np.array(mass) - without, np.diag(arm.ARMATURE), atol=1e-12)
+
+
+def test_small_drives_and_masses_keep_their_digits(tmp_path: Path) -> None:
+    """Ten digits, however small: 0.12 / 101**2 has more than twelve decimals, as a small mass has."""
+    dynamics = '<dynamics damping="0.000012345678912" friction="0.0000000345678912"/>'
+    (tmp_path / "r.joints.json").write_text(
+        json.dumps({
+            "format": "srgc joints 1", "about": [], "joint_limits": {},
+            "drives": {"j": {"armature": 0.12, "damping": 1.2345678912e-5,
+                             "friction": 3.45678912e-8}},
+        })
+    )  # fmt: skip
+    light = link("b", 0.000012345678912)
+    found = imported(tmp_path, A, light, joint("revolute", LIMIT + dynamics), simple("101"))
+    text = " ".join(found.text.split())
+    said = dict(re.findall(r"(gear|rotor|viscous|coulomb|mass:) ([0-9.e-]+)", text))
+    assert float(said["rotor"]) * 101**2 == pytest.approx(0.12, rel=1e-9)
+    assert float(said["viscous"]) == pytest.approx(1.2345678912e-5, rel=1e-9)
+    assert float(said["coulomb"]) == pytest.approx(3.45678912e-8, rel=1e-9)
+    assert "mass: 0.00001234567891 kg" in text

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from srgc.faults import UsageFault
@@ -71,3 +73,31 @@ def test_imports_of_one_name_beside_each_other(kind, tmp_path, srgc):
 )  # fmt: skip
 def test_folders_are_called_like_specs(stem, folder):
     assert mesh_folder(stem) == folder
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_a_folder_in_the_way_costs_no_file(tmp_path, force):
+    write_import(spec_with(b"first"), tmp_path / "one.srg", force=False)
+    (tmp_path / "arm_meshes" / "way.obj").mkdir()
+    files = {MESH: b"second", "arm_meshes/way.obj": b"second"}
+    with pytest.raises(UsageFault, match=r"way\.obj is a folder"):
+        write_import(Imported("arm", "", files), tmp_path / "one.srg", force=force)
+    assert (tmp_path / MESH).read_bytes() == b"first"
+    assert MESH in (tmp_path / "one.srg").read_text()
+
+
+def test_files_that_are_there_outlive_a_disk_that_is_full(tmp_path, monkeypatch):
+    write_import(spec_with(b"first"), tmp_path / "one.srg", force=False)
+    write = Path.write_bytes
+
+    def full(path, data):
+        if data == b"third":
+            raise OSError(28, "No space left on device")
+        return write(path, data)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    files = {MESH: b"second", "arm_meshes/other.obj": b"third"}
+    with pytest.raises(UsageFault, match="No space left"):
+        write_import(Imported("arm", "", files), tmp_path / "one.srg", force=True)
+    assert (tmp_path / MESH).read_bytes() == b"first"
+    assert [each.name for each in (tmp_path / "arm_meshes").iterdir()] == ["part.obj"]

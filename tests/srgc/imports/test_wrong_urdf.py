@@ -60,6 +60,10 @@ WRONG = {
         robot(link("a", more='<collision><geometry><sphere radius="0"/></geometry></collision>')),
         r":2: `radius` is `0`, and has to be above 0",
     ),
+    "a flat mesh": (
+        robot(link("a", more=MESH.format('m.stl" scale="1 0 1'))),
+        r":2: `scale` is `1 0 1`, which leaves a mesh flat",
+    ),
     "no robot": ('<sdf version="1.6"/>', r":1: the root is <sdf>"),
     "cut off": (robot(A, B, joint("revolute", LIMIT))[:-60], r":4:99: .*this is not XML"),
     "empty": ("", r"it is empty"),
@@ -157,6 +161,8 @@ def test_macros_read_nothing_else(name, tmp_path):
     with pytest.raises(UsageFault, match=says) as caught:
         urdf_import(inner / "r.xacro")
     assert "SECRET" not in str(caught.value)
+    assert "Errno" not in str(caught.value)
+    assert "Python" not in str(caught.value)
 
 
 @pytest.mark.slow
