@@ -203,7 +203,7 @@ def test_what_was_exported_comes_back_with_its_drives(
 
 
 def test_small_drives_and_masses_keep_their_digits(tmp_path: Path) -> None:
-    """Ten digits, however small: 0.12 / 101**2 has more than twelve decimals, as a small mass has."""
+    """Ten digits, however small: 0.12 / 101**2 has more than twelve decimals, as the mass has."""
     dynamics = '<dynamics damping="0.000012345678912" friction="0.0000000345678912"/>'
     (tmp_path / "r.joints.json").write_text(
         json.dumps({
