@@ -50,6 +50,7 @@ CHEAP = ["planar_arm", "cheapest_arm", "far_shelf"]
 def test_every_kind_has_an_example() -> None:
     assert {example.kind for example in EXAMPLES.values()} >= KINDS
     assert len(EXAMPLES) == len(read_examples()) >= 16
+    assert set(RUNS) == set(EXAMPLES)
 
 
 def test_their_specs_are_tested() -> None:
