@@ -91,8 +91,8 @@ def test_a_misspelt_field_is_named() -> None:
     [
         ("0.05", "0", "not positive", "0"),
         ("0.05", "-0.05", "not positive", "-0.05"),
-        ("0.05", ".nan", "no decimal number", ".nan"),
-        ("0.05", "[1]", "no single value", "[1]"),
+        ("0.05", ".nan", "not a decimal number", ".nan"),
+        ("0.05", "[1]", "not a single value", "[1]"),
         ("0.05", "!!python/name:os.system 1", "has a tag", "!!python/name:os.system 1"),
         ("0.05", "!!binary MC4x", "has a tag", "!!binary MC4x"),
         ("0.65", "1.5", "between 0 and 1", "1.5"),
@@ -101,14 +101,14 @@ def test_a_misspelt_field_is_named() -> None:
         ("negate: 0", "negate: 2", "neither 0 nor 1", "2"),
         ("[-10.25, 5e-1, 0.1]", "[1, 2]", "three numbers", "[1, 2]"),
         ("[-10.25, 5e-1, 0.1]", "1", "three numbers", "1"),
-        ("0.1]", "x]", "no decimal number", "x"),
+        ("0.1]", "x]", "not a decimal number", "x"),
         ("0.1]", "90]", "more than a turn", "90"),
-        ("hall.pgm", "[hall.pgm]", "no single value", "[hall.pgm]"),
+        ("hall.pgm", "[hall.pgm]", "not a single value", "[hall.pgm]"),
         ("hall.pgm", "other.pgm", "not the image that was read", "other.pgm"),
         ("negate: 0", "mode: grey\nnegate: 0", "unknown mode", "grey"),
         ("negate: 0", "negate: 0\nnegate: 1", "a second `negate`", "negate"),
         ("negate: 0", "negate: &a 0\nx: *a", "an alias", "*a"),
-        ("negate: 0", "negate: 0\n? [1]\n: 2", "no single value", "[1]"),
+        ("negate: 0", "negate: 0\n? [1]\n: 2", "not a single value", "[1]"),
     ],
 )
 def test_mistakes(old: str, new: str, message: str, place: str) -> None:
