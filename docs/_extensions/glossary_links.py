@@ -52,7 +52,6 @@ OTHER_SENSES: Mapping[str, frozenset[str]] = {
     "contributing/add-an-evaluator": frozenset({"module"}),
     "contributing/add-an-export": frozenset({"word"}),
     "explanation/guarantees": frozenset({"formula"}),
-    "explanation/out-of-reach": frozenset({"word"}),
     "how-to/editors": frozenset({"port", "structural reconfiguration grammar (SRG)"}),
     "how-to/export": frozenset({"attribute"}),
     "how-to/kit": frozenset({"mounting", "tube"}),

@@ -18,7 +18,9 @@ CLOSED = {
     "thead", "nav", "footer",
 }  # fmt: skip
 """Elements in which nothing is linked."""
-CLOSED_CLASSES = {"cell_output", "field-even", "field-odd", "highlight", "rubric", "sig"}
+CLOSED_CLASSES = {"cell_output", "highlight", "rubric", "sig"}
+FIELDS = {"field-even", "field-odd"}
+"""Of the name of a field (`dt`), in which nothing is linked, and of what it says (`dd`)."""
 
 
 class Word(NamedTuple):
@@ -61,6 +63,7 @@ class Article(HTMLParser):
             self._row = given["id"]
         if tag not in VOID:
             closed = tag in CLOSED or bool(classes & CLOSED_CLASSES)
+            closed |= tag == "dt" and bool(classes & FIELDS)
             named = tag in {"strong", "em"} and any(t == "field" for t, _, _ in self._open)
             kind = "field" if "field-list" in classes else tag
             self._open.append((kind, closed or named, target))
