@@ -240,7 +240,7 @@ def test_times_are_rounded_once_each(srgc: Export, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("step", "reason"), [("3e-10 s", "less than a nanosecond"), ("3e8 s", "2147483648 s and more")]
+    ("step", "reason"), [("3e-10 s", "less than a nanosecond"), ("3e8 s", "2147483648 s or more")]
 )
 def test_times_that_are_none_of_a_message(
     srgc: Export, tmp_path: Path, step: str, reason: str
