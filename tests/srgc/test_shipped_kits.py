@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -57,6 +58,10 @@ def test_an_expanded_kit_is_the_kit(file: Path, tmp_path: Path, srgc: Run) -> No
     text = expanded(loaded)
     assert "from ports" not in text
     assert canonical(text, Sink()) == text
+    # Maps and meshes are looked for beside the spec.
+    shutil.copytree(
+        file.parent, tmp_path, ignore=shutil.ignore_patterns("*.srg"), dirs_exist_ok=True
+    )
     path = tmp_path / file.name
     path.write_text(text, encoding="utf-8")
     again = load(path)
