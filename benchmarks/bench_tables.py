@@ -8,7 +8,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from bench_solvers import Task, tasks
+from bench_solvers import CHECKED, Task, tasks
 
 Told = Mapping[str, Any]
 Answers = Mapping[str, Mapping[str, Told]]
@@ -24,7 +24,7 @@ TITLES = {
 
 def solved(told: Told | None) -> bool:
     """Whether an answer is a verdict with evidence that was checked."""
-    return told is not None and told["verdict"] in SOLVED and told.get("evidence") == "checked"
+    return told is not None and told["verdict"] in SOLVED and told.get("evidence") in CHECKED
 
 
 def is_wrong(told: Told, task: Task) -> bool:

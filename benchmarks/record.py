@@ -150,6 +150,11 @@ BENCHMARKS = {
         "All scripts of refutations of shipped, small and random families, by z3 and by cvc5.",
         "benchmarks/smt_agreement.py",
     ),
+    "srgc_bench": Benchmark(
+        "The benchmark set",
+        "68 tasks, a few of them open: verdicts, evidence, processor times, gaps.",
+        "benchmarks/srgc_bench.py",
+    ),
     "case_study": Benchmark(
         "The case study",
         "`specs/planar_arm.srg` from the command line, and the parts of it.",
