@@ -73,6 +73,7 @@ html_title = f"srgc {release}"
 html_math_renderer = "mathml"
 html_static_path = ["_static"]
 html_css_files = ["srgc.css"]
+html_js_files = ["srgc.js"]
 html_copy_source = False
 html_show_sourcelink = False
 html_last_updated_fmt = None

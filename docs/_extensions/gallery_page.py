@@ -146,7 +146,7 @@ def _is_busy(run: Run) -> bool:
 
 
 def _table(examples: Sequence[Example], runs: Mapping[str, Run]) -> Iterator[str]:
-    yield "| | example | verdict | `synth` | `verify` | memory |"
+    yield "| kind | example | verdict | `synth` | `verify` | memory |"
     yield "|---|---|---|---:|---:|---:|"
     for example in examples:
         link = f"[{example.title}](#{_anchor(example.title)})"
