@@ -1,8 +1,9 @@
 """What a refuted structure teaches about others: conditions on words whose robots reach too little.
 
 The numbers of modules of the refuted word are the first condition; it is weakened as far as the
-bound on effectors still holds: a count that does not matter is left out, the others are raised,
-all together first and then one after the other.
+bound on effectors still holds: a count that does not matter is left out, at first among words of
+any length and then among those that the task's bound on modules admits; the others are raised, all
+together first and then one after the other.
 """
 
 from __future__ import annotations
@@ -32,8 +33,9 @@ from compiler.lemmas.effector_bounds import (
 from compiler.lemmas.frame_placement import Around, Placement
 from compiler.robots.normal_form import RobotFamily
 from compiler.tasks.necessary import stops
+from compiler.time_limits.time_limit import check_time
 from compiler.words.acceptance import accept_dfa
-from compiler.words.finite_automaton import intersection
+from compiler.words.finite_automaton import Dfa, complement, intersection
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.lemma import DistanceLemma
@@ -48,29 +50,35 @@ GRID = 10**6
 
 @dataclass(frozen=True, slots=True)
 class _Counts:
-    """How often modules occur, at least and at most; None: as often as they like."""
+    """How often modules occur, at least and at most, and the number of symbols at most.
+
+    What is not said, or None, is not bounded.
+    """
 
     least: Mapping[str, int]
     most: Mapping[str, int]
+    length: int | None = None
 
     def condition(self) -> ir.Accept:
         """The condition on words."""
-        parts: list[ir.Accept] = []
-        for name, count in self.least.items():
-            if self.most.get(name) == count:
-                parts.append(ir.Count(name, "==", count))
-            else:
-                parts.append(ir.Count(name, ">=", count))
-        for name, count in self.most.items():
-            if self.least.get(name) != count:
-                parts.append(ir.Count(name, "<=", count))
+        parts = tuple(self.conditions())
         if not parts:  # every word
             return ir.Count(None, ">=", 1)
-        return parts[0] if len(parts) == 1 else ir.AllOf(tuple(parts))
+        return parts[0] if len(parts) == 1 else ir.AllOf(parts)
+
+    def conditions(self) -> Iterator[ir.Count]:
+        """Those that hold all at once, one by one."""
+        if self.length is not None:
+            yield ir.Count(None, "<=", self.length)
+        for name, count in self.least.items():
+            yield ir.Count(name, "==" if self.most.get(name) == count else ">=", count)
+        for name, count in self.most.items():
+            if self.least.get(name) != count:
+                yield ir.Count(name, "<=", count)
 
     @property
     def rank(self) -> tuple[int, int]:
-        """Greater is weaker: fewer conditions, then larger numbers."""
+        """Greater is weaker in the task: fewer conditions on modules, then larger numbers."""
         return -len(self.least) - len(self.most), sum(self.most.values())
 
     def without_least(self, name: str) -> _Counts:
@@ -85,7 +93,11 @@ class _Counts:
 
 
 def distance_lemma(family: RobotFamily, task: ir.Task, word: Sequence[str]) -> DistanceLemma | None:
-    """The lemma with the weakest condition found that the word of a refuted structure satisfies."""
+    """The lemma with the weakest condition found that the word of a refuted structure satisfies.
+
+    Raises:
+        OutOfTimeError: the limit of time was reached.
+    """
     workspace = family.program.workspaces[task.workspace]
     used = {symbol.name for production in family.grammar.productions for symbol in production.right}
     modules = [name for name in family.program.modules if name in used]
@@ -118,13 +130,21 @@ class _Weakening:
     place: Polytope
     modules: int | None
 
+    @property
+    def longest(self) -> int | None:
+        """The symbols of a word within the bound on modules, with an edge between any two."""
+        if self.modules is None:
+            return None
+        module = self.family.program.is_module
+        plain = all(module(name) for name in self.family.language.srg.terminals)
+        return self.modules if plain else 2 * self.modules - 1
+
     def bound(self, counts: _Counts) -> EffectorBound | None:
         """A bound that the effectors keep to and that excludes the place; None: none was found."""
-        condition = counts.condition()
-        language = self.family.language
+        check_time()
         try:
-            automaton = intersection(language.accept, accept_dfa(condition, language.srg.terminals))
-            if automaton.size > MOST_STATES:
+            automaton = self._automaton(counts)
+            if automaton is None:
                 return None
             placements = placements_within(self.family, automaton)
         except ValueError:
@@ -134,17 +154,59 @@ class _Weakening:
                 return bound
         return None
 
+    def _automaton(self, counts: _Counts) -> Dfa | None:
+        """That of the words that are accepted and satisfy all counts; None: it is too large.
+
+        Counts of different modules multiply their states, and those of a large kit reach any
+        number: so they come in one by one, and the first product that is too large ends it.
+        """
+        language = self.family.language
+        automaton = language.accept
+        for condition in counts.conditions():
+            automaton = intersection(automaton, accept_dfa(condition, language.srg.terminals))
+            if automaton.size > MOST_STATES:
+                return None
+        return automaton
+
     def weakened(self, counts: _Counts, bound: EffectorBound) -> tuple[_Counts, EffectorBound]:
-        """Counts that cannot be weakened alone any more, with their bound."""
-        for without in (_Counts.without_least, _Counts.without_most):
-            for name in counts.most:
-                weaker = without(counts, name)
-                found = self.bound(weaker)
-                if found is not None:
-                    counts, bound = weaker, found
-        names = list(counts.most)
-        for some in dict.fromkeys([tuple(names), *((name,) for name in names)]):
+        """Counts that cannot be weakened alone any more, with their bound.
+
+        The length of words is among them only where that says more.
+        """
+        counts, bound = self._without(_Counts.without_least, counts, bound)
+        counts, bound = self._without(_Counts.without_most, counts, bound)
+        plain = self._all_raised(counts, bound)
+        if self.longest is None:
+            return plain
+        short = replace(counts, length=self.longest)
+        counts, bound = self._without(_Counts.without_most, short, bound)
+        if len(counts.most) == len(short.most):
+            return plain
+        within = self._all_raised(counts, bound)
+        return plain if self._covers(plain[0], within[0]) else within
+
+    def _covers(self, one: _Counts, other: _Counts) -> bool:
+        """Whether all words that satisfy the other counts satisfy one, too."""
+        about = [self._automaton(counts) for counts in (one, other)]
+        if about[0] is None or about[1] is None:
+            return False
+        return intersection(about[1], complement(about[0])).longest() == -1
+
+    def _all_raised(self, counts: _Counts, bound: EffectorBound) -> tuple[_Counts, EffectorBound]:
+        names = tuple(counts.most)
+        for some in dict.fromkeys([names, *((name,) for name in names)]):
             counts, bound = self._raised(counts, bound, some)
+        return counts, bound
+
+    def _without(
+        self, without: Callable[[_Counts, str], _Counts], counts: _Counts, bound: EffectorBound
+    ) -> tuple[_Counts, EffectorBound]:
+        """The same without the counts of one kind that do not matter."""
+        for name in counts.most:
+            weaker = without(counts, name)
+            found = self.bound(weaker)
+            if found is not None:
+                counts, bound = weaker, found
         return counts, bound
 
     def _raised(
@@ -155,8 +217,9 @@ class _Weakening:
         That of one among others is not raised beyond the bound on modules, which says it already.
         """
         step, known, most = 1, 0, MOST_OF_ONE
-        if self.modules is not None and len(names) < len(counts.most):
-            most = max(0, self.modules - min(counts.most[name] for name in names))
+        alone = len(names) < len(counts.most) or counts.length is not None
+        if self.modules is not None and alone:
+            most = max(0, self.modules - min((counts.most[name] for name in names), default=0))
         going_up = True
         while names and step:
             found = None

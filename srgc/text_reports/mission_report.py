@@ -78,7 +78,7 @@ def after_mission(result: MissionResult, folder: str) -> str:
     if result.verdict == "found":
         return next_command("srgc verify", folder)
     if result.ended is not None:
-        return next_advice(f"try first {result.ended.try_first}", "srgc why", folder)
+        return next_advice(f"try {result.ended.try_first}", "srgc why", folder)
     return next_command("srgc why", folder, "what each task rules out")
 
 

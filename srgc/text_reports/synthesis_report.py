@@ -303,24 +303,25 @@ def between(values: Sequence[int]) -> str:
 
 # --- What to do next ------------------------------------------------------------------------------
 
-GO_ON = "the same command again, which goes on"
+GO_ON = "run the same command again to continue"
 
 
 def after_synthesis(result: Synthesis, task: ir.Task, folder: str) -> str:
     """The line on what to do next, of results in a folder."""
     if result.verdict == "found":
         return next_command("srgc verify", folder)
-    first = _first(result, task) if result.verdict == "unknown" else None
-    if first is None:
+    advice = _advice(result, task) if result.verdict == "unknown" else None
+    if advice is None:
         return next_command("srgc why", folder, "what would make it possible")
-    return next_advice(f"try first {first}", "srgc why", folder)
+    return next_advice(advice, "srgc why", folder)
 
 
-def _first(result: Synthesis, task: ir.Task) -> str | None:
-    """What is tried first after *unknown*, by what ended the search; None where nobody knows."""
+def _advice(result: Synthesis, task: ir.Task) -> str | None:
+    """What to try after *unknown*, by what ended the search; None where nobody knows."""
     nearest = None if result.nearest is None else first_to_try(result.nearest)
+    first = None if nearest is None else f"try {nearest}"
     if result.unfinished:
-        return GO_ON if nearest is None else f"{nearest}; {GO_ON}"
+        return GO_ON if first is None else f"{first}; or {GO_ON}"
     unbounded = task.modules is None and nearest is None
     refuted = all(record.verdict in ("refuted", "same") for record in result.records)
-    return "`modules <= n;` in the task" if unbounded and refuted else nearest
+    return "try `modules <= n;` in the task" if unbounded and refuted else first

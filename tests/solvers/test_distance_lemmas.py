@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import product
 
 import pytest
 
@@ -11,6 +12,8 @@ from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.encodings.pose_questions import pose_questions
 from compiler.robots.candidate import candidates
 from compiler.robots.normal_form import family_of
+from compiler.time_limits.time_limit import OutOfTimeError, time_limit
+from grammar_lang import ir
 from solvers.impossibility.distance_lemmas import distance_lemma
 from solvers.impossibility.pose_search import find_poses
 from tests.oracles.formulas import program
@@ -68,3 +71,62 @@ def test_random_families() -> None:
 def test_three_hundred_random_families(block: int) -> None:
     for seed in range(8 * block, 8 * block + 8):
         check_family(seed)
+
+
+LENGTHS = (0.425, 0.475, 0.55, 0.6, 0.675, 0.7, 0.775, 0.8)
+"""Of the limbs of a kit, in metres; the hand is at most so far from the base as their sum."""
+
+
+def kit(distance: float) -> ir.Program:
+    """An arm of at most two limbs, whose hand has to be at some distance."""
+    names = ", ".join(f"Limb{n}" for n in range(len(LENGTHS)))
+    limbs = "\n".join(
+        f"module Limb{n} {{ role link; const length = {length} m; dof q: revolute z; port in: S;"
+        " frame joint = in * rot(z, q); port out: S; frame out = joint * move(x, length);"
+        " rod(frame: joint, axis: x, length: length, density: 1 kg/m); }"
+        for n, length in enumerate(LENGTHS)
+    )
+    return program(
+        f"""
+        module Base {{ role base; port out: S; frame out = in; }}
+        {limbs}
+        module Hand {{ role effector; port in: S; effector(frame: in); }}
+        grammar Arm from ports {{ start Base; with {names}, Hand; }}
+        workspace Table {{
+          plane xy; bounds box [-2, 2] x [-2, 2] m;
+          region Home box [{distance}, {distance + 0.01}] x [-0.01, 0.01] m;
+          target Bin box [-0.2, 0.1] x [1.2, 1.5] m;
+        }}
+        task Sort {{
+          robot Arm; workspace Table; start in Home at rest; reach Bin;
+          effort <= 10 N*m; modules <= 4; horizon 30 steps of 0.1 s;
+        }}
+        """
+    )
+
+
+@pytest.mark.parametrize("distance", [1.3, 1.54])
+def test_a_kit(distance: float) -> None:
+    """What is learnt of the shortest word is about all limbs of which no two are long enough."""
+    found = kit(distance)
+    (task,) = found.tasks.values()
+    family = family_of(found, task)
+    lemma = distance_lemma(family, task, ("Base", "Hand"))
+    assert lemma is not None
+    for pair in product(range(len(LENGTHS)), repeat=2):
+        length = sum(LENGTHS[n] for n in pair)
+        about = lemma.is_about(("Base", *(f"Limb{n}" for n in pair), "Hand"))
+        if length >= distance:
+            assert not about, pair
+        elif 2 * max(LENGTHS[n] for n in pair) < distance:
+            assert about, pair
+
+
+def test_the_limit_of_time_ends_the_weakening() -> None:
+    found = kit(1.54)
+    (task,) = found.tasks.values()
+    family = family_of(found, task)
+    calls = iter(range(1000))
+    with time_limit(lambda: next(calls) >= 5), pytest.raises(OutOfTimeError):
+        distance_lemma(family, task, ("Base", "Hand"))
+    assert next(calls) < 20

@@ -154,7 +154,7 @@ def test_after_a_time_limit(srgc: Srgc, tmp_path: Path) -> None:
     (tmp_path / "turn.srg").write_text(TURNER, encoding="utf-8")
     ran = srgc("synth", tmp_path / "turn.srg", "-o", tmp_path / "out", "--time-limit", 1e-9)
     assert ran.status == 4
-    assert "next:    try first the same command again, which goes on" in ran.out
+    assert "next:    run the same command again to continue" in ran.out
     found = explained(srgc, tmp_path / "out", "--no-runs")
     assert (found["verdict"], found["conflicts"], found["runs"]) == ("unknown", [], 0)
 

@@ -79,7 +79,7 @@ def test_it_is_there_when_time_runs_out_while_a_path_is_tried(tmp_path: Path) ->
     assert result.nearest.cause is Cause.UNDER_WAY
     assert "<svg" in nearest_figure(result.nearest, program.workspaces[task.workspace], task)
     text = synthesis_text(result, task, str(tmp_path))
-    assert "try first a longer `--time-limit`" in text
+    assert "try a longer `--time-limit`" in text
 
 
 def test_a_reason_counts_what_the_folder_has(folder: Path) -> None:

@@ -138,7 +138,7 @@ VERDICTS = {
     ),
     "unknown": (
         ["synth", "turner.srg", "-o", "out", "--time-limit", "1e-9"],
-        "verdict: ", "unknown", 33, "try first the same command again, which goes on",
+        "verdict: ", "unknown", 33, "run the same command again to continue",
     ),
     "plan": (["plan", "turner.srg"], "verdict: ", "found", 32, "srgc synth turner.srg"),
     "no plan": (["plan", "closed.srg"], "", "no path", 31, "srgc plan -o plan.svg closed.srg"),
