@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from srgc.imports.module_set import Steps, Vector, matrix_of
+from srgc.imports.module_set import Move, Steps, Vector, matrix_of
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Geometry
@@ -57,8 +57,11 @@ class Moments:
         return Moments(mass, centre, inertia)
 
 
-def moments_of_shape(geometry: Geometry) -> Moments | None:
-    """The moments of a box, sphere or cylinder about its middle, for a density of 1 kg/m^3."""
+def moments_of_shape(geometry: Geometry, *, round_ends: bool = False) -> Moments | None:
+    """The moments of a box, sphere or cylinder about its middle, for a density of 1 kg/m^3.
+
+    ``round_ends``: the cylinder is that of a capsule, with half a ball at each end.
+    """
     if geometry.box is not None:
         a, b, c = (float(value) for value in geometry.box.size)
         three = ((b * b + c * c) / 12, (a * a + c * c) / 12, (a * a + b * b) / 12)
@@ -70,8 +73,19 @@ def moments_of_shape(geometry: Geometry) -> Moments | None:
     if geometry.cylinder is not None:
         radius, length = float(geometry.cylinder.radius), float(geometry.cylinder.length)
         across = (3 * radius**2 + length**2) / 12
-        return _diagonal(math.pi * radius**2 * length, across, across, radius**2 / 2)
+        whole = _diagonal(math.pi * radius**2 * length, across, across, radius**2 / 2)
+        return _with_half_balls(whole, radius, length) if round_ends else whole
     return None
+
+
+def _with_half_balls(cylinder: Moments, radius: float, length: float) -> Moments:
+    """A cylinder along z with half a ball at each end."""
+    across = 83 / 320 * radius**2  # about the centre, which is 3/8 of the radius from the flat side
+    ball = _diagonal(2 / 3 * math.pi * radius**3, across, across, 0.4 * radius**2)
+    height = length / 2 + 3 / 8 * radius
+    for side in (-1, 1):
+        cylinder += ball.placed((Move((0.0, 0.0, side * height)),))
+    return cylinder
 
 
 def _diagonal(mass: float, xx: float, yy: float, zz: float) -> Moments:

@@ -1,6 +1,6 @@
 """What the elements of a URDF may hold; all else is told, and an error where it says another robot.
 
-Source: wiki.ros.org/urdf/XML; ``quat_xyzw`` is of version 1.1 (github.com/ros/urdfdom).
+Source: wiki.ros.org/urdf/XML; ``quat_xyzw`` and ``capsule`` are newer (github.com/ros/urdfdom).
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from srgc.imports.body_meshes import BodyMeshes
 from srgc.imports.module_set import Body, Move, Placement, Shape, Turn, joined
 from srgc.imports.solid_moments import Moments, moments_of_shape
 from srgc.imports.urdf.robot_model import UrdfRobot
+from srgc.imports.xml_source import Element
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Collision, Link, Mesh, Visual
@@ -87,7 +88,7 @@ class LinkParts:
         if self.density is not None:
             for shape, written in zip(link.collisions, element.findall("collision"), strict=True):
                 steps = self.robot.steps(written)
-                moments = self._moments(shape)
+                moments = self._moments(shape, round_ends=_is_capsule(written))
                 if moments is not None:
                     found.append(moments.placed(steps).times(self.density))
         if not found:
@@ -96,11 +97,11 @@ class LinkParts:
         whole = sum(found[1:], start=found[0])
         yield Body(Placement(frame), whole.mass, whole.com, whole.six, "of its shapes")
 
-    def _moments(self, shape: Collision) -> Moments | None:
+    def _moments(self, shape: Collision, *, round_ends: bool) -> Moments | None:
         geometry = shape.geometry
         if geometry.mesh is not None:
             return self.meshes.moments(geometry.mesh.filename, _scale(geometry.mesh))
-        return moments_of_shape(geometry)
+        return moments_of_shape(geometry, round_ends=round_ends)
 
     # --- Shapes -----------------------------------------------------------------------------------
 
@@ -109,11 +110,14 @@ class LinkParts:
         link = self.robot.links[name]
         element = self.robot.elements["link", name]
         for shape, written in zip(link.collisions, element.findall("collision"), strict=True):
-            yield from self._shape(name, shape, Placement(frame, self.robot.steps(written)))
+            place = Placement(frame, self.robot.steps(written))
+            yield from self._shape(name, shape, place, round_ends=_is_capsule(written))
         for look, written in zip(link.visuals, element.findall("visual"), strict=True):
             yield from self._visual(name, look, Placement(frame, self.robot.steps(written)))
 
-    def _shape(self, link: str, shape: Collision, place: Placement) -> Iterator[Shape]:
+    def _shape(
+        self, link: str, shape: Collision, place: Placement, *, round_ends: bool
+    ) -> Iterator[Shape]:
         geometry = shape.geometry
         if geometry.box is not None:
             x, y, z = (float(value) for value in geometry.box.size)
@@ -123,7 +127,7 @@ class LinkParts:
         elif geometry.cylinder is not None:
             radius, length = float(geometry.cylinder.radius), float(geometry.cylinder.length)
             below = Placement(place.base, joined(place.steps, (Move((0.0, 0.0, -length / 2)),)))
-            yield Shape("cylinder", below, (radius, length))
+            yield Shape("capsule" if round_ends else "cylinder", below, (radius, length))
         elif geometry.mesh is not None:
             mesh = geometry.mesh
             yield from self.meshes.hulls(link, mesh.filename, _scale(mesh), place)
@@ -134,6 +138,11 @@ class LinkParts:
             yield from self.meshes.visual(link, mesh.filename, _scale(mesh), place)
         else:
             self.plain_looks.append(link)
+
+
+def _is_capsule(written: Element) -> bool:
+    """Whether a visual or collision is a capsule, whose length is that between its half-balls."""
+    return written.find("geometry/capsule") is not None
 
 
 def _scale(mesh: Mesh) -> tuple[float, float, float]:

@@ -7,6 +7,7 @@ things stood; so numbers and names are looked at first, in the elements that lxm
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -155,9 +156,13 @@ def _without_namespace(root: Element) -> None:
 
 
 def _plain(root: Element) -> bytes:
+    """The text for yourdfpy, which knows no capsules and is given cylinders."""
     from lxml import etree
 
-    text: bytes = etree.tostring(root)
+    known = deepcopy(root)
+    for capsule in known.iter("capsule"):
+        capsule.tag = "cylinder"
+    text: bytes = etree.tostring(known)
     return text
 
 

@@ -27,10 +27,12 @@ NEEDED = {
     "inertia": ("ixx", "iyy", "izz"),
     "sphere": ("radius",),
     "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
     "box": ("size",),
     "mesh": ("filename",),
     "mimic": ("joint",),
 }
+GEOMETRIES = ("box", "cylinder", "capsule", "sphere", "mesh")
 LARGEST = 1e9
 UNIT = 1e-3
 """So much may the length of a quaternion differ from 1, as files round."""
@@ -114,8 +116,8 @@ def _check_geometry(file: XmlFile, element: Element) -> None:
     kinds = [str(child.tag) for child in element]
     if len(kinds) != 1:
         raise file.fault(element, f"a <geometry> of {len(kinds)} shapes, where one is due")
-    if kinds[0] not in ("box", "cylinder", "sphere", "mesh"):
-        hint = "known: box, cylinder, sphere, mesh"
+    if kinds[0] not in GEOMETRIES:
+        hint = f"known: {', '.join(GEOMETRIES)}"
         raise file.fault(element, f"a <geometry> of <{visible(kinds[0])}>", hint)
     scale = element[0].get("scale")
     if kinds[0] == "mesh" and scale is not None:

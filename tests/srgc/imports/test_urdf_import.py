@@ -176,6 +176,34 @@ def test_masses_of_shapes(imported):
     assert float(numbers[2]) == pytest.approx(zz, rel=1e-9)
 
 
+def test_a_capsule(imported):
+    """MuJoCo weighs the same one; its length is that between the centres of its half-balls."""
+    import mujoco
+
+    origin = '<origin xyz="0.1 0 0.2" rpy="0.5 0 0"/>'
+    capsule = '<collision>{}<geometry><capsule radius="0.05" length="0.3"/></geometry></collision>'
+    text = robot(
+        link("a"), f'<link name="b">{capsule.format(origin)}</link>', joint("revolute", LIMIT)
+    )
+    found = imported(text, density=800.0)
+    quiet(found.text)
+    assert "capsule(" in found.text
+    assert "length: 300 mm, radius: 50 mm" in found.text
+    assert "cylinder" not in found.text
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><body><freejoint/><geom type="capsule" size="0.05 0.15" density="800"'
+        "/></body></worldbody></mujoco>"
+    )
+    pattern = r"mass: (\S+) kg, com: \((.*?)\) mm,\s+inertia: \((.*?)\) kg\*m\^2"
+    mass, centre, six = re.findall(pattern, found.text)[-1]
+    assert float(mass) == pytest.approx(model.body_mass[1], rel=1e-9)
+    assert [float(part) for part in centre.split(", ")] == [100, 0, 200]
+    xx, yy, zz, xy, xz, yz = (float(part) for part in six.split(", "))
+    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    known = np.sort(model.body_inertia[1])
+    assert moments == pytest.approx(known, abs=1e-9 * known[-1])  # ten digits of each entry
+
+
 def test_a_branch_has_a_tip_at_each_end(imported):
     text = robot(
         link("a"), link("b"), link("c"),
