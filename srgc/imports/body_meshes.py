@@ -72,11 +72,12 @@ class BodyMeshes:
         return [f"{self.folder}/{name}.obj" for name in names]
 
     def _mesh(self, file: str, scale: Sequence[float]) -> Mesh:
-        """A mesh in metres."""
+        """A mesh in metres, in the axes of its file."""
         from srgc.imports.meshes.exact_places import rational
         from srgc.imports.meshes.mesh_file import read_mesh
 
-        return read_mesh(self.files.path_of(file)).scaled([rational(factor) for factor in scale])
+        mesh = read_mesh(self.files.path_of(file), own_axes=True)
+        return mesh.scaled([rational(factor) for factor in scale])
 
     def moments(self, file: str, scale: Sequence[float]) -> Moments | None:
         """The moments of a closed mesh for a density of 1 kg/m^3, None of an open one."""

@@ -81,12 +81,6 @@ def turn(angle: float) -> np.ndarray:
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
-def z_up(points: np.ndarray) -> np.ndarray:
-    """What trimesh writes is y up by the formats' own rules."""
-    x, y, z = points.T
-    return np.stack([x, -z, y], axis=1)
-
-
 def seen(q: np.ndarray) -> dict[str, np.ndarray]:
     """The vertices of each link's visuals in the world, by the coordinates of the joints."""
     stl = np.array(tube()).reshape(-1, 3) / 1000
@@ -95,8 +89,8 @@ def seen(q: np.ndarray) -> dict[str, np.ndarray]:
     elbow = turn(q[0]) @ (0.4, 0, 0)
     fore = turn(q[0] + q[1])
     # One of the file is half a metre, by the file, and its scale says twice that.
-    foot = z_up(FOOT.vertices) * 0.5 * 2 + (-0.1, 0, 0)
-    hand = elbow + (0.1 * z_up(HAND.vertices) @ turn(np.pi / 2).T + (0.25, 0, 0)) @ fore.T
+    foot = FOOT.vertices * 0.5 * 2 + (-0.1, 0, 0)
+    hand = elbow + (0.1 * HAND.vertices @ turn(np.pi / 2).T + (0.25, 0, 0)) @ fore.T
     return {
         "B_0": foot,
         "J_1_link": (stl @ turn(np.pi / 6).T + (0.1, 0.02, 0)) @ turn(q[0]).T,

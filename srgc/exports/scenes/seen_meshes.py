@@ -72,7 +72,7 @@ def _surface(file: ir.VisualFile) -> Triangles:
         UsageFault: it cannot be read, or a library for that is missing.
     """
     try:
-        mesh = mesh_of(file.data, Path(file.path))
+        mesh = mesh_of(file.data, Path(file.path), own_axes=True)
     except ModuleNotFoundError as error:
         said = f'{file.path} needs the library {error.name}: pip install "srgc[import]"'
         raise UsageFault(said) from None

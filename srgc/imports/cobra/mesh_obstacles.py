@@ -83,7 +83,7 @@ class MeshObstacles:
         from srgc.imports.meshes.mesh_file import read_mesh
         from srgc.imports.meshes.piece_files import pieces_text
 
-        mesh = read_mesh(self.files.path_of(geometry.file))
+        mesh = read_mesh(self.files.path_of(geometry.file), own_axes=True)
         mesh = mesh.scaled([rational(factor) for factor in geometry.size])
         found = decomposed(
             mesh.vertices,

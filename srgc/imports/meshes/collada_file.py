@@ -28,6 +28,7 @@ UP: dict[str, tuple[tuple[int, int, int], ...]] = {
     "Z_UP": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
 }
 """What turns a file with that axis up so that z is: COLLADA 1.4.1, element ``up_axis``."""
+UNSAID = "Y_UP"
 APPEARANCE = (
     "library_images",
     "library_effects",
@@ -44,8 +45,10 @@ APPEARANCE = (
 """Elements that are taken away before pycollada sees them, so that it opens no image."""
 
 
-def collada_mesh(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
-    """All triangles of the scene of a file, z up, in metres if ``own_unit``, else in its unit.
+def collada_mesh(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) -> Mesh:
+    """All triangles of the scene of a file, in metres if ``own_unit``, else in its unit.
+
+    With ``own_axes`` in the axes of the file, whichever of them it says is up; else z is.
 
     Raises:
         SourceFault: it is not a COLLADA file, or has no scene with triangles.
@@ -71,6 +74,8 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
         said = " ".join(str(error).split())[:120]
         raise file_fault(path, f"it cannot be read as COLLADA: {said}") from None
     notes = tuple(f"{path.name}: {' '.join(str(error).split())[:120]}" for error in read.errors)
+    if own_axes and up and up != "Z_UP":
+        notes += (f"{path.name}: `up_axis` {up} turns nothing, as in ROS and Gazebo",)
     whole = joined([(name, (points, faces)) for name, points, faces, _ in parts])
     longer, before = dict[tuple[int, int], Fraction](), 0
     for _, points, _, source in parts:
@@ -79,7 +84,9 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
         longer |= {(before + row, column): exact for (row, column), exact in made.items()}
         before += len(points)
     places = ExactPlaces(whole.vertices, longer=longer)
-    places = places.placed(np.array(UP[up], dtype=np.float64), (Fraction(0),) * 3)
+    places = places.placed(
+        np.array(UP["Z_UP" if own_axes else up or UNSAID], dtype=np.float64), (Fraction(0),) * 3
+    )
     if own_unit:
         places = places.scaled([scale] * 3)
     return Mesh(places.vertices(), whole.triangles, whole.objects, notes, places)
@@ -111,8 +118,8 @@ def _in_doubles(read: Any) -> dict[str, list[list[str]]]:
 
 
 def _asset(file: XmlFile) -> tuple[Fraction, str]:
-    """The unit in metres, and the axis that is up."""
-    scale, up = Fraction(1), "Y_UP"
+    """The unit in metres, and the axis that is up; empty where the file does not say it."""
+    scale, up = Fraction(1), ""
     for element in file.root.iter():
         tag = _tag(element)
         if tag == "unit":

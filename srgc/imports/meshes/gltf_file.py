@@ -1,4 +1,4 @@
-"""The triangles of a binary glTF file, z up.
+"""The triangles of a binary glTF file.
 
 Source: the Khronos specification of glTF 2.0.  No other file is opened; materials, skins and
 animations are left out.
@@ -32,8 +32,10 @@ INSTANCES = "EXT_mesh_gpu_instancing"
 """By it one node stands for a mesh in many places."""
 
 
-def gltf_mesh(content: bytes, path: Path) -> Mesh:
+def gltf_mesh(content: bytes, path: Path, *, own_axes: bool) -> Mesh:
     """All triangles of the scene of a file, each mesh of it an object, in metres.
+
+    With ``own_axes`` in the axes of the file, of which y is up; else z is.
 
     Raises:
         SourceFault: it is no binary glTF 2.0, was cut off, needs another file or an extension that
@@ -51,7 +53,7 @@ def gltf_mesh(content: bytes, path: Path) -> Mesh:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error):
         raise file_fault(path, "it cannot be read as binary glTF 2.0", "was it cut off?") from None
-    turn = np.array(UP["Y_UP"], dtype=np.float64).T
+    turn = np.array(UP["Z_UP" if own_axes else "Y_UP"], dtype=np.float64).T
     found = joined([(name, (points @ turn, faces)) for name, points, faces in parts])
     notes = (f"{path.name}: {file.left_out} sets of points or lines: left out",)
     return Mesh(found.vertices, found.triangles, found.objects, notes if file.left_out else ())

@@ -29,29 +29,30 @@ SUFFIXES = (".stl", ".obj", ".dae", ".glb")
 _HEADER, _TRIANGLE = 84, 50
 
 
-def read_mesh(path: Path, unit: float | None = None) -> Mesh:
+def read_mesh(path: Path, unit: float | None = None, *, own_axes: bool = False) -> Mesh:
     """The mesh of a file, in metres.
 
     Args:
         path: a file that ends with one of :data:`SUFFIXES`.
         unit: what a length of one in the file is, in metres.  None: what a COLLADA file says, and
             metres of the others.
+        own_axes: keep the axes of the file; else z is up, by what the file or its format says.
 
     Raises:
         SourceFault: it is no such file, is cut off, has too many triangles, or corners that are not
             finite or too far off.
     """
-    return _mesh_of(source_bytes(path, _most_bytes(path)), path, unit)
+    return _mesh_of(source_bytes(path, _most_bytes(path)), path, unit, own_axes=own_axes)
 
 
-def mesh_of(content: bytes, path: Path) -> Mesh:
+def mesh_of(content: bytes, path: Path, *, own_axes: bool = False) -> Mesh:
     """The mesh of a file that has been read, in metres as with no unit; ``path`` is its name.
 
     Raises:
         SourceFault: as of a file.
     """
     refuse_content(content, path, _most_bytes(path))
-    return _mesh_of(content, path, None)
+    return _mesh_of(content, path, None, own_axes=own_axes)
 
 
 def _most_bytes(path: Path) -> int:
@@ -68,17 +69,17 @@ def _most_bytes(path: Path) -> int:
     return XML_LIMIT if suffix == ".dae" else LIMIT
 
 
-def _mesh_of(content: bytes, path: Path, unit: float | None) -> Mesh:
+def _mesh_of(content: bytes, path: Path, unit: float | None, *, own_axes: bool) -> Mesh:
     try:
         # What libraries warn of concerns those who maintain them.
         with warnings.catch_warnings(action="ignore"):
-            mesh = _read(content, path, own_unit=unit is None)
+            mesh = _read(content, path, own_unit=unit is None, own_axes=own_axes)
     except (MemoryError, RecursionError):
         raise file_fault(path, "it is too large or too deeply nested") from None
     return _checked(mesh, 1.0 if unit is None else unit, path)
 
 
-def _read(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
+def _read(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) -> Mesh:
     match path.suffix.lower():
         case ".stl":
             return _stl(content, path)
@@ -89,11 +90,11 @@ def _read(content: bytes, path: Path, *, own_unit: bool) -> Mesh:
         case ".glb":
             from srgc.imports.meshes.gltf_file import gltf_mesh
 
-            return gltf_mesh(content, path)
+            return gltf_mesh(content, path, own_axes=own_axes)
         case _:
             from srgc.imports.meshes.collada_file import collada_mesh
 
-            return collada_mesh(content, path, own_unit=own_unit)
+            return collada_mesh(content, path, own_unit=own_unit, own_axes=own_axes)
 
 
 def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:

@@ -78,7 +78,7 @@ class Geometries:
             self.scene.dropped.append(f"{name}: its mesh {uri or '(without an address)'}")
             return
         path = self.files.path_of(uri, self.folder)
-        mesh = read_mesh(path)
+        mesh = read_mesh(path, own_axes=True)
         part = element.find("submesh")
         if part is not None:
             wanted = (part.findtext("name") or "").strip()

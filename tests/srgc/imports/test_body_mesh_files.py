@@ -6,6 +6,10 @@ import re
 from fractions import Fraction
 from itertools import product
 
+import numpy as np
+import pytest
+import trimesh
+
 from srgc.imports.urdf.urdf_import import urdf_import
 
 ROBOT = """<robot name="pair"><link name="base">
@@ -68,3 +72,53 @@ def test_what_of_a_mesh_is_not_taken_is_told(tmp_path):
     (tmp_path / "pair.urdf").write_text(ROBOT)
     remarks = urdf_import(tmp_path / "pair.urdf").remarks
     assert any("1 faces of one or two corners: left out" in each for each in remarks)
+
+
+BOX = np.array([0.1, 0.2, 0.3])
+ROUNDED = 2e-4
+"""Metres: a piece holds its mesh, with room for decimals."""
+
+
+def boxed(folder, suffix, up="Y_UP"):
+    """A URDF of a link that collides as a box, whose file says that another axis is up."""
+    box = trimesh.creation.box(BOX).apply_translation((0.5, 0.7, 0.9))
+    data = box.export(file_type=suffix)
+    if suffix == "dae":
+        data = data.replace(b"Y_UP", up.encode())
+        assert b"<up_axis>" + up.encode() in data
+    (folder / f"part.{suffix}").write_bytes(data)
+    text = '<robot name="one"><link name="base"><collision><geometry><mesh filename="{}"/>'
+    (folder / "one.urdf").write_text(
+        text.format(f"part.{suffix}") + "</geometry></collision></link></robot>"
+    )
+    return folder / "one.urdf"
+
+
+def corners_of(found):
+    (piece,) = found.files.values()
+    return np.array(rows(piece.decode(), "v"), dtype=float)
+
+
+@pytest.mark.parametrize("case", ["dae Y_UP", "dae X_UP", "dae Z_UP", "glb"])
+def test_meshes_of_bodies_keep_their_axes(case, tmp_path):
+    """As in RViz, MoveIt, Pinocchio and Gazebo, whatever the format says is up."""
+    suffix, _, up = case.partition(" ")
+    found = urdf_import(boxed(tmp_path, suffix, up))
+    corners = corners_of(found)
+    assert np.ptp(corners, axis=0) == pytest.approx(BOX, abs=3 * ROUNDED)
+    assert corners.mean(axis=0) == pytest.approx([0.5, 0.7, 0.9], abs=ROUNDED)
+    told = [each for each in found.remarks if f"`up_axis` {up} turns nothing" in each]
+    assert len(told) == (case in ("dae Y_UP", "dae X_UP"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ["dae Y_UP", "dae X_UP", "dae Z_UP", "glb"])
+def test_axes_are_those_of_the_meshes_of_pinocchio(case, tmp_path):
+    import coal
+
+    suffix, _, up = case.partition(" ")
+    corners = corners_of(urdf_import(boxed(tmp_path, suffix, up)))
+    loaded = coal.MeshLoader().load(str(tmp_path / f"part.{suffix}"), np.ones(3))
+    known = np.array([loaded.vertex(number) for number in range(loaded.num_vertices)])
+    assert corners.min(axis=0) == pytest.approx(known.min(axis=0), abs=ROUNDED)
+    assert corners.max(axis=0) == pytest.approx(known.max(axis=0), abs=ROUNDED)
