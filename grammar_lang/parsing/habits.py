@@ -10,6 +10,7 @@ _AT_MOST = (
     "write `horizon 10 steps of 0.2 s` for exactly that many steps, or `horizon at most 10 "
     "steps of 0.2 s` for any number up to that"
 )
+_POLYTOPE = "write inequalities with `;` between, as in `polytope { x >= 0; y >= 0; x + y <= 1 } m`"
 _POINT = (
     "it takes a region: declare one in the workspace, such as `target T ball (3, 4) m radius 1 cm;`"
 )
@@ -55,6 +56,8 @@ def _in_expression(tokens: Tokens, here: int, wanted: str) -> str | None:
         return "`within` takes a percentage, as in `within 5 %`"
     if wanted == "`;` or `}`" and found in _COMPARISONS:
         return "an inequality has two sides: write two of them, with `;` between"
+    if tokens.at(here - 1) == "polytope" or (wanted == "`;` or `}`" and found == ","):
+        return _POLYTOPE
     if found == "!=":
         return "write `not count(…) == …`"
     return None

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from fractions import Fraction
 
@@ -150,6 +151,18 @@ def test_chained_inequalities_are_to_be_split() -> None:
     (found,) = load_text(workspace, "t.srg").diagnostics
     assert found.hint is not None
     assert "two" in found.hint
+
+
+@pytest.mark.parametrize(
+    "shape", ["polytope x >= 0, y >= 0", "polytope { x + y <= 1 m, x >= 0 m, y >= 0 m }"]
+)
+def test_inequalities_are_in_braces_with_semicolons_between(shape: str) -> None:
+    workspace = f"workspace W {{ plane xy; bounds box [0, 1] x [0, 1] m; region S {shape}; }}"
+    (found,) = load_text(workspace, "t.srg").diagnostics
+    advised = re.search(r"`(polytope .*) m`", found.hint or "")
+    assert advised is not None
+    followed = workspace.replace(shape, f"{advised[1]} m")
+    assert not load_text(followed, "t.srg").diagnostics
 
 
 def test_every_broken_item_is_reported(check: Check) -> None:
