@@ -1,9 +1,9 @@
-"""What a refuted structure teaches about others: conditions on words whose robots reach too little.
+"""Distance lemmas: conditions on words that no robot which reaches a region satisfies.
 
-The numbers of modules of the refuted word are the first condition; it is weakened as far as the
-bound on effectors still holds: a count that does not matter is left out, at first among words of
-any length and then among those that the task's bound on modules admits; the others are raised, all
-together first and then one after the other.
+The search starts from a refuted word. Its condition first fixes how often each module occurs. It
+is then weakened as long as the bound on the effectors still holds. Counts that do not matter are
+dropped, for words of any length or only for words within the task's bound on modules. The other
+counts are raised, first all together, then one by one.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ from grammar_lang import ir
 from solvers.lemma import DistanceLemma
 
 MOST_OF_ONE = 100
-"""Counts are not raised beyond."""
+"""The largest count that is tried."""
 MOST_STATES = 80
-"""Conditions are not weakened beyond: what is asked about takes time that grows with the square."""
+"""The largest automaton of a condition: the time to bound its effectors grows with the square."""
 GRID = 10**6
-"""Normals are multiples of one part in so many."""
+"""Normals are rounded to multiples of 1 / GRID."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Counts:
-    """How often modules occur, at least and at most, and the number of symbols at most.
+    """Bounds on how often each module occurs, and on the length of the word.
 
-    What is not said, or None, is not bounded.
+    A module without an entry is not bounded, nor is the length if it is None.
     """
 
     least: Mapping[str, int]
@@ -60,14 +60,14 @@ class _Counts:
     length: int | None = None
 
     def condition(self) -> ir.Accept:
-        """The condition on words."""
+        """All bounds as one condition on words."""
         parts = tuple(self.conditions())
         if not parts:  # every word
             return ir.Count(None, ">=", 1)
         return parts[0] if len(parts) == 1 else ir.AllOf(parts)
 
     def conditions(self) -> Iterator[ir.Count]:
-        """Those that hold all at once, one by one."""
+        """The bounds as separate conditions."""
         if self.length is not None:
             yield ir.Count(None, "<=", self.length)
         for name, count in self.least.items():
@@ -78,7 +78,7 @@ class _Counts:
 
     @property
     def rank(self) -> tuple[int, int]:
-        """Greater is weaker in the task: fewer conditions on modules, then larger numbers."""
+        """A measure of weakness: fewer bounds on modules, then larger counts."""
         return -len(self.least) - len(self.most), sum(self.most.values())
 
     def without_least(self, name: str) -> _Counts:
@@ -88,15 +88,18 @@ class _Counts:
         return replace(self, most={k: v for k, v in self.most.items() if k != name})
 
     def raised(self, names: Sequence[str], by: int) -> _Counts:
-        """With so many more of some modules."""
+        """The upper bounds of the named modules raised by ``by``."""
         return replace(self, most={k: v + by * (k in names) for k, v in self.most.items()})
 
 
 def distance_lemma(family: RobotFamily, task: ir.Task, word: Sequence[str]) -> DistanceLemma | None:
-    """The lemma with the weakest condition found that the word of a refuted structure satisfies.
+    """The lemma with the weakest condition found for the word of a refuted structure.
+
+    Returns:
+        None if no bound excludes a region that the task has to reach.
 
     Raises:
-        OutOfTimeError: the limit of time was reached.
+        OutOfTimeError: the time limit was reached.
     """
     workspace = family.program.workspaces[task.workspace]
     used = {symbol.name for production in family.grammar.productions for symbol in production.right}
@@ -132,7 +135,7 @@ class _Weakening:
 
     @property
     def longest(self) -> int | None:
-        """The symbols of a word within the bound on modules, with an edge between any two."""
+        """The length of the longest word within the bound on modules, with an edge between any two."""
         if self.modules is None:
             return None
         module = self.family.program.is_module
@@ -140,7 +143,7 @@ class _Weakening:
         return self.modules if plain else 2 * self.modules - 1
 
     def bound(self, counts: _Counts) -> EffectorBound | None:
-        """A bound that the effectors keep to and that excludes the place; None: none was found."""
+        """A bound that holds for all effectors and excludes the place; None if none was found."""
         check_time()
         try:
             automaton = self._automaton(counts)
@@ -155,10 +158,10 @@ class _Weakening:
         return None
 
     def _automaton(self, counts: _Counts) -> Dfa | None:
-        """That of the words that are accepted and satisfy all counts; None: it is too large.
+        """The automaton of accepted words that satisfy all counts; None if it is too large.
 
-        Counts of different modules multiply their states, and those of a large kit reach any
-        number: so they come in one by one, and the first product that is too large ends it.
+        The states of different counts multiply, so the product for a large kit would not end. The
+        counts are therefore added one by one until the product exceeds ``MOST_STATES``.
         """
         language = self.family.language
         automaton = language.accept
@@ -169,9 +172,9 @@ class _Weakening:
         return automaton
 
     def weakened(self, counts: _Counts, bound: EffectorBound) -> tuple[_Counts, EffectorBound]:
-        """Counts that cannot be weakened alone any more, with their bound.
+        """Weaken the counts one by one as far as a bound holds; return both.
 
-        The length of words is among them only where that says more.
+        The length of the word is bounded only if that makes the condition weaker.
         """
         counts, bound = self._without(_Counts.without_least, counts, bound)
         counts, bound = self._without(_Counts.without_most, counts, bound)
@@ -186,13 +189,14 @@ class _Weakening:
         return plain if self._covers(plain[0], within[0]) else within
 
     def _covers(self, one: _Counts, other: _Counts) -> bool:
-        """Whether all words that satisfy the other counts satisfy one, too."""
+        """Whether every word that satisfies ``other`` also satisfies ``one``."""
         about = [self._automaton(counts) for counts in (one, other)]
         if about[0] is None or about[1] is None:
             return False
         return intersection(about[1], complement(about[0])).longest() == -1
 
     def _all_raised(self, counts: _Counts, bound: EffectorBound) -> tuple[_Counts, EffectorBound]:
+        """Raise all counts together, then each alone."""
         names = tuple(counts.most)
         for some in dict.fromkeys([names, *((name,) for name in names)]):
             counts, bound = self._raised(counts, bound, some)
@@ -201,7 +205,7 @@ class _Weakening:
     def _without(
         self, without: Callable[[_Counts, str], _Counts], counts: _Counts, bound: EffectorBound
     ) -> tuple[_Counts, EffectorBound]:
-        """The same without the counts of one kind that do not matter."""
+        """Drop each lower or upper bound, by ``without``, that the effectors do not need."""
         for name in counts.most:
             weaker = without(counts, name)
             found = self.bound(weaker)
@@ -212,9 +216,9 @@ class _Weakening:
     def _raised(
         self, counts: _Counts, bound: EffectorBound, names: Sequence[str]
     ) -> tuple[_Counts, EffectorBound]:
-        """Counts of some modules raised as far as that goes: by doubling, then by halving.
+        """Raise the named counts as far as a bound holds, by doubling, then by bisection.
 
-        That of one among others is not raised beyond the bound on modules, which says it already.
+        A count that is raised alone stays within the task's bound on modules.
         """
         step, known, most = 1, 0, MOST_OF_ONE
         alone = len(names) < len(counts.most) or counts.length is not None
@@ -234,7 +238,7 @@ class _Weakening:
 
 
 def _bounds(placements: Sequence[Placement], place: Polytope) -> Iterator[EffectorBound]:
-    """Bounds that the effectors may keep to, and that exclude the place if there is room."""
+    """Candidate bounds on the effectors at some placements; they still have to be proved."""
     vertices = np.array([[float(x) for x in vertex] for vertex in place.vertices])
     if not placements:
         yield _beyond(np.ones(vertices.shape[1]), (), vertices)
@@ -275,7 +279,7 @@ def _away(centre: Array, around: Sequence[Around]) -> BallBound:
 
 
 def _most(measure: Callable[[Around], arb], around: Sequence[Around], sign: int) -> Fraction | None:
-    """The greatest (sign 1) or the least (-1) of some bounds, rounded outwards."""
+    """The greatest (sign 1) or least (sign -1) measure, rounded outwards; None if infinite."""
     found: Fraction | None = None
     for each in around:
         bounds = outward(measure(each))
