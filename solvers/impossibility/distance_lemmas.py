@@ -135,7 +135,7 @@ class _Weakening:
 
     @property
     def longest(self) -> int | None:
-        """The length of the longest word within the bound on modules, with an edge between any two."""
+        """The most symbols of a word within the bound on modules, edges between them included."""
         if self.modules is None:
             return None
         module = self.family.program.is_module
