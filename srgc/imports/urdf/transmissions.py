@@ -17,6 +17,8 @@ from srgc.imports.xml_source import Element, XmlFile
 
 SIMPLE = "SimpleTransmission"
 TAGS = ("mechanicalReduction", "mechanical_reduction")
+OF_ACTUATORS = (*TAGS, "hardwareInterface", "offset", "command_interface", "state_interface")
+"""The parts of an actuator that are read, or that say nothing of how a joint moves."""
 
 
 @dataclass(slots=True)
@@ -41,6 +43,7 @@ class Gears:
             SourceFault: a reduction is no number.
         """
         for transmission in self.file.root.iter("transmission"):
+            self._tell_of_others(transmission)
             stated = list(self._stated(transmission))
             joint = self._joint(transmission)
             if joint is None or not stated:
@@ -63,6 +66,14 @@ class Gears:
             text = element.text or ""
             check_text(self.file, element, str(element.tag), text, 1)
             yield float(text), element
+
+    def _tell_of_others(self, transmission: Element) -> None:
+        """Warn of each other part of an actuator, such as the rotor inertia that Drake reads."""
+        for part in transmission.iterfind("actuator/*"):
+            tag = str(part.tag).rpartition("}")[2]
+            if tag not in OF_ACTUATORS:
+                called = visible(f"{part.prefix}:{tag}" if part.prefix else tag)
+                self._tell(part, f"<{called}> in <actuator> is left out")
 
     def _joint(self, transmission: Element) -> str | None:
         """The one joint of a transmission; it is told why one has none that counts."""

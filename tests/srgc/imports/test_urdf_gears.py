@@ -69,6 +69,18 @@ GEARS = {
 }  # fmt: skip
 
 
+def test_other_parts_of_an_actuator_are_told(tmp_path: Path) -> None:
+    """Drake's rotor is read by Drake alone."""
+    drake = '<drake:rotor_inertia xmlns:drake="http://drake.mit.edu" value="1e-4"/>'
+    part = simple("50").replace(
+        "</actuator>", f"{drake}<hardwareInterface>e</hardwareInterface></actuator>"
+    )
+    found = imported(tmp_path, A, B, J, part)
+    (said,) = told(found)
+    assert "<drake:rotor_inertia> in <actuator> is left out" in said
+    assert re.search(r"drive q: gear 50;", found.text)
+
+
 @pytest.mark.parametrize("name", GEARS)
 def test_the_gear_of_a_transmission(name: str, tmp_path: Path) -> None:
     part, gear = GEARS[name]
