@@ -65,7 +65,7 @@ class Workspace(Part):
         dimension: 2 for the plane, 3 for space.
 
     Raises:
-        SrgcError: an argument is not what it has to be.
+        SrgcError: ``name`` is not a name, or ``dimension`` is neither 2 nor 3.
     """
 
     __slots__ = ()
