@@ -1,4 +1,4 @@
-"""What srgc says where it has no result; light, so that every command can raise it."""
+"""The exceptions of srgc, and the exit statuses; light, so that every command can raise them."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ if TYPE_CHECKING:
     from grammar_lang.source import Source
 
 MOST_FINDINGS = 200
-"""So many findings about a file are printed for people, and all of them as JSON."""
+"""The most findings about a file that are printed as text; JSON has all of them."""
 
 
 class SrgcError(Exception):
-    """What srgc says where it has no result: a fault of its input, or no answer in time.
+    """The exception that srgc raises without a result: invalid input, or no answer in time.
 
     Attributes:
-        code: what ``srgc explain`` explains, as the ``code`` of a finding; None of most faults.
+        code: a code for ``srgc explain``, like that of a finding; usually None.
     """
 
     code: Code | None = None

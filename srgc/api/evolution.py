@@ -1,4 +1,4 @@
-"""One step from the robot of a result to another task: ``evolve``."""
+"""``evolve``: rebuild the robot of a result for another task."""
 
 from __future__ import annotations
 
@@ -36,35 +36,35 @@ def evolve(
     force: bool = False,
     progress: bool | None = None,
 ) -> MissionResult:
-    """Rebuild the robot of a result for another task, with as few changes as can be.
+    """Rebuild the robot of a result for another task, with the cheapest changes.
 
-    Prices are whole numbers, fractions, decimals, doubles, or texts, as "1/3".
+    Prices are integers, fractions, decimals, floats, or texts such as "1/3".
 
     Args:
-        result: what ``synthesize``, ``open_result`` or ``evolve`` gives, or its folder; of a
-            mission its last robot is rebuilt.
-        program: the specification of the task, or the path of its file, with the modules of the
-            robot.
-        task: which one; may be left out where there is one.
-        output: where the results are written, as by ``srgc evolve -o``.  By default a temporary
-            folder, which lasts as long as the result; ``MissionResult.save`` keeps it.
-        add: the price of a module that is added.
-        remove: that of a module that is removed.
-        change: that of a free parameter that changes.
-        free: the parameters that kept modules may change, as "L.length", one or several.
-        changes: what all changes may cost together.
-        seed: of everything that is drawn; the same seed gives the same result.
-        jobs: how many processes search, one by default; the result is the same.
-        time_limit: seconds, after which the verdict is unknown unless a robot was proved by then.
-        force: replace the results of another synthesis in the folder.
-        progress: say how far the search is; by default in notebooks alone.
+        result: a result of ``synthesize``, ``open_result`` or ``evolve``, or its folder; the last
+            robot of a mission is rebuilt.
+        program: the specification of the task, or the path of its file; it must have the modules
+            of the robot.
+        task: the task; may be omitted if there is only one.
+        output: the folder for the results, as for ``srgc evolve -o``.  By default a temporary
+            folder that exists as long as the result; ``MissionResult.save`` copies it.
+        add: the price of adding a module.
+        remove: the price of removing a module.
+        change: the price of changing a free parameter.
+        free: one or more parameters that may change in kept modules, such as "L.length".
+        changes: the largest total price of all changes; by default there is no limit.
+        seed: the seed of all random numbers; the same seed gives the same result.
+        jobs: the number of processes, by default one; it does not change the result.
+        time_limit: a limit in seconds.  If no robot is proved by then, the verdict is unknown.
+        force: whether to replace the results of another synthesis in the folder.
+        progress: whether to show the progress of the search; by default only in notebooks.
 
     Returns:
-        The result, with the results that led to it; not verified yet: its ``verify`` does that.
+        The result, with the results that led to it.  It is not verified yet; call its ``verify``.
 
     Raises:
-        SrgcError: the result has no robot (its ``code`` is SRG0735), the specification lacks a
-            module or a task, a price is none, or the folder holds something else.
+        SrgcError: the result has no robot (``code`` is SRG0735), the specification lacks a module
+            or a task, a price is invalid, or the folder has other contents.
     """
     limit, program = TimeLimit(time_limit), program_of(program)
     chosen_task = chosen(program.ir.tasks, task, "task")

@@ -1,4 +1,4 @@
-"""A robot and its motion for simulators and other programs."""
+"""Export a robot and its motion to simulators and other programs."""
 
 from __future__ import annotations
 
@@ -33,24 +33,24 @@ def export(
     *,
     efforts: bool = True,
 ) -> str | bytes | tuple[Path, ...]:
-    """The robot of a result or its motion in another format, as ``srgc export`` writes it.
+    """Export the robot of a result or its motion to another format, as ``srgc export`` does.
 
     Args:
-        result: one with the verdict found, or its folder; of a mission every design is written.
-        to: the robot as "urdf" or "mjcf"; its motion as "csv", "json", "ros2" or "npz"; both, with
-            the regions, as a picture, "gltf" or "svg", or a log, "mcap"; a folder for "mujoco",
-            with a script that replays the motion, for the "controller" in C and Python, or with
-            a "ros2-package"; a folder with "all" files but "gltf", "svg", "mcap" and those of
-            the package.
-        path: the file or the folder to write; of a mission a folder, which gets one for each task.
-        efforts: whether the points of "ros2" have efforts, which older controllers refuse.
+        result: a result with the verdict found, or its folder; all designs of a mission are
+            exported.
+        to: the format.  The robot: "urdf" or "mjcf".  Its motion: "csv", "json", "ros2" or "npz".
+            Robot, motion and regions: a picture, "gltf" or "svg", or a log, "mcap".  A folder:
+            "mujoco" with a script that replays the motion, "controller" in C and Python,
+            "ros2-package", or "all", which has all files but "gltf", "svg", "mcap" and the package.
+        path: the file or folder to write; for a mission, a folder that gets one for each task.
+        efforts: whether the points of "ros2" have efforts; older controllers refuse them.
 
     Returns:
-        The files that were written; without a path the content, text, or bytes of "npz", "gltf"
-        and "mcap".
+        The written files.  Without ``path``, the content: bytes for "npz", "gltf" and "mcap", text
+        for other formats.
 
     Raises:
-        SrgcError: there is no robot, it has no such form, or the path cannot be written.
+        SrgcError: there is no robot, the format cannot represent it, or the path cannot be written.
     """
     from srgc.exports.design_export import BINARY, FOLDERS, FORMS
     from srgc.exports.mission_export import written_mission_export

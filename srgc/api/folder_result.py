@@ -1,4 +1,4 @@
-"""A result as a folder: its verdict, and the temporary folder that it may live in."""
+"""A result in a folder, which may be temporary: its verdict, verification and report."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ Kind = TypeVar("Kind", bound="FolderResult")
 
 @dataclass(frozen=True)
 class FolderResult:
-    """A verdict with its evidence, which is a folder, and can stand wherever its path can.
+    """A verdict with its evidence, in a folder; it can be used instead of the folder's path.
 
     Attributes:
-        folder: where its files are; a temporary folder unless another was asked for.
-        design: what its ``design.json`` says.
-        keeper: what keeps a temporary folder.
-        answers: what the verifier has said so far, which the display of the result shows.
+        folder: the folder with its files; a temporary one unless another was requested.
+        design: the content of its ``design.json``.
+        keeper: the owner of a temporary folder, or None; the folder exists as long as its owner.
+        answers: the answers of ``verify`` so far; the display of the result shows the last one.
     """
 
     folder: Path
@@ -40,7 +40,7 @@ class FolderResult:
         return fspath(self.folder)
 
     def __reduce__(self) -> tuple[Callable[..., FolderResult], tuple[object, ...]]:
-        """How it is pickled: with what a temporary folder holds, since that is removed with it."""
+        """Pickle the result with the files of its temporary folder, which does not outlive it."""
         if self.keeper is None:
             return type(self), (self.folder, self.design, None, self.answers)
         place = self.folder.relative_to(self.keeper.path)
@@ -48,7 +48,7 @@ class FolderResult:
 
     @property
     def verdict(self) -> Literal["found", "impossible", "unknown"]:
-        """Whether there is a design, or it is proved that there is none, or neither."""
+        """``"found"``, ``"impossible"``, or ``"unknown"`` if neither is proved."""
         verdicts: dict[str, Literal["found", "impossible", "unknown"]] = {
             "found": "found", "impossible": "impossible", "unknown": "unknown",
         }  # fmt: skip
@@ -56,7 +56,7 @@ class FolderResult:
 
     @property
     def reason(self) -> str | None:
-        """Why there is no design; None where there is one."""
+        """Why there is no design; None if there is one."""
         return None if self.design["reason"] is None else str(self.design["reason"])
 
     @spoken
@@ -64,28 +64,41 @@ class FolderResult:
         """Copy the files to a folder, as ``srgc synth -o`` writes them.
 
         Args:
-            folder: a new or an empty one, or one with older results of the same synthesis.
-            force: replace the results of another one.
+            folder: a new or empty folder, or one with older results of the same synthesis.
+            force: whether to replace the results of another synthesis.
+
+        Returns:
+            The path of the folder.
 
         Raises:
-            SrgcError: the folder holds something else, or cannot be written.
+            SrgcError: the folder has other contents, or cannot be written.
         """
         from srgc.results.result_folder import copy_results
 
         return copy_results(self.folder, Path(folder), force=force)
 
     def verify(self, *, trust: str | None = None) -> Verification:
-        """Check the result independently, as ``srgc verify`` does."""
+        """Check the result independently of the search, as ``srgc verify`` does.
+
+        Args:
+            trust: the SMT solvers to run and believe, as for ``srgc.verify``.
+
+        Raises:
+            SrgcError: the folder no longer exists.
+        """
         answer = verify(self.folder, trust=trust)
         self.answers.append(answer)
         return answer
 
     @spoken
     def report(self, *, verify: bool = True) -> Page:
-        """The report of ``srgc report``, as a page that shows itself in a notebook.
+        """Make the page that ``srgc report`` writes; a notebook displays it.
 
         Args:
-            verify: whether to check the certificates again, and to show what is proved.
+            verify: whether to check the certificates again and show what is proved.
+
+        Raises:
+            SrgcError: there are no results, or they have been altered.
         """
         return page_of(self.folder, verify=verify)
 
@@ -97,23 +110,23 @@ def _unpickled(
     design: Mapping[str, Any],
     answers: list[Verification],
 ) -> Kind:
-    """A result in a temporary folder of its own."""
+    """A result in a new temporary folder."""
     keeper = TemporaryFolder.made(files)
     return kind(keeper.path / place, design, keeper, answers)
 
 
-# --- where it may live, and its report -----------------------------------------------------------
+# --- temporary folders and reports ----------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, weakref_slot=True)
 class TemporaryFolder:
-    """A new folder, which is removed when nothing refers to this any more."""
+    """A new folder that is removed when nothing refers to this object any more."""
 
     path: Path
 
     @classmethod
     def made(cls, files: Mapping[str, bytes] | None = None) -> TemporaryFolder:
-        """A new one, with these files in it."""
+        """Create a folder with these files."""
         folder = cls(Path(tempfile.mkdtemp(prefix="srgc-")))
         weakref.finalize(folder, shutil.rmtree, folder.path, ignore_errors=True)
         for name, content in (files or {}).items():
@@ -123,7 +136,7 @@ class TemporaryFolder:
         return folder
 
     def files(self) -> dict[str, bytes]:
-        """All that is in it."""
+        """The content of all its files, by path."""
         return {
             path.relative_to(self.path).as_posix(): path.read_bytes()
             for path in sorted(self.path.rglob("*"))
@@ -133,10 +146,10 @@ class TemporaryFolder:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A page of its own, which shows itself in a frame of a notebook.
+    """An HTML page; a notebook displays it in a frame.
 
     Attributes:
-        html: the whole page; it loads nothing from elsewhere.
+        html: the whole page; it loads no other files.
     """
 
     html: str
@@ -144,8 +157,11 @@ class Page:
     def save(self, path: str | PathLike[str]) -> Path:
         """Write the page to a file.
 
+        Returns:
+            The path of the file.
+
         Raises:
-            SrgcError: it cannot be written.
+            SrgcError: the file cannot be written.
         """
         from srgc.paths import write_output
 

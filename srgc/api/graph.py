@@ -22,11 +22,11 @@ INSTALL = 'this needs the library networkx: pip install "srgc[networkx]"'
 
 
 def to_networkx(picture: Picture) -> nx.MultiDiGraph:
-    """The picture's nodes, by key, and edges, each with what is drawn and what it stands for.
+    """Convert a picture to a graph of networkx, with its nodes by key.
 
-    Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data``; edges have
-    ``label``, ``highlighted`` and ``data``.  The graph has ``name`` and ``title``.  The edges of a
-    picture without directions lead both ways.
+    Nodes have the attributes ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data``,
+    edges ``label``, ``highlighted`` and ``data``, the graph ``name`` and ``title``.  ``data`` says
+    what a node or an edge stands for.  An undirected edge becomes two edges, one each way.
 
     Raises:
         UsageFault: networkx is not installed.
@@ -68,11 +68,11 @@ View: TypeAlias = Literal["sra", "fra", "dfa", "dpda", "words", "grammar", "robo
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """A graph of labelled nodes and edges, which draws itself.
+    """A graph with labelled nodes and edges; a notebook displays its drawing.
 
     Attributes:
         picture: its nodes and edges, in a fixed order.
-        remarks: what a reader has to know beside it.
+        remarks: notes for a reader of the drawing.
     """
 
     picture: Picture
@@ -87,10 +87,10 @@ class Graph:
 
     @spoken
     def networkx(self) -> MultiDiGraph:
-        """The graph as one of networkx.
+        """Convert the graph to a ``networkx.MultiDiGraph``.
 
-        Nodes have ``label``, ``accepting``, ``highlighted``, ``initial`` and ``data`` (what they
-        stand for), edges ``label``, ``highlighted`` and ``data``.
+        Nodes have the attributes ``label``, ``accepting``, ``highlighted``, ``initial`` and
+        ``data`` (what they stand for), edges ``label``, ``highlighted`` and ``data``.
 
         Raises:
             SrgcError: networkx is not installed.
@@ -126,24 +126,25 @@ def graph(
     derivation: int | None = None,
     cells: int | None = None,
 ) -> Graph:
-    """What ``srgc graph --of ...`` draws.
+    """Make the graph that ``srgc graph --of ...`` draws.
 
     Args:
         program: the specification, or the path of its file.
-        of: the pushdown automaton of a family (``sra``) with the updates of robots (``fra``), its
-            accept condition (``dfa``), its deterministic pushdown automaton (``dpda``), its
-            ``words``, its ``grammar``; one ``robot``; the cells of a ``workspace``.
-        grammar: the family; may be left out where there is one.
-        workspace: which one; may be left out where there is one.
-        depth: of words: the most modules, 3 by default.
+        of: what to draw.  Of a family: its pushdown automaton (``sra``), the same with semantic
+            updates (``fra``), its finite automaton or accept condition (``dfa``), its deterministic
+            pushdown automaton (``dpda``), its ``words`` or its ``grammar``.  Otherwise one
+            ``robot``, or the cells of a ``workspace``.
+        grammar: the family; may be omitted if there is only one.
+        workspace: the workspace; may be omitted if there is only one.
+        depth: for ``words``: the largest number of modules, by default 3.
         highlight: a word whose run is coloured.
-        near: only that run and what is beside it; of words by default.
-        word: of a robot: its word.
-        derivation: of a robot: which derivation of the word, from 1.
-        cells: of a workspace: split it into so many cells at least.
+        near: whether to show only that run and its neighbours; by default only for ``words``.
+        word: for a ``robot``: its word.
+        derivation: for a ``robot``: the number of a derivation of the word, from 1.
+        cells: for a ``workspace``: the least number of cells to divide it into.
 
     Raises:
-        SrgcError: there is no such thing, or the choices do not fit each other.
+        SrgcError: something named does not exist, or the arguments do not fit together.
     """
     from srgc.graphs.graph_request import GraphRequest, drawing_of
 

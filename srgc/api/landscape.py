@@ -1,4 +1,4 @@
-"""Robustness over the parameters of a robot that was found."""
+"""The robustness over one or two parameters of a design."""
 
 from __future__ import annotations
 
@@ -21,17 +21,19 @@ if TYPE_CHECKING:
 
 
 LEAST_POINTS, MOST_POINTS = 2, 1000
-"""Per parameter, as the command has it."""
+"""The least and the largest number of values per parameter, as for the command."""
 MISFIT = "`ranges` has two numbers for a name, `marks` a number for each parameter"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landscape:
-    """Rho on a grid over one or two parameters (the paper's Figure 4); it draws itself.
+    """The robustness rho on a grid over one or two parameters, as in the paper's Figure 4.
+
+    A notebook displays its picture.
 
     Attributes:
-        found: the robot that it is about; not a stable interface.
-        content: what was evaluated; not a stable interface.
+        found: the design; not a stable interface.
+        content: the evaluations; not a stable interface.
     """
 
     found: FoundDesign
@@ -39,12 +41,12 @@ class Landscape:
 
     @property
     def axes(self) -> dict[str, Array]:
-        """By the names of the parameters the values (n,) that were looked at, in SI units."""
+        """The values on the grid, shape (n,), by the name of the parameter, in SI units."""
         return {axis.name: axis.values for axis in self.content.axes}
 
     @property
     def robustness(self) -> Array:
-        """Rho on the grid, one axis for each parameter: shape (n1,) or (n1, n2).
+        """Rho on the grid, shape (n1,) or (n1, n2), with one axis for each parameter.
 
         It is negative where no motion was found.
         """
@@ -55,7 +57,7 @@ class Landscape:
 
     @property
     def feasible(self) -> NDArray[np.bool_]:
-        """Where on the grid a motion was found; shape as of ``robustness``."""
+        """Where a motion was found on the grid; the shape is that of ``robustness``."""
         import numpy as np
 
         values = [sample.feasible for sample in self.content.grid]
@@ -63,7 +65,7 @@ class Landscape:
 
     @property
     def svg(self) -> str:
-        """The picture."""
+        """The picture as SVG."""
         from srgc.landscapes.landscape import title
         from srgc.landscapes.landscape_picture import landscape_svg
 
@@ -91,10 +93,10 @@ def landscape_of(
     marks: Mapping[str, Sequence[float]],
     jobs: int,
 ) -> Landscape:
-    """Evaluate; arguments as of ``Result.landscape``.
+    """Evaluate the robustness on the grid; arguments as for ``Result.landscape``.
 
     Raises:
-        UsageFault: they do not fit the robot.
+        UsageFault: an argument does not fit the robot.
     """
     from srgc.landscapes.landscape import landscape
     from srgc.landscapes.landscape_request import LandscapeRequest, axes_of, refuse_marks

@@ -1,4 +1,4 @@
-"""The outcome of a mission: a verdict, a design for each task, and what is changed between them."""
+"""The result of a mission: a verdict, a design for each task, and the changes between them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RobotChange:
-    """What is changed before a task, by the cheapest way to keep modules.
+    """The changes before a task, for the cheapest choice of kept modules.
+
+    Positions in a word are indices of its symbols, from 0.
 
     Attributes:
         task: the name of the task.
-        cost: what all of it costs.
-        added: modules with their places in the new word, as ``(6, "JO")``.
-        removed: modules with their places in the old word.
-        kept: pairs of places, in the old word and in the new one.
-        changed: parameters of kept modules that get another value, named as in ``"4.length"``.
+        cost: the total cost of the changes.
+        added: the added modules with their positions in the new word, such as ``(6, "JO")``.
+        removed: the removed modules with their positions in the old word.
+        kept: the kept modules, each with its positions in the old and in the new word.
+        changed: the parameters of kept modules that get another value, such as ``"4.length"``.
     """
 
     task: str
@@ -40,30 +42,30 @@ class RobotChange:
 
 @dataclass(frozen=True, slots=True)
 class MissionExplanation:
-    """What rules robots out in each task of a mission, and what would be left without it.
+    """What rules out robots in each task of a mission, and the cheapest robots that are left.
 
     Attributes:
-        found: all that is known; not a stable interface.
+        found: the whole explanation; not a stable interface.
     """
 
     found: MissionReasons
 
     @property
     def refuted(self) -> dict[str, list[str]]:
-        """By task what was shown of robots there, in words."""
+        """The refutations in each task, in words."""
         return {each.task: list(each.says) for each in self.found.tasks}
 
     @property
     def cheapest_left(self) -> float | None:
-        """What no robots that are left cost less than; None where none are, or it is not known."""
+        """The least cost of the robots that are not refuted; None without any, or if unknown."""
         left = self.found.left
         return None if left is None else float(left.cost)
 
     @property
     def undecided(self) -> dict[str, list[str]]:
-        """By task the robots that are neither found nor refuted, and why, in words.
+        """The robots of each task that are neither found nor refuted, with reasons, in words.
 
-        What is about all tasks together stands under their names in one text: ``"Pack, Sort"``.
+        Statements about all tasks together have the key ``"Pack, Sort"``: the names in one text.
         """
         together = ", ".join(self.found.mission.mission.tasks)
         return {
@@ -73,7 +75,7 @@ class MissionExplanation:
 
     @property
     def try_first(self) -> str | None:
-        """What may be done about what ended the search; None where nothing did."""
+        """What to try first, given what ended the search; None if nothing ended it early."""
         first = self.found.mission.design.get("try_first")
         return None if first is None else str(first)
 
@@ -93,20 +95,21 @@ class MissionExplanation:
 
 @dataclass(frozen=True)
 class MissionResult(FolderResult):
-    """A verdict about a mission, which is a folder as ``srgc synth --mission`` writes it.
+    """A verdict about a mission, or about one step of ``evolve``, with its evidence.
 
-    So is one step of ``srgc evolve``.  It can stand wherever the path of such a folder can.
+    Its folder is as ``srgc synth --mission`` or ``srgc evolve`` writes it.  It can be used instead
+    of the path of that folder.
 
     Attributes:
-        folder: where its files are; a temporary folder unless another was asked for.
-        design: what its ``design.json`` says.
-        keeper: what keeps a temporary folder.
-        answers: what the verifier has said so far, which the display of the result shows.
+        folder: the folder with its files; a temporary one unless another was requested.
+        design: the content of its ``design.json``.
+        keeper: the owner of a temporary folder, or None; the folder exists as long as its owner.
+        answers: the answers of ``verify`` so far; the display of the result shows the last one.
     """
 
     @property
     def mission(self) -> str:
-        """The name of the mission; of one step from a robot, that of its task."""
+        """The name of the mission; for a step of ``evolve``, that of its task."""
         return str(self.design["mission"])
 
     @cached_property
@@ -117,17 +120,17 @@ class MissionResult(FolderResult):
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        """The names of the tasks, in their order."""
+        """The names of the tasks, in order."""
         return tuple(str(self.design["task"]).split(", "))
 
     @property
     def one_robot(self) -> bool:
-        """Whether one robot is to do all tasks, not robots that are rebuilt between them."""
+        """Whether one robot has to do all tasks; otherwise it is rebuilt between them."""
         return bool(self.design["kind"] == "one robot")
 
     @property
     def designs(self) -> dict[str, Result]:
-        """By the name of the task its design, an ordinary result; none unless found."""
+        """The design for each task, as a ``Result``, by name; empty unless the verdict is found."""
         return {
             str(each["task"]): result_in(self.folder / "tasks" / str(each["task"]), self.keeper)
             for each in self.design["robots"]
@@ -135,25 +138,26 @@ class MissionResult(FolderResult):
 
     @property
     def cost(self) -> float | None:
-        """What all changes cost; None without robots, and of one robot."""
+        """The total cost of all changes; None without robots, or if one robot does all tasks."""
         return None if self.design["cost"] is None else float(self.design["cost"])
 
     @property
     def least(self) -> float | None:
-        """What no robots cost less than; None where there is no ``cost``."""
+        """A lower bound on the cost for any robots; None if there is no ``cost``."""
         return None if self.cost is None else float(self.design["least"])
 
     @property
     def differs(self) -> dict[str, tuple[str, ...]]:
-        """Modules of the robot before that the specification builds otherwise, and in what.
+        """The modules of the existing robot that the specification builds differently.
 
-        As in ``{"Limb": ("parameter length", "bodies")}``; kept ones are as it says.
+        Each has its differences: ``{"Limb": ("parameter length", "bodies")}``.  A kept module is
+        from then on as the specification says.
         """
         return {each["module"]: tuple(each["what"]) for each in self.design["differs"]}
 
     @property
     def steps(self) -> tuple[RobotChange | None, ...]:
-        """What is changed before each task; None before the first one, unless there is a robot.
+        """The changes before each task; None before the first, unless there is a robot already.
 
         Raises:
             SrgcError: the results have been altered.
@@ -174,7 +178,7 @@ class MissionResult(FolderResult):
 
     @spoken
     def why(self) -> MissionExplanation:
-        """What rules other robots out, as ``srgc why`` says it.
+        """Explain what rules out other robots, as ``srgc why`` does.
 
         Raises:
             SrgcError: the results have been altered.
@@ -219,7 +223,7 @@ def mission_in(folder: Path, keeper: TemporaryFolder | None = None) -> MissionRe
     """The result of a mission in a folder.
 
     Raises:
-        UsageFault: there is none, or it has been altered.
+        UsageFault: the folder has no such result, or it has been altered.
     """
     from srgc.results.mission_folder import mission_folder
 

@@ -1,4 +1,4 @@
-"""The result in a folder, of a task or of a mission."""
+"""Open the folder of a result, of a task or of a mission."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from srgc.api.spoken_faults import spoken
 
 @spoken
 def open_result(folder: str | PathLike[str]) -> Result | MissionResult:
-    """A result that ``srgc synth``, ``srgc evolve`` or ``Result.save`` has written.
+    """Open a result that ``srgc synth``, ``srgc evolve`` or ``Result.save`` has written.
 
     Args:
-        folder: where it is.
+        folder: the folder of the result.
 
     Returns:
-        Of ``synth --mission`` and ``evolve`` the result of a mission, else that of a task.
+        A ``MissionResult`` for ``synth --mission`` and ``evolve``, otherwise a ``Result``.
 
     Raises:
-        SrgcError: there are no results in the folder, or they have been altered.
+        SrgcError: the folder has no results, or they have been altered.
     """
     from srgc.results.mission_refusal import is_mission_folder
 

@@ -1,4 +1,4 @@
-"""Specifications: what a check finds in them, programs without errors, words of their families."""
+"""Specifications: load and check them, and list the words of their families."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A checked specification, which everything else begins with.
+    """A specification that has been checked and has no errors.
 
     Attributes:
         ir: its modules, grammars, workspaces, tasks and missions in full; not a stable interface.
-        findings: the warnings and notes about it.
+        findings: its warnings and notes.
     """
 
     ir: ir.Program
@@ -40,7 +40,7 @@ class Program:
 
     @property
     def text(self) -> str:
-        """The text of the file, without what it includes."""
+        """The text of the file, without included files."""
         return self.ir.sources[0].text
 
     @property
@@ -83,9 +83,9 @@ class Program:
 
 
 Source: TypeAlias = "Part | str | PathLike[str]"
-"""A specification that was built, or the path of an ``.srg`` file."""
+"""A specification built in Python, or the path of an ``.srg`` file."""
 Specification: TypeAlias = "Program | Part | str | PathLike[str]"
-"""What ``load`` gives or takes."""
+"""A return value or an argument of ``load``."""
 
 
 @overload
@@ -99,25 +99,25 @@ def load(
     text: str | None = None,
     folder: str | PathLike[str] | None = None,
 ) -> Program:
-    """Read a specification, and check it.
+    """Read and check a specification.
 
     Args:
-        path: an ``.srg`` file, or what was built, as ``srgc.Spec``.
-        text: the specification itself, instead of a file.
-        folder: where a text or what was built is taken to stand, for what it includes; by default
-            it includes nothing.
+        path: an ``.srg`` file, or a specification built in Python, such as a ``Spec``.
+        text: the text of a specification, instead of ``path``.
+        folder: the folder in which ``include`` looks for files, for a text or a specification
+            built in Python.  Without it, they cannot include files.
 
     Returns:
         The program.
 
     Raises:
-        SrgcError: the specification has errors, which the message shows, or cannot be read.
+        SrgcError: the specification cannot be read, or has errors; the message shows them.
     """
     return sound(checked(path, text, folder))
 
 
 TEXT_NAME = "spec.srg"
-"""What a specification is called that is no file."""
+"""The name of a specification without a file."""
 
 
 # --- findings -------------------------------------------------------------------------------------
@@ -125,7 +125,7 @@ TEXT_NAME = "spec.srg"
 
 @dataclass(frozen=True, slots=True)
 class Findings(Sequence[Diagnostic]):
-    """All findings about a specification, in the order of the text; false if there are none.
+    """The diagnostics of a specification, in the order of the text: a sequence, false if empty.
 
     Attributes:
         checked: the specification after all checks.
@@ -135,17 +135,17 @@ class Findings(Sequence[Diagnostic]):
 
     @property
     def errors(self) -> tuple[Diagnostic, ...]:
-        """Those findings with which there is no program."""
+        """The findings with the severity error; if there are any, there is no program."""
         found = self.checked.diagnostics
         return tuple(one for one in found if one.severity is Severity.ERROR)
 
     @property
     def ok(self) -> bool:
-        """Whether there is no error; there may be warnings and notes."""
+        """Whether there are no errors; there may be warnings and notes."""
         return self.checked.program is not None
 
     def records(self) -> list[dict[str, str | int | None]]:
-        """The findings as ``srgc check --json`` prints them: code, place, message, hint."""
+        """The findings as ``srgc check --json`` prints them: code, location, message, hint."""
         return records(self.checked.diagnostics, self.checked.sources)
 
     @overload
@@ -186,28 +186,30 @@ def check(
     text: str | None = None,
     folder: str | PathLike[str] | None = None,
 ) -> Findings:
-    """Check a specification: names, units, grammars, semantics, geometry, tasks; all at once.
+    """Check the names, units, grammars, semantics, geometry and tasks of a specification.
+
+    Errors in the specification are returned, not raised.
 
     Args:
-        path: an ``.srg`` file, or what was built, as ``srgc.Spec``.
-        text: the specification itself, instead of a file.
-        folder: where a text or what was built is taken to stand, for what it includes; by default
-            it includes nothing.
+        path: an ``.srg`` file, or a specification built in Python, such as a ``Spec``.
+        text: the text of a specification, instead of ``path``.
+        folder: the folder in which ``include`` looks for files, for a text or a specification
+            built in Python.  Without it, they cannot include files.
 
     Returns:
-        The findings; their ``ok`` says whether there is no error.
+        All findings; ``ok`` is true if none of them is an error.
 
     Raises:
-        SrgcError: the file cannot be read, or neither or both of path and text are given.
+        SrgcError: the file cannot be read, or not exactly one of ``path`` and ``text`` is given.
     """
     return Findings(checked(path, text, folder))
 
 
 def checked(path: Source | None, text: str | None, folder: str | PathLike[str] | None) -> Checked:
-    """A file, a text or what was built after all checks; arguments as of ``check``.
+    """Check a file, a text or a specification built in Python; arguments as for ``check``.
 
     Raises:
-        UsageFault: the file cannot be read, or not one of path and text is given.
+        UsageFault: the file cannot be read, or not exactly one of ``path`` and ``text`` is given.
     """
     if (path is None) == (text is None):
         raise UsageFault("give the path of a file, or `text`")
@@ -224,10 +226,10 @@ def checked(path: Source | None, text: str | None, folder: str | PathLike[str] |
 
 
 def program_of(specification: Specification) -> Program:
-    """The program of a specification that is loaded already, or not yet.
+    """The program of a specification, which is loaded if necessary.
 
     Raises:
-        SpecErrors: it has errors.
+        SpecErrors: the specification has errors.
         UsageFault: it cannot be read.
     """
     if isinstance(specification, Program):
@@ -236,10 +238,10 @@ def program_of(specification: Specification) -> Program:
 
 
 def sound(found: Checked) -> Program:
-    """The program of what was checked.
+    """The program of a specification that has been checked.
 
     Raises:
-        SpecErrors: it has errors.
+        SpecErrors: the specification has errors.
     """
     if found.program is None:
         errors = tuple(one for one in found.diagnostics if one.severity is Severity.ERROR)
@@ -258,19 +260,19 @@ def words(
     max_length: int | None = None,
     limit: int = 100,
 ) -> list[str]:
-    """The first words of a family, the shorter ones first; a word is a robot.
+    """List the first words of a family, shortest first; each word is a robot.
 
     Args:
         program: the specification, or the path of its file.
-        grammar: the family; may be left out where there is one.
-        max_length: no longer words than so many symbols.
-        limit: how many words.
+        grammar: the family; may be omitted if there is only one.
+        max_length: the largest number of symbols in a word; by default there is no bound.
+        limit: the largest number of words.
 
     Returns:
-        Words, each the symbols of its modules and edges with blanks between them.
+        The words; each consists of the symbols of its modules and edges, separated by blanks.
 
     Raises:
-        SrgcError: there is no such grammar, or several and none is named.
+        SrgcError: there is no such grammar, or no grammar is named although there are several.
     """
     from srgc.text_reports.language_report import listed
 
@@ -282,5 +284,5 @@ def words(
 
 
 def symbols(word: str | Sequence[str]) -> tuple[str, ...]:
-    """The symbols of a word that is given as a text with blanks, or as its symbols."""
+    """The symbols of a word given as a text with blanks, or as a sequence of symbols."""
     return tuple(word.split() if isinstance(word, str) else word)

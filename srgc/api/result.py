@@ -1,4 +1,4 @@
-"""The outcome of a synthesis, which is a folder, and its report."""
+"""The result of a synthesis for one task: a verdict with its evidence, in a folder."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Result(FolderResult):
-    """A verdict with its evidence, which is a folder as ``srgc synth`` writes it.
+    """A verdict about a task with its evidence, in a folder as ``srgc synth`` writes it.
 
-    It can stand wherever the path of such a folder can.
+    It can be used instead of the path of that folder.
 
     Attributes:
-        folder: where its files are; a temporary folder unless another was asked for.
-        design: what its ``design.json`` says.
-        keeper: what keeps a temporary folder.
-        answers: what the verifier has said so far, which the display of the result shows.
+        folder: the folder with its files; a temporary one unless another was requested.
+        design: the content of its ``design.json``.
+        keeper: the owner of a temporary folder, or None; the folder exists as long as its owner.
+        answers: the answers of ``verify`` so far; the display of the result shows the last one.
     """
 
     @property
@@ -44,29 +44,35 @@ class Result(FolderResult):
 
     @property
     def word(self) -> str | None:
-        """The symbols of the robot with blanks between them; None without a robot."""
+        """The symbols of the robot, separated by blanks; None without a robot."""
         return None if self.design["word"] is None else " ".join(self.design["word"])
 
     @property
     def parameters(self) -> dict[str, float]:
-        """The values of the robot's parameters in SI units, named as in ``4.length``."""
+        """The values of the robot's parameters in SI units, by name, such as ``"4.length"``."""
         found = self.design["parameters"]
         return {f"{one['symbol']}.{one['name']}": float(one["value"]) for one in found}
 
     @property
     def robustness(self) -> float | None:
-        """What is left of the bounds on inputs, rho; None without a robot."""
+        """The robustness rho, the least distance of an input from its bound; None without a robot.
+
+        Each input counts in its own unit.
+        """
         return None if self.word is None else float(self.design["robustness"])
 
     @property
     def bound(self) -> float | None:
-        """The share of their bounds that no robot's inputs keep; None where none was proved."""
+        """A proved upper bound on the robustness of all robots, as a fraction; None without one.
+
+        It bounds ``robustness_share`` of ``design.json``, and only ``gap`` asks for it.
+        """
         found = self.design.get("bound")
         return None if found is None else float(found["share"])
 
     @property
     def objectives(self) -> tuple[Objective, ...]:
-        """What the robot has of each objective of its task, and what is proved of all robots.
+        """The value of each objective of the task, with what is proved about all robots.
 
         Raises:
             SrgcError: the results have been altered.
@@ -92,10 +98,10 @@ class Result(FolderResult):
 
     @cached_property
     def robot(self) -> Robot:
-        """The robot with its parameters, and the gravity of its task.
+        """The robot with its parameters, under the gravity of its task.
 
         Raises:
-            SrgcError: there is none.
+            SrgcError: the result has no robot.
         """
         return self._robot()
 
@@ -111,10 +117,10 @@ class Result(FolderResult):
     def trajectory(self) -> Trajectory:
         """The motion at its samples, as arrays in SI units: t, q, qd, s, u, effectors.
 
-        Its ``plot`` draws it over time.
+        ``plot`` draws the motion over time.
 
         Raises:
-            SrgcError: there is no robot.
+            SrgcError: the result has no robot.
         """
         return self._trajectory()
 
@@ -126,7 +132,7 @@ class Result(FolderResult):
 
     @property
     def designs(self) -> tuple[Result, ...]:
-        """All robots that were found, each a result of its own, where all were asked for."""
+        """With ``every`` or ``pareto``: a result for each design that was kept; otherwise empty."""
         found = [path for path in self.folder.glob("designs/*") if path.name.isdecimal()]
         folders = sorted(found, key=lambda path: int(path.name))
         return tuple(Result(path, _design(path), self.keeper) for path in folders)
@@ -141,22 +147,23 @@ class Result(FolderResult):
         marks: Mapping[str, Sequence[float]] | None = None,
         jobs: int = 1,
     ) -> Landscape:
-        """The robustness of the robot over one or two of its parameters, all else as designed.
+        """Evaluate the robustness over one or two parameters, with everything else as designed.
 
         Args:
-            over: their names, as ``"4.length"``; by default the first two that may vary.
-            ranges: by name the lowest and the highest value to look at.
-            points: values per parameter; 11 by default, and 41 on a single one.
-            marks: by label points to be marked, a value for each of the parameters.
-            jobs: how many processes evaluate.
+            over: the names of the parameters, such as ``"4.length"``; by default the first two
+                that may vary.
+            ranges: the lowest and the highest value to evaluate, by parameter.
+            points: the number of values per parameter; by default 11, or 41 for one parameter.
+            marks: points to mark in the picture, by label; each has a value per parameter.
+            jobs: the number of processes.
 
         Raises:
-            SrgcError: there is no robot, or no such parameter, or a range that is none.
+            SrgcError: there is no robot or no such parameter, or a range is invalid.
         """
         return landscape_of(self.folder, over, ranges or {}, points, marks or {}, jobs)
 
     def _used(self) -> tuple[UsedInputs, ...]:
-        """What the motion uses of its inputs; nothing without one that can be read."""
+        """How much of its inputs the motion uses; empty without a motion that can be read."""
         from srgc.text_reports.synthesis_report import used_inputs
 
         if self.word is None:
@@ -187,7 +194,7 @@ def opened(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
     """The result in a folder.
 
     Raises:
-        UsageFault: there is none, or it has been altered.
+        UsageFault: the folder has no result, or the result has been altered.
     """
     from srgc.results.why_folder import tried_folder
 
@@ -196,7 +203,7 @@ def opened(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
 
 
 def result_in(folder: Path, keeper: TemporaryFolder | None = None) -> Result:
-    """The result in a folder that is known to have one."""
+    """The result in a folder that is known to contain one."""
     return Result(folder, _design(folder), keeper)
 
 

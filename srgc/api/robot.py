@@ -23,16 +23,17 @@ if TYPE_CHECKING:
 
 
 Values: TypeAlias = "Mapping[str, float] | Sequence[float]"
-"""Parameters by their names, as in ``{"4.length": 2.23}``, or all of them in order; in SI units."""
+"""Parameters by name, such as ``{"4.length": 2.23}``, or all of them in order; in SI units."""
 
 
 @dataclass(frozen=True)
 class Robot:
-    """A robot M(q) q'' + c(q, q') + g(q) = tau, with values for its parameters; it draws itself.
+    """A robot with values of its parameters; a notebook displays its drawing.
 
-    With n degrees of freedom, ``q`` and ``qd`` have the shape (n,), or (K, n) for K poses at once;
-    angles are in rad, all else in SI units.  Values are computed in floating point: for looking at
-    and for simulation, not for proofs.
+    Its equations of motion are M(q) q'' + c(q, q') + g(q) = tau.  With n degrees of freedom, ``q``
+    and ``qd`` have the shape (n,), or (K, n) for K poses at once.  Angles are in rad, other values
+    in SI units.  All results are floating-point numbers, for inspection and simulation; no proof
+    uses them.
 
     Attributes:
         chosen: the robot as its family defines it; not a stable interface.
@@ -44,23 +45,23 @@ class Robot:
 
     @property
     def word(self) -> str:
-        """The symbols of its modules and edges, with blanks between them."""
+        """The symbols of its modules and edges, separated by blanks."""
         return " ".join(self.chosen.word)
 
     @property
     def derivation(self) -> tuple[str, ...]:
-        """The labels of the productions that derive the word, leftmost first."""
+        """The labels of the productions in the leftmost derivation of the word."""
         return self.chosen.labels
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Its parameters, named by the index of a symbol in the word and a name; SI units."""
+        """The values of its parameters in SI units, by symbol index and name: ``"4.length"``."""
         names = (each.label for each in self.chosen.model.parameters)
         return {name: float(value) for name, value in zip(names, self.theta, strict=True)}
 
     @property
     def dofs(self) -> tuple[Literal["revolute", "prismatic"], ...]:
-        """The kinds of its degrees of freedom, in the order of q."""
+        """The kind of each degree of freedom, in the order of ``q``."""
         return tuple(dof.kind for dof in self.chosen.model.dofs)
 
     @cached_property
@@ -78,17 +79,26 @@ class Robot:
 
     @spoken
     def mass_matrix(self, q: ArrayLike) -> Array:
-        """M, shape (n, n) or (K, n, n); in kg m^2, and kg for sliding joints."""
+        """The mass matrix M at ``q``, shape (n, n) or (K, n, n).
+
+        The rows of revolute joints are in kg m^2, those of prismatic joints in kg.
+
+        Raises:
+            SrgcError: ``q`` has another shape.
+        """
         poses, single = self._poses(q, "q")
         found = self._numeric.mass_matrix(poses, self._values)
         return found[0] if single else found
 
     @spoken
     def coriolis(self, q: ArrayLike, qd: ArrayLike) -> Array:
-        """The centrifugal and Coriolis forces c, shape (n,) or (K, n); in N m, or N.
+        """The centrifugal and Coriolis forces c, shape (n,) or (K, n).
+
+        They are in N m for revolute joints, in N for prismatic joints.
 
         Raises:
-            UsageFault: ``q`` or ``qd`` has another shape, or they do not go together.
+            SrgcError: ``q`` or ``qd`` has another shape, or they have different numbers of poses
+                and neither is a single pose.
         """
         import numpy as np
 
@@ -107,7 +117,13 @@ class Robot:
 
     @spoken
     def gravity(self, q: ArrayLike) -> Array:
-        """The forces g of gravity, shape (n,) or (K, n); in N m, or N; zero without a task."""
+        """The gravitational forces g, shape (n,) or (K, n); zero without a task.
+
+        They are in N m for revolute joints, in N for prismatic joints.
+
+        Raises:
+            SrgcError: ``q`` has another shape.
+        """
         import numpy as np
 
         poses, single = self._poses(q, "q")
@@ -120,20 +136,24 @@ class Robot:
 
     @spoken
     def effectors(self, q: ArrayLike) -> Array:
-        """The positions of its e effectors in m, shape (e, d) or (K, e, d); d is 2 or 3."""
+        """The positions of its e effectors in m, shape (e, d) or (K, e, d); d is 2 or 3.
+
+        Raises:
+            SrgcError: ``q`` has another shape.
+        """
         poses, single = self._poses(q, "q")
         found = self._numeric.places(poses, self._values)
         return found[0] if single else found
 
     @spoken
     def equations(self, form: Literal["text", "latex", "smt2"] = "text") -> str:
-        """The equations of motion with symbols for its parameters, as ``srgc model`` prints them.
+        """The equations of motion with symbolic parameters, as ``srgc model`` prints them.
 
         Args:
-            form: plain text, LaTeX, or terms for solvers.
+            form: plain text, LaTeX, or an SMT-LIB script.
 
         Raises:
-            UsageFault: ``form`` is another one.
+            SrgcError: ``form`` is none of these.
         """
         from srgc.text_reports.model_report import model_text
 
@@ -143,14 +163,18 @@ class Robot:
 
     @spoken
     def svg(self, q: ArrayLike | None = None) -> str:
-        """A drawing at coordinates q (n,); by default in a pose with bent joints."""
+        """A drawing in the pose ``q`` (n,), by default with bent joints.
+
+        Raises:
+            SrgcError: ``q`` has another shape, or is not finite.
+        """
         from srgc.render.robot_drawing import pose_picture
 
         pose = None if q is None else self._pose(q)
         return pose_picture(self.chosen.model, self._values, pose)
 
     def _pose(self, q: ArrayLike) -> Array:
-        """A single pose (n,) that is somewhere."""
+        """A single finite pose (n,)."""
         import numpy as np
 
         poses, single = self._poses(q, "q")
@@ -195,20 +219,22 @@ def robot(
     workspace: str | None = None,
     derivation: int | None = None,
 ) -> Robot:
-    """The robot of a word of a family.
+    """Build the robot of a word of a family.
 
     Args:
         program: the specification, or the path of its file.
-        word: the symbols of its modules and edges; a text has blanks between them.
-        parameters: values for its parameters; those that are left out have the middle of their
-            range, or the first of their values.
-        grammar: the family; may be left out where there is one.
-        task: gravity is that of this task; none by default.
-        workspace: in the plane or in space as this one; may be left out where all are alike.
-        derivation: which derivation of the word, from 1.
+        word: the symbols of its modules and edges, as a sequence or a text with blanks.
+        parameters: the values of its parameters.  A parameter without a value gets the middle of
+            its range, or the first of its choices.
+        grammar: the family; may be omitted if there is only one.
+        task: the task whose gravity acts on the robot; by default there is no gravity.
+        workspace: the workspace that says whether the robot moves in the plane or in space; may be
+            omitted if all workspaces agree.
+        derivation: the number of a derivation of the word, from 1.
 
     Raises:
-        SrgcError: the word is not in the family, it is no robot, or a parameter has another range.
+        SrgcError: the word is not in the family or is not a robot, or a value is not in the range
+            of its parameter.
     """
     if derivation is not None and derivation < 1:
         raise UsageFault("`derivation` counts from 1")
@@ -256,7 +282,7 @@ def _value(parameter: RobotParameter, value: float) -> Fraction:
 
 
 def _usual(parameter: RobotParameter) -> Fraction:
-    """The middle of a range, or the first of several values."""
+    """The middle of a range, or the first of several choices."""
     from compiler.expressions.exact_numbers import shortest_decimal
     from grammar_lang import ir
     from grammar_lang.ir.constants import to_float

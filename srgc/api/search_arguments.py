@@ -1,4 +1,4 @@
-"""Arguments that all functions with a search have: where results go, and numbers."""
+"""Arguments common to all functions that search: the folder for results, and numbers."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from srgc.faults import UsageFault
 
 
 def place_of(folder: str | PathLike[str] | None) -> tuple[Path, TemporaryFolder | None]:
-    """Where results are written, and what keeps it where that is a temporary folder."""
+    """The folder for results and, if it is temporary, its owner."""
     if folder is not None:
         return Path(folder), None
     keeper = TemporaryFolder.made()
     return keeper.path, keeper
 
 
-def is_quiet(progress: bool | None) -> bool:  # noqa: FBT001 - as functions are given it
-    """Whether nothing is said of a search under way; None: it is in notebooks alone."""
+def is_quiet(progress: bool | None) -> bool:  # noqa: FBT001 - as callers pass it
+    """Whether progress is hidden; None shows it only in notebooks."""
     from srgc.results.progress_display import in_notebook
 
     return not (in_notebook() if progress is None else progress)
@@ -27,10 +27,10 @@ def is_quiet(progress: bool | None) -> bool:  # noqa: FBT001 - as functions are 
 def refuse_numbers(
     seed: int, jobs: int, time_limit: float | None, *, cells: int | None = None
 ) -> None:
-    """Refuse numbers that make no sense.
+    """Refuse numbers that are too small.
 
     Raises:
-        UsageFault: one is too small.
+        UsageFault: one of the numbers is too small.
     """
     if seed < 0:
         raise UsageFault("`seed` is not negative")

@@ -1,4 +1,4 @@
-"""Questions to a program: synthesise, plan, why."""
+"""Synthesise a robot, plan a path of cells, explain why a task has no robot."""
 
 from __future__ import annotations
 
@@ -84,38 +84,38 @@ def synthesize(
     force: bool = False,
     progress: bool | None = None,
 ) -> Result | MissionResult:
-    """Search a task for a robot that is proved to do it, or for a proof that there is none.
+    """Search for a robot that is proved to do a task, or for a proof that there is none.
 
     Args:
         program: the specification, or the path of its file.
-        task: which one; may be left out where there is one.
-        mission: solve all tasks of this mission together, instead of one.
-        folder: where the results are written, as by ``srgc synth -o``; a search that was
-            interrupted goes on from there.  By default a temporary folder, which lasts as long as
-            the result; ``Result.save`` keeps it.
-        seed: of everything that is drawn; the same seed gives the same result.
-        jobs: how many processes search; the result is the same.
-        time_limit: seconds, after which the verdict is unknown unless a robot was proved by then.
-        cells: begin with at least so many cells.
-        every: go on after the first robot, and compare all of them.
-        pareto: the same, and keep those alone that no other one dominates.
-        gap: go on until no robot is proved to be more robust by more than that part of the best
-            one, in percent, as 5 or "5 %"; not with ``every``, ``pareto`` or a task that says
-            itself what is to be least.
-        solver: of convex programs; our own by default, or one of cvxpy's.
-        search: of parameters; gp-acb by default.
-        smt: the SMT solvers that scripts are given to, as "cvc5" or "z3,cvc5", which must agree; z3
-            as a library by default.
-        lemmas: let one refutation be about many structures, where it can be.
-        force: replace the results of another synthesis in the folder.
-        progress: say how far the search is; by default in notebooks alone.
+        task: the task; may be omitted if there is only one.
+        mission: a mission whose tasks are solved together, instead of one ``task``.
+        folder: the folder for the results, as for ``srgc synth -o``; an interrupted search
+            continues from it.  By default a temporary folder that exists as long as the result;
+            ``Result.save`` copies it.
+        seed: the seed of all random numbers; the same seed gives the same result.
+        jobs: the number of processes; it does not change the result.
+        time_limit: a limit in seconds.  If no robot is proved by then, the verdict is unknown.
+        cells: the least number of cells to begin with.
+        every: whether to continue after the first robot and compare all designs.
+        pareto: the same, but only non-dominated designs are kept.
+        gap: continue until no robot can be more robust than the best one by more than this
+            percentage, such as 5 or "5 %".  It excludes ``every``, ``pareto`` and tasks with
+            ``minimize``.
+        solver: the solver of convex programs: by default our own, or one of cvxpy's.
+        search: the search for parameters, by default gp-acb.
+        smt: the SMT solvers that decide scripts, such as "cvc5" or "z3,cvc5"; several have to
+            agree.  By default z3 as a library.
+        lemmas: whether one refutation may cover many structures.
+        force: whether to replace the results of another synthesis in the folder.
+        progress: whether to show the progress of the search; by default only in notebooks.
 
     Returns:
-        The result, not verified yet: its ``verify`` does that.
+        The result.  It is not verified yet; call its ``verify``.
 
     Raises:
         SrgcError: there is no such task or mission, it has a clause that is not supported, or the
-            folder holds something else.
+            folder has other contents.
     """
     limit, program = TimeLimit(time_limit), program_of(program)
     if mission is not None:
@@ -153,7 +153,7 @@ def synthesize(
 
 
 def _refuse_of_tasks(given: Mapping[str, object]) -> None:
-    """Refuse arguments that are about one task."""
+    """Refuse arguments that apply to a single task only."""
     for name, value in given.items():
         if value is not None:
             raise UsageFault(f"`{name}` is about one task, and `mission` about all of a mission")
@@ -191,16 +191,18 @@ def _mission(
     return mission_in(place, keeper)
 
 
-# --- The way of a task through the cells of its workspace -----------------------------------------
+# --- The path of a task through the cells of its workspace ----------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The cells that effectors go through, or why there is no such way; it draws itself.
+    """The path of each effector through cells, or the reason why there is none.
+
+    A notebook displays its picture.
 
     Attributes:
         report: the answer with its cells; not a stable interface.
-        title: what stands above the picture.
+        title: the title above the picture.
     """
 
     report: PlanReport
@@ -208,7 +210,7 @@ class Plan:
 
     @property
     def verdict(self) -> Literal["found", "impossible", "unknown"]:
-        """Whether there is a plan."""
+        """``"found"``, ``"impossible"``, or ``"unknown"`` if neither is proved."""
         return self.report.verdict
 
     @property
@@ -218,14 +220,14 @@ class Plan:
 
     @property
     def paths(self) -> dict[int, tuple[str, ...]]:
-        """By the number of the effector, from 1, the cells that it goes through, in order."""
+        """The cells that each effector passes, in order, by its number from 1."""
         plan, cells = self.report.plan, self.report.cells.cells
         paths = () if plan is None else plan.paths
         return {p.effector + 1: tuple(cells[cell].name for cell in p.cells) for p in paths}
 
     @property
     def svg(self) -> str:
-        """The cells, their labels and adjacency, and the path if there is one."""
+        """A picture of the cells, their labels and adjacency, and the path if there is one."""
         return self.report.picture(self.title)
 
     def __repr__(self) -> str:
@@ -243,14 +245,14 @@ class Plan:
 
 @spoken
 def plan(program: Specification, task: str | None = None, *, cells: int | None = None) -> Plan:
-    """Plan the cells that a task's effectors go through, with the fewest changes.
+    """Plan a path for the effectors of a task, with the fewest changes of cell.
 
-    A plan is not about robots: ``synthesize`` finds one that follows it.
+    A plan ignores the robot; ``synthesize`` searches for a robot that can follow one.
 
     Args:
         program: the specification, or the path of its file.
-        task: which one; may be left out where there is one.
-        cells: begin with at least so many cells.
+        task: the task; may be omitted if there is only one.
+        cells: the least number of cells to begin with.
 
     Raises:
         SrgcError: there is no such task, or it has a clause that is not supported.
@@ -265,27 +267,27 @@ def plan(program: Specification, task: str | None = None, *, cells: int | None =
     return Plan(report, f"{program.name}, task {chosen_task.name}")
 
 
-# --- Why a task was not met -----------------------------------------------------------------------
+# --- Why no robot was found -----------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Which lines of a specification conflict, and what would make its task possible.
+    """The lines of a specification that conflict, and changes that make its task possible.
 
     Attributes:
-        found: all that is known; not a stable interface.
+        found: the whole explanation; not a stable interface.
     """
 
     found: Found
 
     @property
     def conflicts(self) -> list[list[str]]:
-        """The lines that together rule robots out, by conflict, in words."""
+        """For each conflict, the lines that together rule out robots, in words."""
         return [[line.says for line in one.lines] for one in self.found.conflicts.found]
 
     @property
     def suggestions(self) -> list[str]:
-        """Changes of one line with which a run has found and proved a robot, in words."""
+        """Changes of a single line, in words; with each, a run found and proved a robot."""
         return [one.change.says for one in self.found.suggestions]
 
     def __repr__(self) -> str:
@@ -307,16 +309,16 @@ class Explanation:
 def why(
     result: str | PathLike[str], *, runs: bool = True, time_limit: float | None = None
 ) -> Explanation:
-    """Say which lines of a specification conflict, and what would make its task possible.
+    """Find the lines of a specification that conflict, and changes that make its task possible.
 
     Args:
-        result: one with the verdict impossible or unknown, or its folder.
-        runs: whether to look for changes that help, each confirmed by a run of its own.
-        time_limit: seconds; what is known by then is given.
+        result: a result with the verdict impossible or unknown, or its folder.
+        runs: whether to search for changes that help; a run confirms each of them.
+        time_limit: a limit in seconds; the explanation contains what is known by then.
 
     Raises:
-        SrgcError: there are no results, or a robot was found, or it is the result of a mission,
-            which has a ``why`` of its own.
+        SrgcError: there are no results, a robot was found, or the result is that of a mission; use
+            ``MissionResult.why`` for a mission.
     """
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS

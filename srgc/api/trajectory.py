@@ -1,4 +1,4 @@
-"""The motion of a result, as arrays and as charts of matplotlib."""
+"""The motion of a result, as arrays and as matplotlib charts."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ if TYPE_CHECKING:
     from srgc.report.charts import CurveGroup
 
 SIZE = (7.0, 2.4)
-"""Of one chart, in inches."""
+"""The size of one chart in inches."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory(tables.Trajectory):
-    """A motion at its samples, in SI units.
+    """A motion of k steps at its k + 1 samples, in SI units.
 
-    Shapes: ``t`` (k + 1,), ``q`` and ``qd`` (k + 1, n), ``s`` (k + 1, states of the modules' own),
-    ``u`` (k, inputs): row i holds from ``t[i]`` to ``t[i + 1]``; ``effectors`` (k + 1, e, d).
+    Shapes: times ``t`` (k + 1,), coordinates ``q`` and rates ``qd`` (k + 1, n), module states ``s``
+    (k + 1, states), inputs ``u`` (k, inputs), and positions of the e effectors ``effectors``
+    (k + 1, e, d).  Row i of ``u`` holds from ``t[i]`` to ``t[i + 1]``.
 
     Attributes:
         found: the robot and its task; not a stable interface.
@@ -38,20 +39,20 @@ class Trajectory(tables.Trajectory):
 
     @spoken
     def plot(self, axes: Axes | Sequence[Axes] | None = None) -> tuple[Axes, ...]:
-        """Draw coordinates, rates, states of the modules' own and inputs over time (s).
+        """Draw coordinates, rates, module states and inputs over time (s).
 
-        There is a chart for each of these and each of their units (rad, m, N*m, ...); bounds are
-        dashed.  It needs matplotlib, which is not installed with srgc.
+        There is a chart for each of these and each of their units (rad, m, N*m, ...).  Dashed lines
+        are bounds.  This method needs matplotlib, which is not installed with srgc.
 
         Args:
-            axes: where to draw, one for each chart, as ``matplotlib.pyplot.subplots`` gives them;
-                by default on a new figure of their own.
+            axes: the axes to draw on, one for each chart, as ``matplotlib.pyplot.subplots``
+                returns them; by default those of a new figure.
 
         Returns:
-            The axes of the charts, from above.
+            The axes of the charts, from top to bottom.
 
         Raises:
-            SrgcError: matplotlib is missing, or there are too few or too many axes.
+            SrgcError: matplotlib is missing, or the number of axes is not that of the charts.
         """
         charts = tuple(_charts(self))
         if not charts:
@@ -79,7 +80,7 @@ def trajectory_of(found: FoundDesign) -> Trajectory:
 
 
 def _charts(motion: Trajectory) -> Iterator[tuple[str, list[Curve]]]:
-    """For each chart what its axis is called, and its curves: those of one kind and unit."""
+    """For each chart, the label of its axis and its curves: those of one kind and unit."""
     from srgc.report.charts import planned_curves
 
     groups: tuple[CurveGroup, ...] = planned_curves(motion.found, motion)

@@ -1,4 +1,4 @@
-"""The independent check of a result."""
+"""Verify a result, independently of the search."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """The verifier's answer, with the margin of every condition.
+    """The answer of the verifier, with the margin of every condition.
 
     Attributes:
-        report: the answer itself; not a stable interface.
-        of_tasks: of a mission the answers on its designs; not a stable interface.
-        mission: the name of the mission that the claim is about; None of a task.
+        report: the whole answer; not a stable interface.
+        of_tasks: for a mission, the answers for its designs; not a stable interface.
+        mission: the name of the mission that the claim is about; None for a task.
     """
 
     report: Report
@@ -33,57 +33,61 @@ class Verification:
 
     @property
     def tasks(self) -> dict[str, Verification]:
-        """Of a mission the answer on each design, by the name of its task."""
+        """For a mission, the answer for each design, by the name of its task."""
         return {task: Verification(report) for task, report in self.of_tasks}
 
     @property
     def valid(self) -> bool:
-        """Whether the claim is proved, with nothing taken on trust."""
+        """Whether the claim is proved; ``level`` names the SMT solvers that had to be believed."""
         return self.report.outcome.value == "valid"
 
     @property
     def outcome(self) -> Outcome:
-        """Its ``value``: "valid", "refuted", "undecided", "not checked" or "not as expected"."""
+        """The outcome of the check.
+
+        Its ``value`` is "valid", "refuted", "undecided", "not checked", "not as expected" or, if
+        two trusted solvers contradict each other, "disagreement".
+        """
         return self.report.outcome
 
     @property
     def verdict(self) -> str | None:
-        """What the certificate claims: "found" or "impossible"; None where that is not known."""
+        """The verdict that the certificate claims: "found", "impossible", or None if unknown."""
         return self.report.verdict
 
     @property
     def task(self) -> str | None:
-        """The name of the task that the certificate is about; None where that is not known."""
+        """The name of the task that the certificate is about; None if unknown."""
         return self.report.task
 
     @property
     def spec_sha256(self) -> str | None:
-        """The digest of the specification that it is about; None where that is not known."""
+        """The digest of the specification that the certificate is about; None if unknown."""
         return self.report.spec_sha256
 
     @property
     def control(self) -> str | None:
-        """What drives the robot: "open loop" or "feedback"; None where nothing does."""
+        """How the robot is controlled: "open loop" or "feedback"; None if nothing is driven."""
         return self.report.control
 
     @property
     def level(self) -> str | None:
-        """That of the weakest evidence, as "validated"."""
+        """The level of the weakest evidence, such as "validated"."""
         return self.report.level
 
     @property
     def reason(self) -> str | None:
-        """Why the claim is not valid, or on what it rests; None where nothing is to be said."""
+        """Why the claim is not valid, or what it rests on; None if there is nothing to add."""
         return self.report.reason
 
     @property
     def findings(self) -> tuple[CheckedCondition, ...]:
-        """Every condition with its status, margin, unit, and where the margin is attained."""
+        """Every condition with its status, margin and unit, and where its margin is attained."""
         return self.report.conditions
 
     @property
     def margins(self) -> dict[str, float]:
-        """By the name of a condition how much is left, in the unit of its finding."""
+        """The margins of conditions by name, in the units given in ``findings``."""
         return {one.name: one.margin for one in self.findings if isfinite(one.margin)}
 
     def __repr__(self) -> str:
@@ -123,13 +127,13 @@ def verify(
     """Check a result independently of the search that made it.
 
     Args:
-        result: what ``synthesize`` or ``open_result`` gives, or the folder of ``srgc synth``.
-        spec: also check that it is about this file.
-        task: it has to be about the task of this name.
-        mission: it has to be about the mission of this name.
-        expect: it has to have this verdict.
-        trust: names of SMT solvers, as "z3,cvc5": run the scripts of refutations again, each solver
-            in a process of its own, and believe "unsat" if all say so.
+        result: a result of ``synthesize``, ``evolve`` or ``open_result``, or its folder.
+        spec: the path of the file that the result has to be about.
+        task: the name of the task that it has to be about.
+        mission: the name of the mission that it has to be about.
+        expect: the verdict that it has to have.
+        trust: the names of SMT solvers, such as "z3,cvc5".  Each runs the scripts of refutations in
+            its own process, and a refutation is believed if all of them answer "unsat".
 
     Raises:
         SrgcError: there is no such folder or file.

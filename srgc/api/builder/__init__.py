@@ -1,1 +1,1 @@
-"""Specifications made by Python, without text: modules, grammars, workspaces, tasks."""
+"""Specifications built in Python: modules, grammars, workspaces and tasks."""

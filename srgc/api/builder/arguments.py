@@ -1,6 +1,6 @@
-"""Arguments of the builder as syntax nodes; what is a text is read by the parser of the language.
+"""Convert arguments of the builder to syntax nodes; the parser of the language reads texts.
 
-Each function has the name of the argument, for its faults: there is one message about one argument.
+Each function gets the name of the argument for its error messages.
 """
 
 from __future__ import annotations
@@ -21,30 +21,31 @@ from srgc.faults import UsageFault
 
 Number: TypeAlias = int | float | Decimal
 Quantity: TypeAlias = str | Number
-"""A text as "0.5 m" or "2 * radius", or a number in the SI unit that its argument has."""
+"""A text such as "0.5 m" or "2 * radius", or a number in the SI unit of the argument."""
 Range: TypeAlias = str | tuple[Quantity, Quantity]
-"""The lowest and the highest value, or a text as "[0.5, 5] m"."""
+"""The lowest and the highest value, or a text such as "[0.5, 5] m"."""
 Vector: TypeAlias = str | Sequence[Quantity]
-"""Coordinates, or a text as "(0, -9.81) m/s^2"."""
+"""Coordinates, or a text such as "(0, -9.81) m/s^2"."""
 
 LONGEST = 60
-"""Of what is shown of an argument, in characters."""
+"""The longest representation of an argument in a message, in characters."""
 
 # --- texts ----------------------------------------------------------------------------------------
 
 
 def read(before: str, text: object, behind: str, name: str, what: str) -> Any:
-    """The one statement of the one item that a text makes with what stands before and behind it.
+    """Parse an argument within an item that has no other statement.
 
     Args:
-        before: the text up to the argument.
+        before: the text of the item before the argument.
         text: the argument.
-        behind: the text from there on.
-        name: that of the argument.
-        what: it has to be, in words.
+        behind: the text of the item after the argument.
+        name: the name of the argument.
+        what: what the argument has to be, for messages.
 
     Raises:
-        UsageFault: it is no text, the parser refuses it, or it is more than that.
+        UsageFault: the argument is not a text, the parser refuses it, or it is more than one
+            statement.
     """
     (found,) = read_all(before, text, behind, name, what, most=1)
     return found
@@ -53,7 +54,7 @@ def read(before: str, text: object, behind: str, name: str, what: str) -> Any:
 def read_all(
     before: str, text: object, behind: str, name: str, what: str, most: int | None = None
 ) -> tuple[Any, ...]:
-    """As :func:`read`, all statements of the item; of a block of semantics those of the block."""
+    """Like :func:`read`, but return all statements of the item, or the blocks of semantics."""
     if not isinstance(text, str):
         raise UsageFault(f"`{name}` is {what}, not {shown(text)}")
     sink = Sink()
@@ -71,7 +72,7 @@ def read_all(
 
 
 def shown(value: object) -> str:
-    """A value as messages show it."""
+    """The representation of a value in messages."""
     text = repr(value)
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
 
@@ -80,7 +81,7 @@ def ident(text: object, name: str) -> s.Ident:
     """A name.
 
     Raises:
-        UsageFault: it cannot be one.
+        UsageFault: the argument is not a name.
     """
     if isinstance(text, str) and is_name(text):
         return s.Ident(text)
@@ -89,17 +90,17 @@ def ident(text: object, name: str) -> s.Ident:
 
 
 def is_quotable(text: object) -> bool:
-    """Whether a text can stand in quotes: on one line, not empty, with one kind of them."""
+    """Whether a text can be quoted: it is not empty, on one line, with one kind of quotes."""
     if not isinstance(text, str) or not text.isprintable():
         return False
     return text != "" and not {"'", '"'} <= {*text}
 
 
 def symbols(names: Iterable[str], name: str) -> tuple[s.Ident, ...]:
-    """Symbols of words, which may be signs, as "[".
+    """Symbols of words, which may be signs such as "[".
 
     Raises:
-        UsageFault: there is none, or one cannot be written.
+        UsageFault: there is none, or one of them cannot be quoted.
     """
     found = tuple(names)
     for each in found:
@@ -114,10 +115,10 @@ def symbols(names: Iterable[str], name: str) -> tuple[s.Ident, ...]:
 
 
 def unit_of(unit: str | None, name: str = "unit") -> s.Ident | None:
-    """A unit, None for none.
+    """A unit, or None.
 
     Raises:
-        UsageFault: it is no unit.
+        UsageFault: the text is not a unit.
     """
     if unit is None:
         return None
@@ -131,12 +132,12 @@ def expression(value: object, name: str, unit: str | None = None) -> s.Expr:
     """A quantity, or an expression of the language.
 
     Args:
-        value: a text, which says its unit itself, a number, or several of them as a vector.
-        name: that of the argument.
-        unit: of numbers; None: they are in SI units or plain.
+        value: a text with its unit, a number, or a sequence of them for a vector.
+        name: the name of the argument.
+        unit: the unit of numbers; if None, they have SI units or no unit.
 
     Raises:
-        UsageFault: it is none.
+        UsageFault: the value is none of these.
     """
     if isinstance(value, str):
         found = read("module M { const k = ", value, ";}", name, "one expression")
@@ -149,10 +150,10 @@ def expression(value: object, name: str, unit: str | None = None) -> s.Expr:
 
 
 def number(value: object, name: str, unit: s.Ident | None) -> s.Expr:
-    """A number of Python with a unit; a double is the shortest decimal that reads back as it.
+    """A Python number with a unit; a float stands for the shortest decimal that reads back as it.
 
     Raises:
-        UsageFault: it is no number, or not finite.
+        UsageFault: the value is not a finite number.
     """
     decimal = isinstance(value, Decimal | Real) and not isinstance(value, bool)
     if not decimal or not isfinite(value):  # type: ignore[arg-type]
@@ -170,7 +171,7 @@ def whole(value: object, name: str, least: int = 1) -> s.Expr:
     """A whole number, or an expression that is one.
 
     Raises:
-        UsageFault: it is none, or too small.
+        UsageFault: the value is not a whole number, or is too small.
     """
     if isinstance(value, str):
         return expression(value, name)
@@ -186,7 +187,7 @@ def interval(value: object, name: str, unit: str | None = None) -> s.Interval:
     """A lowest and a highest value.
 
     Raises:
-        UsageFault: it is no range.
+        UsageFault: the value is not a range.
     """
     what = 'a lowest and a highest value, as ("0.5 m", "5 m") or "[0.5, 5] m"'
     if isinstance(value, str):
@@ -201,10 +202,10 @@ def interval(value: object, name: str, unit: str | None = None) -> s.Interval:
 
 
 def symmetric(value: object, name: str, unit: str) -> s.Interval:
-    """A range, or the largest size of a value.
+    """A range, or the largest absolute value.
 
     Raises:
-        UsageFault: it is neither.
+        UsageFault: the value is neither.
     """
     if isinstance(value, str) and not value.lstrip().startswith("["):
         most = expression(value, name)
@@ -220,7 +221,7 @@ def choices(value: object, name: str, unit: str | None = None) -> s.Choices:
     """Several values.
 
     Raises:
-        UsageFault: it is no sequence of values.
+        UsageFault: the value is not a sequence of values.
     """
     what = 'values in a list, as ["0.6 m", "0.9 m"], or a text as "{0.6, 0.9} m"'
     if isinstance(value, str):
@@ -234,10 +235,10 @@ def choices(value: object, name: str, unit: str | None = None) -> s.Choices:
 
 
 def point(value: object, name: str, unit: str | None) -> t.Point:
-    """Coordinates, of a point or a vector.
+    """The coordinates of a point or the components of a vector.
 
     Raises:
-        UsageFault: they are none.
+        UsageFault: the value is not a sequence of quantities.
     """
     what = 'coordinates, as (0, -9.81) or "(0, -9.81) m/s^2"'
     if isinstance(value, str):
@@ -251,7 +252,7 @@ def point(value: object, name: str, unit: str | None) -> t.Point:
 
 
 def _with_common_unit(values: Sequence[s.Expr]) -> tuple[tuple[s.Expr, ...], s.Ident | None]:
-    """Values without their unit, and that unit, if all are numbers with one and the same."""
+    """The values without their unit and that unit, if all are numbers with the same unit."""
     units = {_unit(each) for each in values}
     unit = units.pop()
     if units or unit is None:

@@ -1,4 +1,4 @@
-"""Grammars: of productions with what each does to the robot, or from the ports of modules."""
+"""Grammars, from productions with their semantics or from the ports of modules."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from srgc.faults import UsageFault
 
 
 class Grammar(Part):
-    """A family of robots, as ``Grammar("Arms", start="Arm").production("base", "Arm -> Base")``.
+    """A family of robots: ``Grammar("Arms", start="Arm").production("base", "Arm -> Base")``.
 
-    Each method gives a new grammar with one statement more; ``Grammar.from_ports`` begins one whose
-    productions follow from the ports of its modules.
+    Each method returns a new grammar with one more statement.  ``Grammar.from_ports`` creates a
+    grammar whose productions follow from the ports of its modules.
 
     Args:
-        name: that of the grammar.
-        start: the nonterminal with which derivations begin.
+        name: the name of the grammar.
+        start: the start symbol, a nonterminal.
 
     Raises:
-        SrgcError: one of them is no name.
+        SrgcError: one of the arguments is not a name.
     """
 
     __slots__ = ()
@@ -39,15 +39,15 @@ class Grammar(Part):
     def from_ports(
         cls, name: str, *, start: str | Module, modules: Sequence[str | Module] = ()
     ) -> Self:
-        """A grammar from ports: which robots there are follows from what fits.
+        """Create a grammar from ports, whose robots join ports that fit.
 
         Args:
-            name: that of the grammar.
+            name: the name of the grammar.
             start: the module that stands on the world.
-            modules: those that may be carried.
+            modules: the modules that others may carry.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         statements: list[s.GrammarItem] = [s.StartSymbol(ident(named(start), "start"))]
         if isinstance(modules, str | Module) or not isinstance(modules, Sequence):
@@ -76,16 +76,16 @@ class Grammar(Part):
 
     @spoken
     def production(self, label: str, rule: str, *statements: str) -> Self:
-        """A production, and what it does to the robot.
+        """Add a production with its semantics.
 
         Args:
             label: the name of the production.
-            rule: it, as "Arm -> Arm eps Link".
-            statements: the rules and bodies of its block, as
+            rule: the production, such as "Arm -> Arm eps Link".
+            statements: the rules and bodies of its semantic block, such as
                 "this.frame = Arm.frame * move(x, Link.length)" and "effector(frame: Arm.frame)".
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         if self._grammar.from_ports:
             raise UsageFault("a grammar from ports has no productions of its own")
@@ -97,7 +97,7 @@ class Grammar(Part):
         return self._copied((self._with(found), *self._semantics(block)))
 
     def _semantics(self, block: s.Block) -> tuple[s.Semantics, ...]:
-        """The blocks of all productions; none as long as no production has a statement."""
+        """The blocks of all productions; empty as long as no production has a statement."""
         blocks = (*(each for item in self._items[1:] for each in _blocks(item)), block)
         if len(self._items) == 1 and not block.statements:
             return ()
@@ -108,13 +108,13 @@ class Grammar(Part):
 
     @spoken
     def accept(self, condition: str) -> Self:
-        """Which of the words are robots of the family.
+        """Add the condition that a word of the family has to satisfy.
 
         Args:
-            condition: as "matches Base (eps Joint eps Link)+ eps Hand and count(Link) <= 3".
+            condition: such as "matches Base (eps Joint eps Link)+ eps Hand and count(Link) <= 3".
 
         Raises:
-            SrgcError: it is no condition.
+            SrgcError: the text is not a condition.
         """
         what = 'a condition on words, as "count(Link) <= 3"'
         found = read("grammar G { accept ", condition, ";}", "condition", what)
@@ -124,7 +124,7 @@ class Grammar(Part):
 
 
 def named(part: object) -> object:
-    """The name of a part, or what was given instead of one."""
+    """The name of a part; other values are returned as they are."""
     return getattr(part, "name", part) if isinstance(part, Part) else part
 
 

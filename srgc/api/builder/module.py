@@ -1,4 +1,4 @@
-"""Modules: a method for each statement of the language."""
+"""Modules, with a method for each statement of the language."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ _SLIDING = ("m", "m/s", "m/s^2", "N")
 
 
 class Module(Part):
-    """A module, as ``Module("Link", "link").param("length", between=(0.3, 0.9), unit="m")``.
+    """A module: ``Module("Link", "link").param("length", between=(0.3, 0.9), unit="m")``.
 
-    A quantity is a text with its unit, as "0.5 m", or a number in SI units; an expression is a
-    text of the language.  Each method gives a new module with one statement more.
+    A quantity is a text with its unit, such as "0.5 m", or a number in SI units.  An expression is
+    a text of the language.  Each method returns a new module with one more statement.
 
     Args:
-        name: that of the module.
-        role: what it is: "base", "joint", "link", "effector", or any other name.
+        name: the name of the module.
+        role: its role: "base", "joint", "link", "effector", or any other name.
 
     Raises:
-        SrgcError: one of them is no name.
+        SrgcError: one of the arguments is not a name.
     """
 
     __slots__ = ()
@@ -73,16 +73,16 @@ class Module(Part):
         choices: Any = None,
         unit: str | None = None,
     ) -> Self:
-        """A parameter, for srgc to choose.
+        """Add a parameter, whose value srgc chooses.
 
         Args:
-            name: that of the parameter.
+            name: the name of the parameter.
             between: its lowest and its highest value.
-            choices: the values that it may have, in a list; instead of ``between``.
-            unit: of numbers, as "m".
+            choices: a list of its possible values, instead of ``between``.
+            unit: the unit of numbers, such as "m".
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         if (between is None) == (choices is None):
             raise UsageFault("give `between` or `choices`")
@@ -92,15 +92,15 @@ class Module(Part):
 
     @spoken
     def const(self, name: str, value: Quantity | Vector, unit: str | None = None) -> Self:
-        """A constant, which other statements name.
+        """Add a constant that other statements can use.
 
         Args:
-            name: that of the constant.
-            value: a quantity or an expression, also of parameters and constants.
-            unit: of a number, as "kg/m".
+            name: the name of the constant.
+            value: a quantity or an expression, which may use parameters and constants.
+            unit: the unit of a number, such as "kg/m".
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(s.Const(ident(name, "name"), expression(value, "value", unit)))
 
@@ -116,19 +116,19 @@ class Module(Part):
         accel: Quantity | None = None,
         effort: Quantity | None = None,
     ) -> Self:
-        """A degree of freedom.
+        """Add a degree of freedom.
 
         Args:
-            name: that of the coordinate, as "q".
-            kind: "revolute", it turns, or "prismatic", it slides.
-            axis: about or along which: "x", "y" or "z", with a sign or without.
-            between: its lowest and its highest value (rad, m).
+            name: the name of the coordinate, such as "q".
+            kind: "revolute" for a rotation, "prismatic" for a translation.
+            axis: the axis of the motion: "x", "y" or "z", or one of them with a minus sign.
+            between: the lowest and the highest value of the coordinate (rad, m).
             rate: the largest rate, or the lowest and the highest (rad/s, m/s).
             accel: the largest acceleration (rad/s^2, m/s^2).
             effort: the largest torque or force (N*m, N).
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         if kind not in ("revolute", "prismatic"):
             raise UsageFault(f'`kind` is "revolute" or "prismatic", not {shown(kind)}')
@@ -157,17 +157,17 @@ class Module(Part):
         viscous: Quantity | None = None,
         coulomb: Quantity | None = None,
     ) -> Self:
-        """The drive of a degree of freedom.
+        """Describe the drive of a degree of freedom.
 
         Args:
             dof: the name of the coordinate.
-            gear: rotor turns for one of the joint (1), or for a length (1/m).
-            rotor: the inertia of the rotor (kg*m^2).
-            viscous: viscous friction (N*m*s, N*s/m).
-            coulomb: dry friction (N*m, N).
+            gear: the ratio of rotor motion to joint motion (1, or rad/m for a prismatic joint).
+            rotor: the moment of inertia of the rotor (kg*m^2).
+            viscous: the viscous friction of the joint (N*m*s, N*s/m).
+            coulomb: the dry friction of the joint (N*m, N).
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         given: dict[Literal["gear", "rotor", "viscous", "coulomb"], Quantity | None] = {
             "gear": gear, "rotor": rotor, "viscous": viscous, "coulomb": coulomb,
@@ -183,56 +183,56 @@ class Module(Part):
 
     @spoken
     def state(self, name: str, *, unit: str | None = None, initial: Quantity | None = None) -> Self:
-        """A state of the module's own, whose derivative ``der`` says.
+        """Add a module state; ``der`` gives its derivative.
 
         Args:
-            name: that of the state.
-            unit: of the state; None for a plain number.
-            initial: its value at the start, 0 where it is left out.
+            name: the name of the state.
+            unit: its unit; None for a plain number.
+            initial: its value at the start, by default 0.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         start = None if initial is None else expression(initial, "initial", unit)
         return self._with(s.State(ident(name, "name"), unit_of(unit), start))
 
     @spoken
     def input(self, name: str, *, between: Range, unit: str | None = None) -> Self:
-        """An input of the module's own.
+        """Add an input of the module.
 
         Args:
-            name: that of the input.
+            name: the name of the input.
             between: its lowest and its highest value.
-            unit: of numbers, as "V".
+            unit: the unit of numbers, such as "V".
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(s.Input(ident(name, "name"), interval(between, "between", unit)))
 
     @spoken
     def der(self, state: str, value: Quantity) -> Self:
-        """The derivative of a state by time.
+        """Set the time derivative of a state.
 
         Args:
             state: the name of the state.
-            value: an expression.
+            value: an expression for its derivative.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(s.Derivative(ident(state, "state"), expression(value, "value")))
 
     @spoken
     def torque(self, dof: str, value: Quantity) -> Self:
-        """The torque or the force on a degree of freedom; it is no input then.
+        """Set the torque or force on a degree of freedom, instead of a free input.
 
         Args:
             dof: the name of the coordinate.
-            value: an expression (N*m, N).
+            value: an expression for the torque or force (N*m, N).
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(s.Torque(ident(dof, "dof"), expression(value, "value")))
 
@@ -243,15 +243,15 @@ class Module(Part):
         type: str,  # noqa: A002 - its word in the language
         gender: Literal["male", "female"] | None = None,
     ) -> Self:
-        """A port, for a grammar from ports: "in", by which it is mounted, or an output.
+        """Add a port, for a grammar from ports: "in", on which the module is mounted, or an output.
 
         Args:
-            name: "in", or that of an output, which also is a frame.
-            type: what fits has the same.
-            gender: "male" fits "female"; None fits None.
+            name: "in", or the name of an output, which is also a frame.
+            type: the type; ports fit only if they have the same type.
+            gender: "male" fits "female", and None fits None.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         if gender not in (None, "male", "female"):
             raise UsageFault(f'`gender` is "male", "female" or None, not {shown(gender)}')
@@ -259,29 +259,29 @@ class Module(Part):
 
     @spoken
     def frame(self, name: str, value: str) -> Self:
-        """A frame of a module with ports, counted from ``in``.
+        """Add a frame to a module with ports, relative to ``in``.
 
         Args:
-            name: that of the frame; of an output, where the next module stands.
-            value: an expression, as "in * move(z, length) * rot(z, q)".
+            name: the name of the frame; that of an output places the next module.
+            value: an expression, such as "in * move(z, length) * rot(z, q)".
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(s.Frame(ident(name, "name"), expression(value, "value")))
 
     @spoken
     def body(self, kind: str, **arguments: Quantity | Vector) -> Self:
-        """A body, a shape or an effector of a module with ports.
+        """Add a body, a shape or an effector to a module with ports.
 
         Args:
-            kind: as "rod", "point", "solid", "sphere", "capsule", "cylinder", "box", "hull",
+            kind: such as "rod", "point", "solid", "sphere", "capsule", "cylinder", "box", "hull",
                 "visual" or "effector".
-            arguments: those that it has in the language, as ``frame="in"`` and ``mass="2 kg"``;
+            arguments: its arguments in the language, such as ``frame="in"`` and ``mass="2 kg"``;
                 numbers are in SI units, and ``file`` is a path.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         given = tuple(
             s.Argument(ident(name, "arguments"), _of_body(name, value))
@@ -291,13 +291,13 @@ class Module(Part):
 
     @spoken
     def statement(self, text: str) -> Self:
-        """Statements as a text of the language, for what has no method.
+        """Add statements given as a text of the language, for those without a method.
 
         Args:
-            text: as "port in: Flange; port out: Flange;".
+            text: such as "port in: Flange; port out: Flange;".
 
         Raises:
-            SrgcError: they are no statements of a module.
+            SrgcError: the text does not consist of statements of a module.
         """
         return self._with(*read_all("module M {", text, "}", "text", "statements of a module"))
 

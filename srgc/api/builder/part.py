@@ -1,4 +1,4 @@
-"""What parts of a specification have in common: they are values, and print as the language."""
+"""The base of all parts of a specification: immutable values that print as the language."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from grammar_lang.syntax.tasks import Item
 
 
 class Part:
-    """A part of a specification, which never changes: each method gives a new one.
+    """An immutable part of a specification; each method returns a new one.
 
-    As a text it is the language in canonical form, as ``srgc fmt`` leaves it.
+    Its text is the language in the form of ``srgc fmt``.
     """
 
     __slots__ = ("_items",)
@@ -25,11 +25,11 @@ class Part:
 
     @property
     def items(self) -> tuple[Item, ...]:
-        """Its syntax, as the parser makes it of the text; not a stable interface."""
+        """Its syntax tree, as the parser builds it; not a stable interface."""
         return self._items
 
     def to_srg(self) -> str:
-        """The part in the language, in canonical form; ``str`` gives the same."""
+        """The text of the part in the language, in the form of ``srgc fmt``, as ``str``."""
         from grammar_lang.formatting.syntax_text import syntax_text
 
         return syntax_text(self._items)

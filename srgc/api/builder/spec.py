@@ -1,4 +1,4 @@
-"""Whole specifications, of parts and texts."""
+"""Whole specifications, from parts and texts."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from srgc.faults import UsageFault
 
 
 class Spec(Part):
-    """A specification of parts, as ``Spec(base, link, hand).edges("eps").add(arms, bench, lift)``.
+    """A specification: ``Spec(base, link, hand).edges("eps").add(arms, bench, lift)``.
 
-    It stands wherever the path of a file can: ``srgc.check(spec)``, ``srgc.synthesize(spec)``.
+    It can be used instead of the path of a file: ``srgc.check(spec)``, ``srgc.synthesize(spec)``.
 
     Args:
         parts: modules, grammars, workspaces, tasks, other specifications, and texts of the
             language.
 
     Raises:
-        SrgcError: one of them is none of these, or a text has a syntax error.
+        SrgcError: an argument is not a part or a text, or a text has a syntax error.
     """
 
     __slots__ = ()
@@ -37,38 +37,38 @@ class Spec(Part):
 
     @spoken
     def add(self, *parts: Part | str) -> Self:
-        """The specification with more parts.
+        """Add parts.
 
         Args:
-            parts: as of the class.
+            parts: as for the class.
 
         Raises:
-            SrgcError: one of them is none, or a text has a syntax error.
+            SrgcError: an argument is not a part or a text, or a text has a syntax error.
         """
         return self._copied((*self._items, *(item for part in parts for item in _items(part))))
 
     @spoken
     def edges(self, *names: str) -> Self:
-        """The specification with symbols of connections.
+        """Declare edges, the symbols that connect modules.
 
         Args:
-            names: as "eps" or "[".
+            names: the symbols, such as "eps" or "[".
 
         Raises:
-            SrgcError: one of them is no symbol.
+            SrgcError: an argument is not a symbol.
         """
         return self._copied((*self._items, s.Edges(symbols(names, "names"))))
 
     @spoken
     def include(self, path: str, *, std: bool = False) -> Self:
-        """The specification with all that another file has.
+        """Include another file.
 
         Args:
-            path: of the file, relative to the ``folder`` that ``load`` and ``check`` are given.
-            std: whether it is a file of the library, as "serial.srg".
+            path: the path of the file, relative to the ``folder`` of ``load`` or ``check``.
+            std: whether it is a file of the library, such as "serial.srg".
 
         Raises:
-            SrgcError: it is no path.
+            SrgcError: the argument is not a path.
         """
         if not is_quotable(path):
             raise UsageFault(f"`path` is the path of a file, not {shown(path)}")
@@ -79,13 +79,13 @@ class Spec(Part):
         """Write the specification to a file.
 
         Args:
-            path: of the file, which is replaced.
+            path: the path of the file; an existing file is replaced.
 
         Returns:
             The path.
 
         Raises:
-            SrgcError: it cannot be written.
+            SrgcError: the file cannot be written.
         """
         from srgc.paths import write_output
 

@@ -1,4 +1,4 @@
-"""Tasks: a method for each clause that most of them have."""
+"""Tasks, with a method for each of the most common clauses."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ from srgc.faults import UsageFault
 
 
 class Task(Part):
-    """A task, as ``Task("Lift", robot=arms, workspace=bench).reach("Shelf")``.
+    """A task: ``Task("Lift", robot=arms, workspace=bench).reach("Shelf")``.
 
-    A quantity is a text with its unit, as "1 cm", or a number in SI units.  Each method gives a new
-    task with one clause more.
+    A quantity is a text with its unit, such as "1 cm", or a number in SI units.  Each method
+    returns a new task with one more clause.
 
     Args:
-        name: that of the task.
+        name: the name of the task.
         robot: the grammar, or its name.
         workspace: the workspace, or its name.
 
     Raises:
-        SrgcError: one of them has no name.
+        SrgcError: one of the arguments is not a name and has none.
     """
 
     __slots__ = ()
@@ -76,16 +76,16 @@ class Task(Part):
         rates: Quantity | None = None,
         held: bool = False,
     ) -> Self:
-        """Where an effector starts, at rest.
+        """Set the region in which an effector starts, with the robot at rest.
 
         Args:
             region: the name of the region.
-            effector: the number of the effector, from 1; needed where there are several.
-            rates: the largest rates of joints instead of rest (rad/s, m/s).
-            held: also without accelerations.
+            effector: the number of the effector, from 1; required if there are several.
+            rates: the largest rates of joints (rad/s, m/s), instead of rest.
+            held: whether some inputs within their bounds have to balance the start pose.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         number = _effector(effector)
         largest = None if rates is None else expression(rates, "rates")
@@ -95,13 +95,13 @@ class Task(Part):
 
     @spoken
     def start_at(self, coordinates: Vector) -> Self:
-        """The coordinates with which the robot starts, at rest.
+        """Set the pose in which the robot starts, at rest.
 
         Args:
-            coordinates: of all joints (rad, m).
+            coordinates: the coordinates of all joints (rad, m).
 
         Raises:
-            SrgcError: they are none.
+            SrgcError: the argument is not a list of coordinates.
         """
         return self._with(t.StartAt(point(coordinates, "coordinates", None)))
 
@@ -116,18 +116,18 @@ class Task(Part):
         rates: Quantity | None = None,
         hold: Quantity | None = None,
     ) -> Self:
-        """Where an effector is at the end.
+        """Set the region in which an effector ends.
 
         Args:
             region: the name of the region.
-            effector: the number of the effector, from 1; needed where there are several.
-            poses: how it is turned, as "aligned z to (0, 0, -1) within 5 deg".
-            at_rest: whether the robot is at rest then.
-            rates: the largest rates of joints then, instead of rest (rad/s, m/s).
-            hold: for how long, up to the end, it is at rest or has such rates (s).
+            effector: the number of the effector, from 1; required if there are several.
+            poses: its orientation, such as "aligned z to (0, 0, -1) within 5 deg".
+            at_rest: whether the robot has to end at rest.
+            rates: the largest rates of joints at the end (rad/s, m/s), instead of rest.
+            hold: how long the robot has to be at rest or within these rates before the end (s).
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         target, number = ident(region, "region"), _effector(effector)
         final = None
@@ -149,16 +149,16 @@ class Task(Part):
         margin: Quantity | None = None,
         excepted: Sequence[tuple[str, str]] = (),
     ) -> Self:
-        """What the robot keeps clear of, at every instant.
+        """Add regions that the robot avoids at every instant.
 
         Args:
-            regions: names of regions, and "self".
-            subject: its whole "body", or its "effector" alone.
-            margin: how far it keeps from them (m).
+            regions: the names of regions, or "self" for collisions of the robot with itself.
+            subject: the part of the robot that avoids them: its whole "body", or the "effector".
+            margin: the least distance from them (m).
             excepted: pairs of modules that may touch.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         if not regions:
             raise UsageFault("`regions` are one or more")
@@ -172,15 +172,15 @@ class Task(Part):
     def effort(
         self, bound: Quantity, unit: str | None = None, *, norm: Literal[2] | None = None
     ) -> Self:
-        """How large efforts may be.
+        """Bound the efforts, the torques or forces of the drives.
 
         Args:
             bound: the largest torque or force (N*m, N).
-            unit: of a number: which of both it is; without it "N*m" is meant.
-            norm: 2 for the Euclidean norm of all together; by default each on its own.
+            unit: the unit of a number, "N*m" or "N"; by default "N*m".
+            norm: 2 to bound the Euclidean norm of all efforts; by default each one is bounded.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         if norm not in (None, 2):
             raise UsageFault(f"`norm` is 2 or None, not {shown(norm)}")
@@ -189,78 +189,78 @@ class Task(Part):
 
     @spoken
     def horizon(self, steps: int | str, step: Quantity, *, at_most: bool = False) -> Self:
-        """How long the task is.
+        """Set the horizon, the duration of the motion.
 
         Args:
-            steps: how many.
-            step: how long each is; inputs are constant within one (s).
-            at_most: any number of steps up to that.
+            steps: the number of steps.
+            step: the duration of a step, during which inputs are constant (s).
+            at_most: whether the motion may have fewer steps.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         length = expression(step, "step", "s")
         return self._with(t.Horizon(whole(steps, "steps"), length, at_most=at_most))
 
     @spoken
     def gravity(self, vector: Vector) -> Self:
-        """The acceleration of falling, none where it is left out.
+        """Set the gravitational acceleration; without this clause there is none.
 
         Args:
-            vector: its coordinates (m/s^2).
+            vector: its components (m/s^2).
 
         Raises:
-            SrgcError: they are none.
+            SrgcError: the argument is not a vector.
         """
         return self._with(t.Gravity(point(vector, "vector", "m/s^2")))
 
     @spoken
     def modules(self, most: int | str) -> Self:
-        """How many modules a robot may have.
+        """Bound the number of modules of a robot.
 
         Args:
-            most: the largest number of them.
+            most: the largest number of modules.
 
         Raises:
-            SrgcError: it is no such number.
+            SrgcError: the argument is not such a number.
         """
         return self._with(t.Modules("<=", whole(most, "most")))
 
     @spoken
     def payload(self, mass: Quantity, *, effector: int | None = None) -> Self:
-        """What an effector carries all the time.
+        """Set a load that an effector carries throughout the motion.
 
         Args:
-            mass: of it (kg).
-            effector: the number of the effector, from 1; needed where there are several.
+            mass: the mass of the load (kg).
+            effector: the number of the effector, from 1; required if there are several.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(t.Payload(expression(mass, "mass", "kg"), _effector(effector)))
 
     @spoken
     def satisfy(self, formula: str) -> Self:
-        """What is true of the motion, in temporal logic.
+        """Add a formula of temporal logic that the motion has to satisfy.
 
         Args:
-            formula: as "eventually[0 s, 3 s] (A and eventually B)".
+            formula: such as "eventually[0 s, 3 s] (A and eventually B)".
 
         Raises:
-            SrgcError: it is no formula.
+            SrgcError: the text is not a formula.
         """
         found = read("task T { satisfy ", formula, ";}", "formula", "a formula")
         return self._with(_only(found, t.Satisfy, "formula", formula))
 
     @spoken
     def control(self, loop: Literal["feedback", "open loop"]) -> Self:
-        """How the robot is controlled.
+        """Set how the robot is controlled.
 
         Args:
             loop: "feedback" or "open loop".
 
         Raises:
-            SrgcError: it is neither.
+            SrgcError: the argument is neither of these.
         """
         if loop not in ("feedback", "open loop"):
             raise UsageFault(f'`loop` is "feedback" or "open loop", not {shown(loop)}')
@@ -268,13 +268,13 @@ class Task(Part):
 
     @spoken
     def minimize(self, *objectives: str) -> Self:
-        """What is to be least, the most important first.
+        """Set the objectives to minimise, in order of priority.
 
         Args:
-            objectives: as "sum(price)" and "mass within 5 %".
+            objectives: such as "sum(price)" and "mass within 5 %".
 
         Raises:
-            SrgcError: one of them is none.
+            SrgcError: one of the texts is not an objective.
         """
         found = tuple(map(_objective, objectives))
         if not found:
@@ -283,13 +283,13 @@ class Task(Part):
 
     @spoken
     def statement(self, text: str) -> Self:
-        """Clauses as a text of the language, for what has no method.
+        """Add clauses given as a text of the language, for those without a method.
 
         Args:
-            text: as "robust mass 5 %; slack 1 mm;".
+            text: such as "robust mass 5 %; slack 1 mm;".
 
         Raises:
-            SrgcError: they are no clauses of a task.
+            SrgcError: the text does not consist of clauses of a task.
         """
         return self._with(*read_all("task T {", text, "}", "text", "clauses of a task"))
 

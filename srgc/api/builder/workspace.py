@@ -1,4 +1,4 @@
-"""Workspaces: bounds, regions, obstacles and targets, by their shapes."""
+"""Workspaces: the shapes of bounds, regions, obstacles and targets."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from srgc.faults import UsageFault
 
 
 class Sizes(TypedDict, total=False):
-    """A shape by one of its kinds.
+    """A shape, given by its kind.
 
     Attributes:
         box: a range for each side.
-        polytope: inequalities, each a text, as "x + y <= 1".
-        hull: corners.
-        ball: the middle.
-        capsule: both ends.
-        cylinder: both ends.
-        radius: of a ball, a capsule or a cylinder.
-        unit: of numbers, "m" by default.
+        polytope: inequalities, each a text such as "x + y <= 1".
+        hull: the corners.
+        ball: the centre.
+        capsule: both ends of the axis.
+        cylinder: both ends of the axis.
+        radius: the radius of a ball, a capsule or a cylinder.
+        unit: the unit of numbers, by default "m".
     """
 
     box: Sequence[Range]
@@ -53,19 +53,19 @@ KINDS = ("box", "polytope", "hull", *ROUND)
 
 
 class Workspace(Part):
-    """A workspace, as ``Workspace("Bench").bounds(box=[(0, 5), (0, 5)])``.
+    """A workspace: ``Workspace("Bench").bounds(box=[(0, 5), (0, 5)])``.
 
-    A shape is a text of the language, as "box [0, 1] x [0, 2] m", or is given by its kind:
+    A shape is a text of the language, such as "box [0, 1] x [0, 2] m", or given by its kind:
     ``box=[(0, 1), (0, 2)]``, ``polytope=["x + y <= 1", "x >= 0", "y >= 0"]``,
-    ``hull=[(0, 0), (1, 0), (0, 1)]``, ``ball=(0, 0)``, ``capsule`` and ``cylinder`` by their ends;
-    round ones have a ``radius``.  Numbers are in m, or in the ``unit`` that is given.
+    ``hull=[(0, 0), (1, 0), (0, 1)]``, ``ball=(0, 0)``, or ``capsule`` and ``cylinder`` with both
+    ends of their axis.  The last three have a ``radius``.  Numbers are in ``unit``, by default m.
 
     Args:
-        name: that of the workspace.
+        name: the name of the workspace.
         dimension: 2 for the plane, 3 for space.
 
     Raises:
-        SrgcError: an argument is not what it has to be.
+        SrgcError: ``name`` is not a name, or ``dimension`` is neither 2 nor 3.
     """
 
     __slots__ = ()
@@ -93,68 +93,68 @@ class Workspace(Part):
 
     @spoken
     def bounds(self, shape: str | None = None, **sizes: Unpack[Sizes]) -> Self:
-        """What effectors do not leave.
+        """Set the bounds, which no effector may leave.
 
         Args:
-            shape: as a text; or by its kind, see the class.
-            sizes: its kind, and what belongs to it.
+            shape: the shape as a text.
+            sizes: or the shape by its kind, as described for the class.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(t.Region("bounds", None, shape_of(shape, sizes)))
 
     @spoken
     def region(self, name: str, shape: str | None = None, **sizes: Unpack[Sizes]) -> Self:
-        """A region that tasks name.
+        """Add a region that tasks can name.
 
         Args:
-            name: that of the region.
-            shape: as a text; or by its kind, see the class.
-            sizes: its kind, and what belongs to it.
+            name: the name of the region.
+            shape: the shape as a text.
+            sizes: or the shape by its kind, as described for the class.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(t.Region("region", ident(name, "name"), shape_of(shape, sizes)))
 
     @spoken
     def obstacle(self, name: str, shape: str | None = None, **sizes: Unpack[Sizes]) -> Self:
-        """A region that tasks avoid; arguments as of ``region``.
+        """Add an obstacle, a region that tasks avoid.
 
         Args:
-            name: that of the obstacle.
-            shape: as a text; or by its kind, see the class.
-            sizes: its kind, and what belongs to it.
+            name: the name of the obstacle.
+            shape: the shape as a text.
+            sizes: or the shape by its kind, as described for the class.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(t.Region("obstacle", ident(name, "name"), shape_of(shape, sizes)))
 
     @spoken
     def target(self, name: str, shape: str | None = None, **sizes: Unpack[Sizes]) -> Self:
-        """A region that tasks reach; arguments as of ``region``.
+        """Add a target, a region that tasks reach.
 
         Args:
-            name: that of the target.
-            shape: as a text; or by its kind, see the class.
-            sizes: its kind, and what belongs to it.
+            name: the name of the target.
+            shape: the shape as a text.
+            sizes: or the shape by its kind, as described for the class.
 
         Raises:
-            SrgcError: an argument is not what it has to be.
+            SrgcError: an argument is invalid.
         """
         return self._with(t.Region("target", ident(name, "name"), shape_of(shape, sizes)))
 
     @spoken
     def statement(self, text: str) -> Self:
-        """Statements as a text of the language, for what has no method.
+        """Add statements given as a text of the language, for those without a method.
 
         Args:
-            text: as 'obstacles from "hall.png" in cm;'.
+            text: such as 'obstacles from "hall.png" in cm;'.
 
         Raises:
-            SrgcError: they are no statements of a workspace.
+            SrgcError: the text does not consist of statements of a workspace.
         """
         what = "statements of a workspace"
         return self._with(*read_all("workspace W {", text, "}", "text", what))
@@ -164,10 +164,10 @@ class Workspace(Part):
 
 
 def shape_of(text: str | None, given: Sizes) -> t.Shape:
-    """A shape, of a text or of its sizes.
+    """The shape given as a text or by its kind.
 
     Raises:
-        UsageFault: it is none, or more than one is given.
+        UsageFault: there is not exactly one shape, or it is invalid.
     """
     sizes: dict[str, Any] = {**given}
     unknown = [name for name in sizes if name not in Sizes.__annotations__]
