@@ -1,7 +1,7 @@
-"""What a certificate of *found* claims of the objectives of its task.
+"""The claims of a certificate of *found* about the objectives of its task.
 
-Each has a value, and a least that no robot goes below that has of the objectives before what these
-leave.  The evidence is that all structures that might are refuted.
+Each objective has a value and a lower bound: no robot with the best values of the objectives before
+it has less. The evidence is that all structures that might have less are refuted.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ class ObjectiveValue:
 
 @dataclass(frozen=True, slots=True)
 class TimeClaim:
-    """No robot with at most ``modules`` modules does the task in at most so many ``steps``.
+    """No robot with at most ``modules`` modules does the task in ``steps`` steps or fewer.
 
-    ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, about the task with so
-    many steps at most; all are refuted by coverings.
+    ``structures`` and ``lemmas`` are as in an ``ImpossibleClaim``, about the task with at most this
+    many steps; all structures are refuted by coverings.
     """
 
     steps: int
@@ -65,7 +65,7 @@ def objectives_claim(item: dict[str, Any]) -> ObjectivesClaim:
     """The objectives of a JSON object.
 
     Raises:
-        TypeError, KeyError, ValueError: it is malformed.
+        TypeError, KeyError, ValueError: the object is malformed.
     """
     (fields,) = objects([item], ObjectivesClaim)
     dearer, time = fields["dearer"], fields["time"]
@@ -107,7 +107,7 @@ def _value(fields: dict[str, Any]) -> ObjectiveValue:
 def objective_entries(
     values: Sequence[ObjectiveValue], units: Sequence[str]
 ) -> list[dict[str, Any]]:
-    """What ``design.json`` says of objectives whose values have these units."""
+    """The entries of ``design.json`` for objectives whose values have these units."""
     return [
         {
             "objective": each.objective,
