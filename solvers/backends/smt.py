@@ -57,7 +57,7 @@ def solve_script(script: str, *, resources: int = RESOURCES) -> Answer[None, Non
     return Unknown(Reason.INCOMPLETE, reason)
 
 
-# --- z3 under a time limit: it is interrupted from another thread, since it has no callback -------
+# --- z3 under a time limit: another thread interrupts it, since z3 does not check the limit -------
 
 
 PULSE = 0.05

@@ -323,8 +323,8 @@ def formula_diagnostics(program: ir.Program, sink: Sink) -> None:
     """Report formulas that contradict themselves or their task; without errors, vacuous ones.
 
     A program with errors may lack the very clauses that give a formula its meaning. Maps are
-    already expanded to obstacles. A formula that is false from the start of an endless motion has
-    been reported already, and nothing more is said about it.
+    already expanded to obstacles. Nothing more is reported about a formula that the start of an
+    endless motion already violates.
     """
     warn = not sink.has_errors
     starts = [each.span for each in sink.found if each.code is Code.START_OUTSIDE_LOOP]

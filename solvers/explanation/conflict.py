@@ -42,7 +42,7 @@ class Conflict:
 
 @dataclass(frozen=True, slots=True)
 class Conflicts:
-    """The conflicts, those of most robots first; ``left`` robots were not explained."""
+    """The conflicts, those that rule out most robots first; ``left`` robots were not explained."""
 
     found: tuple[Conflict, ...]
     left: int = 0

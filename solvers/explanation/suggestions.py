@@ -78,7 +78,7 @@ class SuggestionSearch:
         return self.runs.context.seed
 
     def after_conflicts(self, lines: Iterable[TaskLine], bound: TaskLine | None) -> None:
-        """Changes of the lines of conflicts, and of the bound on modules."""
+        """Try changes of the lines of conflicts, and of the bound on modules."""
         derivations = self.structures(self.posed)
         for line in sorted(lines, key=lambda line: line.kind not in DRIVES):
             for scale in scales(self.posed, line):
@@ -91,7 +91,7 @@ class SuggestionSearch:
             self.modules(bound)
 
     def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
-        """Changes that may help if there are poses but no motion was found or proved."""
+        """Try changes that may help if there are poses but no motion was found or proved."""
         horizon = next(line for line in lines if line.kind == "horizon")
         self.feedback("open loop")
         self.shorter(horizon)
@@ -109,14 +109,14 @@ class SuggestionSearch:
                 self.singles(line)
 
     def drives(self, lines: Sequence[TaskLine]) -> None:
-        """More effort, then more steps."""
+        """Try more effort, then more steps."""
         for line in sorted(lines, key=lambda line: line.kind == "horizon"):
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
                     self.far(scale)
 
     def undisturbed(self, line: TaskLine) -> None:
-        """Without disturbances, and with feedback about them."""
+        """Try without disturbances, and with feedback against them."""
         if self.posed.task.robust is None:
             return
         calm = self.posed.with_task(robust=None)
@@ -125,13 +125,13 @@ class SuggestionSearch:
         self.feedback(None)
 
     def feedback(self, control: str | None) -> None:
-        """Inputs that follow measurements, if the task's ``control`` is the given one."""
+        """Try inputs that follow measurements, if the task's ``control`` is the given one."""
         line = control_line(self.posed)
         if line is not None and self.posed.task.control == control:
             self.tried(with_feedback(self.posed, line))
 
     def shorter(self, line: TaskLine) -> None:
-        """Steps short enough for feedback to answer disturbances before they have grown."""
+        """Try steps short enough for feedback to answer disturbances before they have grown."""
         task = self.posed.task
         if task.robust is None or task.control == "open loop":
             return
@@ -142,7 +142,7 @@ class SuggestionSearch:
                 return
 
     def otherwise(self, line: TaskLine) -> None:
-        """Shorter horizons, the longest first, finer steps, and a longer search of the same task.
+        """Try shorter horizons, the longest first, finer steps, and a longer search of the task.
 
         They take longest, and so are tried only if nothing else has helped.
         """
@@ -161,7 +161,7 @@ class SuggestionSearch:
         return self.runs.run(change) if self.runs.left else None
 
     def singles(self, line: TaskLine) -> None:
-        """Changes without a value: the next one only if the one before does not help."""
+        """Try changes without a value: the next one only if the one before does not help."""
         for change in single_changes(self.posed, line):
             if self.posable_at(change.posed) and self.tried(change) is not None:
                 return
@@ -179,7 +179,7 @@ class SuggestionSearch:
     # --- values ---------------------------------------------------------------------------------
 
     def posable(self, scale: Scale, derivations: Sequence[Derivation]) -> None:
-        """The least change for which there are poses, or one of a few larger changes."""
+        """Try the least change for which there are poses, and then a few larger ones."""
         tasks = [scale.at(value).posed for value in scale.values]
         first = first_with_poses(tasks, derivations, self.seed) if tasks else None
         if first is None:
@@ -193,7 +193,7 @@ class SuggestionSearch:
                 return
 
     def far(self, scale: Scale) -> None:
-        """The largest change first, and smaller ones if it helps."""
+        """Try the largest change first, and smaller ones if it helps."""
         best = self.tried(scale.at(scale.values[-1])) if scale.values else None
         if best is None:
             return
@@ -206,7 +206,7 @@ class SuggestionSearch:
             self.by_halving(scale, low, high)
 
     def by_peak(self, scale: Scale, best: Suggestion, low: Fraction, high: Fraction) -> None:
-        """Effort: the peak of a motion is tried as the bound; if that fails, more."""
+        """For an effort, try the peak of a motion as the bound; if that fails, more."""
         wanted = rounded_up(Fraction(best.effort_peak))
         for _ in range(NEARER):
             if not low <= wanted < high:
@@ -222,7 +222,7 @@ class SuggestionSearch:
                 return
 
     def by_values(self, scale: Scale, best: Fraction) -> None:
-        """The effort of one joint: values between those that were too small and the best."""
+        """For one joint's effort, try values between those that were too small and the best."""
         low, high = -1, scale.values.index(best)
         for _ in range(NEARER):
             middle = (low + high) // 2
@@ -234,7 +234,7 @@ class SuggestionSearch:
                 high = middle
 
     def by_halving(self, scale: Scale, low: Fraction, high: Fraction) -> None:
-        """Steps: a number between one that was too small and the best, a few times."""
+        """For steps, try a number between one that was too small and the best, a few times."""
         low = low - 1
         for _ in range(NEARER):
             middle = Fraction(round(_between(low, high)))
@@ -246,7 +246,7 @@ class SuggestionSearch:
                 high = middle
 
     def modules(self, line: TaskLine) -> None:
-        """The least bound on modules for which there are poses."""
+        """Try the least bound on modules for which there are poses."""
         longer = self.longer()
         if longer is not None:
             self.tried(with_modules(self.posed, line, self.size(longer)))

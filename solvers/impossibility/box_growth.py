@@ -62,9 +62,9 @@ class BoxGrowth:
     """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` says which can be divided.
 
     In a ``coarse`` box parameters are divided until poses are known, and then ways are blocked; in
-    others ways are blocked at once, since there may be poses for single parameters only. For the
-    kept leaves, ``whole`` judges them with all parameters, ``middle`` a pose in each of them with
-    all parameters, and ``sample`` that pose with the middle parameters.
+    others ways are blocked at once, since there may be poses for single parameters only. For each
+    kept leaf, ``whole`` judges it with all parameters, ``middle`` a pose in it with all parameters,
+    and ``sample`` that pose with the middle parameters.
     """
 
     demands: BoxConditions

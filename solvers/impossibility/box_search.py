@@ -257,7 +257,7 @@ class EvenGrowth:
         self._judge()
 
     def refined(self, size: int) -> CoordinateTree:
-        """A tree with at most ``size`` kept leaves, and about twice as many in total."""
+        """A tree with at most ``size`` kept leaves, and at most 2.5 times as many in total."""
         while 0 < 2 * len(self.cover.node) <= size and 2 * self.cover.leaves <= 4 * size:
             effects = self.judged.effects[:, : self.demands.n]
             able = np.where(self.cover.divisible(), effects, -1.0)

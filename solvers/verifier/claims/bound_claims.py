@@ -1,4 +1,4 @@
-"""The claim, in a certificate of *found*, that no robot has inputs with a larger share to spare.
+"""The claim, in a certificate of *found*, that no robot's inputs can spare a larger share.
 
 Its evidence is that of an impossibility: the task with tighter input bounds cannot be done.
 """

@@ -1,7 +1,7 @@
 """The claims of a certificate of *found* about the objectives of its task.
 
-Each objective has a value and a lower bound: no robot with the best values of the objectives before
-it has less. The evidence is that all structures that might have less are refuted.
+Each objective has a value and a lower bound: no robot that keeps the limits set by the objectives
+before it has less. The evidence is that all structures that might have less are refuted.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from solvers.verifier.claims.structure_claims import StructureClaim, structure_c
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveValue:
-    """What a design has of an ``objective``, written as in the task, and the ``least`` of robots.
+    """The design's value of an ``objective``, written as in the task, and the ``least`` of robots.
 
-    Both are exact numbers in SI units, of ``effort`` a share.
+    Both are exact numbers in SI units; for ``effort`` they are shares.
     """
 
     objective: str
@@ -44,12 +44,11 @@ class TimeClaim:
 
 @dataclass(frozen=True, slots=True)
 class ObjectivesClaim:
-    """The objectives of a task, in their order, and what their least values rest on.
+    """The objectives of a task, in order, and the evidence for their least values.
 
-    The robots that they are about have at most ``modules`` modules; None: any number.
-    ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, all with coverings; of the
-    words that are ``dearer`` no robot has less, whatever its parameters are.  What is claimed of
-    the least ``time`` has evidence of its own.
+    It is about robots with at most ``modules`` modules; None: any number. ``structures`` and
+    ``lemmas`` are as in an ``ImpossibleClaim``, all with coverings; robots of the ``dearer`` words
+    do not have less for any parameters. The least ``time`` has evidence of its own.
     """
 
     values: tuple[ObjectiveValue, ...]

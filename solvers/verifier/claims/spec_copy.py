@@ -72,9 +72,8 @@ def evidence_bytes(folder: Path, name: str) -> bytes:
 
 
 # --- The copy of a spec in a result folder: main file, included files, maps, images ---------------
-#
-# A claim is about all of these files, byte for byte, under the paths that they have below the
-# folder of the main file.
+# A claim is about all of these files, byte for byte, under their paths below the folder of the main
+# file.
 
 
 def files_of(sources: Iterable[Source]) -> dict[str, bytes]:

@@ -1,7 +1,7 @@
 """Check a mission: each design on its own, then one robot or the costs, then lower bounds.
 
 No code of the search is used. The designs are verified as results of their own. Whether they are
-one robot, or what rebuilding them costs, is computed from their certificates.
+one robot, and otherwise what rebuilding costs, is computed from their certificates.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the evidence of a mission proves: that no robots do it, or that none do it for less.
+"""The conclusions from a mission's evidence: that no robots do it, or that none do it for less.
 
 One robot: every word satisfies a lemma or is listed, and each derivation of a listed word is
 refuted in some task, as a whole or box by box. Rebuilt robots: the cheapest chain of robots that

@@ -162,7 +162,7 @@ def _growth(scaled: arb_mat, weights: Sequence[arb]) -> arb:
 
 
 def _weights(scaled: arb_mat, total: arb_mat) -> list[arb]:
-    """Weights near ``total``; products with the matrix exceed them by no orders of magnitude."""
+    """Weights near ``total``: what the matrix adds to an entry is at most of its order."""
     least = _largest(total.entries()) * LEAST_WEIGHT
     weights = column([item.upper().max(least) for item in total.entries()])
     for _ in range(WEIGHT_ROUNDS):

@@ -167,9 +167,9 @@ class Apart(Constraint):
 class BodiesApart(Apart):
     """Two bodies stay apart: the hull of their points' differences stays away from zero.
 
-    The differences are the ``points``, first those with the first point of the first body; the
-    ``extensions`` are those of the first body, then of the second. ``body`` are the points of the
-    first body itself, and ``shape`` the extensions that it adds to them; ``where`` uses both.
+    The differences are the ``points``, ordered by the point of the first body; the ``extensions``
+    are those of the first body, then of the second. ``body`` are the points of the first body
+    itself, and ``shape`` its extensions; ``where`` uses both.
     """
 
     body: tuple[int, ...] = ()
@@ -293,7 +293,7 @@ class Nearest:
 def nearest_points(
     left: Sequence[Sequence[float]] | Array, right: Sequence[Sequence[float]]
 ) -> Nearest:
-    """The vector to the hull of ``left`` from that of ``right``, between their nearest points.
+    """The nearest points of two hulls; the vector points from ``right`` to ``left``.
 
     The points are (d,) each, and the algorithm is Wolfe's (1976).
     """

@@ -96,7 +96,7 @@ def _cut_short(
     told: Sequence[CheckedCondition],
     time: float,
 ) -> tuple[CheckedCondition, ...]:
-    """The conditions for a tube that ends early; ``told`` are those that it shows until then."""
+    """The conditions if a tube ends early; ``told`` are those that it shows until then."""
     ended = CheckedCondition(
         "disturbed motions", Status.UNDECIDED, -NO_MARGIN, "", time,
         why="the enclosure of the disturbed motions ends",

@@ -69,12 +69,12 @@ MOST_TRIALS = 64
 SHORTEST = Fraction(1, 2**30)
 """In steps: the shortest segment that is tried."""
 FARTHER = 8
-"""If the direction of joints is unknown, the segment lasts this many times as long as their rate
-takes to change."""
+"""If the direction of a joint is unknown, a segment is this many times as long as the rate needs to
+change by its own size."""
 LET_GO = Fraction(1, 2**12)
 """In steps: how precisely the instant is found at which a joint breaks away."""
 MOST_WIDE = 2
-"""A joint whose rate is at most this many radii of its set is as near to rest as can be told."""
+"""A joint whose rate is at most this many radii of its set is as near to rest as can be seen."""
 ANYTHING = arb(0, arb("inf"))
 SPARE = 1.25
 """Estimated times to pass through rest are multiplied by this factor."""

@@ -92,7 +92,7 @@ def planned_margins(
 
 
 def least_share(margins: Sequence[Margin]) -> float:
-    """The least share of a margin in its largest value, times the largest of these values.
+    """The least ratio of a margin to its largest possible value, times the largest such value.
 
     With one bound it is the margin. Inputs that can have only one value are left out.
     """

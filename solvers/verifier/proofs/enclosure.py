@@ -1,15 +1,15 @@
 r"""Validated integration: an enclosure of the continuous-time solutions at every instant.
 
-Each segment has: a polynomial path p from the midpoint of the set of states, with a bound of its
+Each segment has a polynomial path p from the midpoint of the set of states, with a bound of its
 defect (``vector_field.py``); a box that no deviation from it leaves (``a_priori.py``); a matrix
-polynomial P near the fundamental matrix of the deviations (``deviation_flow.py``).  Then every
-state is
+polynomial P near the fundamental matrix of the deviations (``deviation_flow.py``). Then every state
+is
 
 .. math::
     x(t) \in p(t) + \bigl(P(t) \pm Z(t)\bigr)\,(x(0) - p(0)) \pm y(t), \qquad 0 \le t \le h,
 
 with y the bound of what the defect and the disturbance of the inputs add. The set at the end is a
-zonotope (see ``deviation_flow.py``).
+zonotope (``zonotope.py``).
 
 Sources: Lohner (1987); Nedialkov, Jackson & Corliss, *Validated solutions of initial value problems
 for ordinary differential equations* (1999); Kapela & Zgliczynski (2009) for disturbed inputs.

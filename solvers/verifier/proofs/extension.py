@@ -47,7 +47,7 @@ class Extension(ABC):
     @property
     @abstractmethod
     def farthest(self) -> tuple[arb, ...]:
-        """The largest weight of each column."""
+        """The largest weights; their norm bounds how far the extension reaches."""
 
     @abstractmethod
     def corners(self, rims: Sequence[Rim]) -> list[Terms]:
@@ -97,7 +97,7 @@ class DiscExtension(Extension):
 
     @property
     def farthest(self) -> tuple[arb, ...]:
-        """The radius; the second column follows from the first."""
+        """The radius, which is the norm of both weights."""
         return (self.radius,)
 
     def corners(self, rims: Sequence[Rim]) -> list[Terms]:

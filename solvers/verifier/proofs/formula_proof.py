@@ -292,8 +292,8 @@ class FormulaProof:
 
 # --- The regions that a point can be in together, if enclosures do not decide each one ------------
 #
-# At the instant at which it enters a region a point is on its boundary, and which side it is on can
-# never be decided.  Still it is on one of them; and between two regions that touch it is in one.
+# When a point enters a region it is on the boundary, and its side can never be decided.  Still it
+# is on one side; and between two regions that touch, it is in one of them.
 
 
 THICKNESS = Fraction(1, 2**60)

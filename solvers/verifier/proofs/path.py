@@ -14,7 +14,7 @@ from solvers.verifier.proofs.vector_field import VectorField
 
 # --- A polynomial path near a solution, and its defect --------------------------------------------
 #
-# The path p need not be a solution: any polynomials will do.  What decides is its defect
+# The path p need not be a solution; any polynomials may be used.  Its accuracy shows in its defect
 #
 # .. math:: \rho(t) = F(p, u) - M(p)\,\dot p_v, \qquad \rho_s(t) = \sigma(p, u) - \dot p_s,
 #
@@ -23,9 +23,9 @@ from solvers.verifier.proofs.vector_field import VectorField
 #
 # .. math:: |\rho(t)| \le \sum_{j<L} |\rho_j| (H/2)^j + |\rho_L([0, H])| (H/2)^L .
 #
-# The path's coefficients are known numbers, so that the last one needs a single pass over the
-# equations; the solution's own coefficient over a box, which the remainder of a Taylor method asks
-# for (Nedialkov, Jackson & Corliss 1999), would need L of them, each of which widens the next.
+# The path's coefficients are known numbers, so the last one needs a single pass over the equations.
+# A Taylor method needs the solution's own coefficient over a box for its remainder (Nedialkov,
+# Jackson & Corliss 1999); that would take L passes, and each of them widens the next.
 #
 # Source of defect control: Enright, *A new error-control for initial value solvers* (1989); here
 # the defect is not sampled but enclosed.

@@ -170,7 +170,7 @@ class Inside(Constraint):
     distance: arb = field(default_factory=lambda: arb(0))
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
-        """The least distance to a facet minus the required one: over the slice, at its middle."""
+        """The least distance to a facet, less the required one: over a slice and at its middle."""
         worst, middle = arb("inf"), arb("inf")
         for item in self.rows:
             for value, centre in self._farthest(item, over):

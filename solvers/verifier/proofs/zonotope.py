@@ -60,17 +60,17 @@ def box(state: Sequence[arb]) -> InitialSet:
 # .. math:: X = \{\, m + G r : |r_j| \le 1 \,\}
 #
 # with m exact and G of doubles.  Like Lohner's representation m + C r + Q e (1987) it moves with
-# the flow without being enclosed anew.  What is added on a segment, a box, becomes new columns of G
-# instead of being turned into the axes Q at once, where shears would widen it; Q is a box of those
-# that lose least by that.  Under a map x -> p + (P + Z)(x - m) + d,
+# the flow without a new enclosure.  The box that a segment adds becomes new columns of G.  It is
+# not turned into the axes Q at once, where shears would widen it; only the columns that lose least
+# by this are put into such a box.  Under a map x -> p + (P + Z)(x - m) + d,
 #
 # .. math:: m' \approx p, \qquad G' \approx (P G,\ D), \qquad
 #     D = \operatorname{diag}\bigl(|p - m'| + |Z (x - m)| + |P G - G'| 1 + |d|\bigr),
 #
 # so that no rounding of m' and G' can lose a state: products of doubles are off by no more than
-# n u |P| |G|, in whichever order their n terms are added (Higham, *Accuracy and stability of
-# numerical algorithms*, 2002, section 3.1).  Where there are too many columns, the shortest
-# are replaced by the box along their principal axes that holds them (Girard, *Reachability of
+# n u |P| |G|, in whatever order their n terms are added (Higham, *Accuracy and stability of
+# numerical algorithms*, 2002, section 3.1).  If there are too many columns, the shortest are
+# replaced by the box along their principal axes that contains them (Girard, *Reachability of
 # uncertain linear systems using zonotopes*, 2005; Kopetzki, Schuermann & Althoff, *Methods for
 # order reduction of zonotopes*, 2017); long ones stay, so that wrapping does not feed on itself
 # (Kuhn, *Rigorously computed orbits of dynamical systems without the wrapping effect*, 1998).
@@ -196,7 +196,7 @@ def _moved(matrix: BallArray, columns: Array) -> tuple[Array, Array]:
     # A row of zeros and a single 1 has no error.
     copied = ~matrix.radius.any(axis=1) & (np.count_nonzero(middle, axis=1) <= 1)
     copied &= ((middle == 0) | (middle == 1)).all(axis=1)
-    # For single entries, the relative error may be too small for doubles.
+    # The relative bound of a single product may underflow.
     sums = (middle + matrix.radius) * sizes
     off = _sums(matrix.radius * sizes + (terms + 4) * UNIT * sums)
     off += LEAST * ((middle + matrix.radius != 0) @ (sizes != 0))
@@ -214,7 +214,7 @@ def _sums(terms: Array) -> Array:
     """Bounds of the sums of absolute values, row by row."""
     sizes = np.abs(terms)
     sums: Array = sizes.sum(axis=1) * (1 + (terms.shape[1] + 4) * UNIT)
-    # Numbers too small for all their bits add up to less than this.
+    # Errors of subnormal numbers add up to less than this.
     sums[(sizes > 0).any(axis=1)] += LEAST
     return sums
 
