@@ -18,7 +18,7 @@ from solvers.verifier.claims.structure_claims import StructureClaim, structure_c
 
 @dataclass(frozen=True, slots=True)
 class BoundClaim:
-    """No robot with at most ``modules`` modules (None: no robot at all) keeps more than ``share``.
+    """No robot with at most ``modules`` modules (None: of any size) keeps more than ``share``.
 
     ``share`` is a decimal: the distance of the inputs from their bounds, relative to the largest
     possible one. ``structures`` and ``lemmas`` are as in an ``ImpossibleClaim``, about the task

@@ -131,7 +131,7 @@ class SeparationClaim:
 
 @dataclass(frozen=True, slots=True)
 class ImpossibleClaim:
-    """No structure with at most ``modules`` modules (None: no structure at all) can do the task.
+    """No structure with at most ``modules`` modules (None: of any size) can do the task.
 
     With a ``separation``, no robot at all can do it, and no structures are listed. Structures whose
     words satisfy a lemma among the ``claims`` are not listed.

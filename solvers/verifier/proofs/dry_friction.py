@@ -6,21 +6,21 @@ two motions under the same inputs obey, with forces and M(q) Lipschitz on a boun
 
 .. math:: \frac{d}{dt}\,(v_1 - v_2)^T M (v_1 - v_2) \le L\,|x_1 - x_2|^2 :
 
-so a start determines the motion.  Hence it is enough to show that the motions of a smooth system
-have the friction of the law:
+so there is only one motion from each start. Hence it is enough to show that the motions of a smooth
+system have the friction of the law:
 
-- **sliding** with sign s: :math:`f_j = -s c_j`, and :math:`s v_j \ge 0` throughout, since it is
-  positive at the start and grows where it vanishes;
+- **sliding** with sign s: :math:`f_j = -s c_j`, and :math:`s v_j \ge 0` throughout, which holds if
+  it is positive at the start and grows where it vanishes;
 - **sticking**: :math:`v_j = 0` at the start, the joint is rigid (``sticking_field.py``), holding it
   takes an effort of at most :math:`c_j`, and M with its row and column is regular, too;
 - **leaving** rest with sign s: the joint breaks away at some instant, and :math:`s v_j \ge 0` from
-  the start.  At rest friction balances the effort :math:`p_j` on the joint, or is :math:`-s c_j` if
-  that effort is larger; where :math:`s p_j \ge c_j - \delta_j > -c_j` it is :math:`f_j \in -s\,[c_j
-  - \delta_j, c_j]`, a disturbance, and the rate does not change its sign;
+  the start. At rest friction balances the effort :math:`p_j` on the joint, or is :math:`-s c_j` if
+  that effort is larger; where :math:`s p_j \ge c_j - \delta_j > -c_j` it is
+  :math:`f_j \in -s\,[c_j - \delta_j, c_j]`, a disturbance, and the rate does not change its sign;
 - **either**: any :math:`|f_j| \le c_j`, a disturbance, for the time that passing through rest or
   coming to rest takes.
 
-Joints S certainly come to rest if friction outweighs all other efforts on them.  With a constant
+Joints S certainly come to rest if friction outweighs all other efforts on them. With a constant
 :math:`\Lambda_0` near :math:`\Lambda = ((M^{-1})_{SS})^{-1}` and g the other effort on them,
 
 .. math:: V = v_S^T \Lambda_0 v_S, \qquad
@@ -181,7 +181,7 @@ class RubbingRobot:
             if modes[joint] == "either" and joint in signs:
                 push = self._push_at_rest(hull, modes, joint)
                 mode = let_go(push, size)
-                # For a joint that comes to rest again, no known sign is better.
+                # A joint that comes to rest again is better left without a known sign.
                 if mode == signs[joint] or (
                     isinstance(mode, Leaving)
                     and mode.sign == signs[joint]

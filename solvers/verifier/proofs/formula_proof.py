@@ -80,7 +80,7 @@ class _Part:
     finite: bool = True
 
     def straddles(self, level: float, numbers: Sequence[int]) -> bool:
-        """Whether some atoms might hold at this level, but are not proved to."""
+        """Whether some atoms may be decided with this margin, but are not proved to be."""
         return any(
             gap.inside < level <= gap.most_inside or gap.outside < level <= gap.most_outside
             for gap in (self.gaps[number] for number in numbers)

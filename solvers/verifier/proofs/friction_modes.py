@@ -27,7 +27,7 @@ Signs: TypeAlias = Mapping[int, Literal[1, -1]]
 """Joints whose rates do not have the other sign, according to their previous modes."""
 
 GENEROUS = 2
-"""``spare`` is this many times larger than it is at first."""
+"""``spare`` is this many times larger than needed at first."""
 
 
 def sign_of(mode: Mode) -> Literal[1, -1] | None:

@@ -33,10 +33,10 @@ def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> Check
 
     The joints' forces b(u) have a zero if S encloses their slopes over a box of inputs about u0 and
     u0 - S^-1 b(u0) is within the box; the zero is there and is the only one in the box (interval
-    Newton; Neumaier, *Interval methods for systems of equations*, 1990).  The margin is the least
-    share of a bound that the inputs leave unused.  If there are more inputs than joints, some keep
-    the values that balance the robot in floats.  Forces that no input changes have to be zero.  Dry
-    friction may balance a robot: then it is no refutation that inputs alone do not.
+    Newton; Neumaier, *Interval methods for systems of equations*, 1990). The margin is the least
+    share of a bound that the inputs leave unused. If there are more inputs than joints, some keep
+    the values that balance the robot in floats. Forces that no input changes have to be zero. Dry
+    friction may balance a robot; a failure of the inputs alone then refutes nothing.
 
     Args:
         scene: the robot in its task.

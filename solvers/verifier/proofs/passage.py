@@ -197,7 +197,8 @@ def _attempt(
     except UncertainSignError:
         raise
     except (ZeroDivisionError, ValueError):
-        # A denominator's ball contains zero: the box is too wide; the robot may be valid.
+        # A denominator's ball contains zero: the box is too wide, which says nothing about the
+        # robot.
         return UNKNOWN, None
     if not all(item.is_finite() for item in (*moved.radii, *end.radii)):
         return UNKNOWN, None

@@ -41,9 +41,9 @@ def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) 
 
 
 def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]:
-    """Failing conditions for bodies and shapes with a negative length, mass, density or the like.
+    """A failing condition for each negative amount of a body or a shape.
 
-    The amounts are: length, mass, density, radius, size and moment of inertia.
+    Amounts are lengths, masses, densities, radii, sizes and moments of inertia.
     """
     scalars = scalar_balls(model.scalars, tail)
     amounts = [(f"body {number}", amounts_of(body)) for number, body in enumerate(model.bodies, 1)]

@@ -227,7 +227,7 @@ def check_segment(point_map: PointMap, whole: Stretch, constraints: Sequence[Con
 class _View:
     """Positions over a stretch; tighter ones on demand.
 
-    In a wide tube the entries of a state depend on each other, which boxes do not show.
+    In a wide tube the entries of a state depend on each other; boxes lose this dependence.
     """
 
     point_map: PointMap

@@ -58,7 +58,7 @@ class _Stated:
 
     @property
     def most(self) -> Fraction:
-        """The most that a robot may have of this objective when later ones are compared.
+        """The most that a robot may have of this objective to be compared in later ones.
 
         The robot of the claim is within this limit.
         """

@@ -27,7 +27,7 @@ from compiler.time_limits.time_limit import check_time
 from grammar_lang.files.file_tree import visible
 from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
-# The searchers spend as much, so whatever they decide is decided here, too.
+# Twice what the searchers spend, so that whatever they decide is decided here, too.
 RESOURCES = 2_000_000
 SECONDS = 600.0
 """A process is ended after this time: most solvers have no other budget."""
