@@ -1,7 +1,8 @@
 """Changes that weaken one line of a task, by a value or as a whole, or that change no line.
 
 A scale is a line with the values that it may take, the nearest first; each of its tasks is weaker
-than those before. The text ``says`` of a change begins with "with" or "without".
+than those before. The text ``says`` of a change describes the new task, mostly as "with ..." or
+"without ...".
 """
 
 from __future__ import annotations

@@ -84,7 +84,7 @@ class Explanation:
 
     @property
     def all_refuted(self) -> bool:
-        """Whether all tried structures are refuted, even if a bound or a limit makes it unknown."""
+        """Whether all tried structures are refuted, even if the verdict is unknown."""
         return bool(self.tried.refuted) and self.tried.nearest is None
 
 

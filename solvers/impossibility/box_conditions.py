@@ -123,7 +123,7 @@ class _Avoided:
 
 
 def _crossed(first: Array, last: Array, slack: Array) -> Flags:
-    """Which segments certainly have an inner point in common, by heights of their ends (..., r).
+    """Which segments certainly have a point inside a region, by heights of their ends (..., r).
 
     The fraction is chosen as the verifier chooses it, so that both give the same answer.
     """
@@ -180,7 +180,7 @@ class _Apart:
 
 
 def _directions(dimension: int) -> Array:
-    """The unit vectors (r, d) along which two bodies may be seen to be apart."""
+    """The unit vectors (r, d) along which two bodies are tested for being apart."""
     found = np.array([each for each in product((-1, 0, 1), repeat=dimension) if any(each)], float)
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 

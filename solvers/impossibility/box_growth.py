@@ -232,7 +232,7 @@ class BoxGrowth:
         return bool(self._judged(poses, poses, centre, centre).open.all())
 
     def _polyline(self, way: Numbers) -> Array:
-        """Poses from leaf to touching leaf, through the middle of their common side."""
+        """Poses from leaf to touching leaf, through the middle of their common boundary."""
         low, high = (ends[way] for ends in self.cover.boxes())
         at = self._poses(low, high)
         first, last = np.maximum(low[:-1], low[1:]), np.minimum(high[:-1], high[1:])

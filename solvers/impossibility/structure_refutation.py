@@ -49,7 +49,7 @@ SECONDS = 60.0
 FEW_DOFS = 2
 """With at most this many coordinates a covering is tried even if poses were found."""
 DESIGNS = 6
-"""The parameters with which a way is looked for before a covering is tried."""
+"""The number of parameter vectors with which a way is looked for before a covering is tried."""
 BOTH_POSES = 400_000
 """z3's resources for two poses of the body with common parameters, which are hard to find."""
 
@@ -82,7 +82,7 @@ def refute_structure(
     task: ir.Task,
     context: RunContext,
 ) -> Refutation:
-    """Try to prove that a structure cannot bring effectors from the start to where they must be."""
+    """Try to prove that a structure cannot move effectors from the start to where they must be."""
     asked = _Asked(model, numeric, program.workspaces[task.workspace], task, context)
     for question in pose_questions(asked.workspace, task):
         refuted = asked.poses(question) or asked.bodies(question)
