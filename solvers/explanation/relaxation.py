@@ -133,7 +133,7 @@ def _wider(domain: ir.Interval | ir.Choices | None) -> ir.Interval:
 
 
 def grown_bounds(workspace: ir.Workspace, width: Fraction) -> ir.Workspace:
-    """Bounds that are a box around the old ones, wider on every side by ``width`` of its widths."""
+    """A box around the old bounds, wider on every side by ``width`` times its size, as bounds."""
     box = polytope_of(workspace.bounds.shape, workspace.dimension).vertices
     rows = []
     for axis in range(workspace.dimension):
