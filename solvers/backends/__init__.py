@@ -1,1 +1,1 @@
-"""Adapters to native solvers, and what their answers may mean."""
+"""Adapters to native solvers, and the meaning of their answers."""

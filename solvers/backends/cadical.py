@@ -1,7 +1,7 @@
 """CaDiCaL 1.9.5 through python-sat: incremental, with a deterministic budget.
 
 Source: Biere, Fazekas, Fleury & Heisinger, *CaDiCaL, Kissat, Paracooba, Plingeling and Treengeling
-entering the SAT Competition 2020*.  The budget counts conflicts, never seconds, so that the same
+entering the SAT Competition 2020*. The budget counts conflicts, never seconds, so that the same
 clauses give the same answer on every machine.
 """
 
@@ -26,13 +26,13 @@ class Model:
 
 @dataclass(frozen=True, slots=True)
 class Core:
-    """Unsatisfiable under assumptions; these of them suffice (none: the clauses alone do)."""
+    """Unsatisfiable under assumptions; these suffice (if empty, the clauses alone do)."""
 
     assumptions: tuple[int, ...]
 
 
 class SatSolver:
-    """One growing set of clauses over the variables 1, 2, ... (DIMACS literals)."""
+    """A growing set of clauses over the variables 1, 2, ... (DIMACS literals)."""
 
     def __init__(self) -> None:
         self._solver = Cadical195()
@@ -57,8 +57,8 @@ class SatSolver:
     def solve(self, assumptions: Sequence[int] = (), *, conflicts: int) -> Answer[Model, Core]:
         """Decide the clauses under assumptions within a number of conflicts.
 
-        ``Unknown`` means that the budget ran out: another call goes on with what was learnt; or
-        that the solver failed, also by a model that breaks a clause.
+        ``Unknown`` means either that the budget ran out, and another call continues with what was
+        learnt, or that the solver failed, for example with a model that violates a clause.
 
         Raises:
             ValueError: ``conflicts`` is not positive.
@@ -98,5 +98,5 @@ class SatSolver:
         return Holds(Model(true))
 
     def close(self) -> None:
-        """Free the memory now rather than with the object."""
+        """Free the memory now instead of when the object is deleted."""
         self._solver.delete()

@@ -35,7 +35,7 @@ class Clarabel:
     scaled: bool = True
 
     def solve(self, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
-        """An optimum, or by name why there is none: only ``Solved`` is an optimum."""
+        """An optimum, or the reason why there is none: only ``Solved`` counts as an optimum."""
         matrix, right, below = _stacked(program)
         sizes = () if program.cones is None else program.cones.sizes
         cones: list[object] = [
@@ -60,7 +60,7 @@ class Clarabel:
 
 
 def _stacked(program: ConvexProgram) -> tuple[csc_matrix, Array, int]:
-    """All rows with their right sides, and the number of inequalities, bounds among them."""
+    """All rows with their right sides, and the number of inequalities including bounds."""
     unit = identity(len(program.linear), format="csr")
     above, below = np.isfinite(program.upper), np.isfinite(program.lower)
     blocks = [program.equal, program.less, unit[above], -unit[below]]

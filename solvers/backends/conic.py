@@ -1,4 +1,4 @@
-"""Convex programs and the answers of their solvers: an optimum, or by name why there is none.
+"""Convex programs and the answers of their solvers: an optimum, or the reason for having none.
 
 minimise (1/2) sum(d x^2) + c'x  subject to  A x = b,  G x <= h,  lower <= x <= upper  and, for
 every second-order cone, |F x + f|_2 <= g'x + r.
@@ -16,16 +16,16 @@ from scipy.sparse import csc_matrix
 from compiler.arrays import Array
 
 MOST_DETAIL = 200
-"""So many characters of a solver's own words are passed on."""
+"""The most characters of a solver's own message that are passed on."""
 CREDIBLE = 1e-4
-"""What a point may leave of a constraint, relatively, for it to be believed an optimum."""
+"""The largest relative violation of a constraint with which a point is accepted as an optimum."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cones:
-    """Second-order cones stacked: rows of ``matrix`` x + s = ``right``, s in the cones in order.
+    """Stacked second-order cones: rows of ``matrix`` x + s = ``right``, s in the cones in order.
 
-    ``sizes`` counts the rows of each cone, the bound first.
+    ``sizes`` counts the rows of each cone; its first row is the bound.
     """
 
     matrix: csc_matrix
@@ -38,7 +38,7 @@ class ConvexProgram:
     """A program with N unknowns, matrices in compressed columns; bounds may be infinite.
 
     Shapes: quadratic (d), linear, lower, upper (N,), equal (E, N), equal_right (E,), less (I, N),
-    less_right (I,).  Programs of one ``structure`` have the same pattern of entries.
+    less_right (I,). Programs with the same ``structure`` have the same pattern of entries.
     """
 
     quadratic: Array
@@ -55,7 +55,7 @@ class ConvexProgram:
     def violation(self, point: Array) -> float:
         """The largest relative violation of a constraint by a point (N,); infinite if not finite.
 
-        Rows are weighed by the size of their terms.
+        Violations are relative to 1 plus the largest absolute value of an entry of the point.
         """
         if point.shape != self.linear.shape or not np.isfinite(point).all():
             return float("inf")
@@ -74,7 +74,7 @@ class ConvexProgram:
 
 
 class Status(Enum):
-    """Why there is no optimum; nothing here is ever a proof of anything."""
+    """Why there is no optimum; none of these is a proof of anything."""
 
     INFEASIBLE = "infeasible"
     UNBOUNDED = "unbounded"
@@ -96,28 +96,28 @@ class Optimum:
 
 @dataclass(frozen=True, slots=True)
 class NotSolved:
-    """Anything but a solved program; ``detail`` is the solver's own word."""
+    """The program was not solved; ``detail`` is the solver's own message."""
 
     status: Status
     detail: str = ""
 
     @property
     def text(self) -> str:
-        """Both, in one line."""
+        """Status and detail in one line."""
         detail = " ".join(self.detail.split())[:MOST_DETAIL]
         return f"{self.status.value} ({detail})" if detail else self.status.value
 
 
 class ConvexSolver(Protocol):
-    """Solves convex programs, one after the other; it may keep what they have in common."""
+    """Solves convex programs, one after the other; it may reuse what they have in common."""
 
     def solve(self, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
-        """An optimum whose residuals and gap are within the tolerance, or why there is none."""
+        """An optimum with residuals and gap within the tolerance, or why there is none."""
         ...
 
 
 def _outside(cones: Cones, point: Array) -> Array:
-    """By how much the point lies outside each cone, (number of cones,)."""
+    """How far the point lies outside each cone, (number of cones,)."""
     inside = cones.right - cones.matrix @ point
     ends = np.cumsum(cones.sizes)
     parts = np.split(inside, ends[:-1])
@@ -125,7 +125,7 @@ def _outside(cones: Cones, point: Array) -> Array:
 
 
 def credible(program: ConvexProgram, answer: Optimum | NotSolved) -> Optimum | NotSolved:
-    """The answer, unless it claims an optimum that breaks the program."""
+    """The answer, unless it claims an optimum that violates the program."""
     if isinstance(answer, NotSolved):
         return answer
     if np.isfinite(answer.value) and program.violation(answer.point) <= CREDIBLE:

@@ -1,7 +1,7 @@
-"""A thin adapter to cvxpy: programs written in it, and the solvers that it reaches by name.
+"""A thin adapter to cvxpy: programs written in it, and the solvers that it calls by name.
 
-Source: Diamond & Boyd, *CVXPY: A Python-embedded modeling language for convex optimization*.
-cvxpy is loaded on use only.
+Source: Diamond & Boyd, *CVXPY: A Python-embedded modeling language for convex optimization*. cvxpy
+is imported only on use.
 """
 
 from __future__ import annotations
@@ -32,23 +32,24 @@ TOLERANCES = {
     "ECOS": ("abstol", "reltol", "feastol"),
     "PIQP": ("eps_abs", "eps_rel", "eps_duality_gap_abs", "eps_duality_gap_rel"),
 }
-"""Settings of those solvers that reach any tolerance; the others have their own."""
+"""Tolerance settings of the solvers that reach any tolerance; the others keep their own."""
 SETTINGS: dict[str, dict[str, float]] = {
     "OSQP": {"polish": False},
     "HIGHS": {"qp_iteration_limit": 5000},
 }
-"""OSQP prints what polishing does; HiGHS's active sets were seen to go on for ever."""
+"""OSQP prints messages when polishing; HiGHS's active-set method has been seen to run for ever."""
 
 
 class SolverNameError(Exception):
-    """There is no such solver here; the text says which there are."""
+    """There is no such solver here; the message lists the available ones."""
 
 
 def solver_called(name: str) -> str:
-    """The name of an installed solver as cvxpy spells it.
+    """The name of an installed solver, in cvxpy's spelling.
 
     Raises:
-        SolverNameError: it is not installed, it solves no quadratic programs, or cvxpy is missing.
+        SolverNameError: the solver is not installed or cannot solve quadratic programs, or cvxpy is
+            missing.
     """
     if find_spec("cvxpy") is None:
         raise SolverNameError(f'solver `{name}` needs cvxpy: pip install "srgc[solvers]"')
@@ -72,28 +73,28 @@ def solver_called(name: str) -> str:
 
 
 def solved(problem: cp.Problem, solver: str, tolerance: float) -> NotSolved | None:
-    """Solve a program; None where it is solved, else by name why it is not.
+    """Solve a program; return None if it was solved, otherwise the reason why not.
 
-    Its variables then have values.  Only ``optimal`` is an optimum, and only if no constraint is
-    broken.
+    If solved, its variables have values. Only ``optimal`` counts as an optimum, and only if no
+    constraint is violated.
     """
     settings = dict.fromkeys(TOLERANCES.get(solver, ()), tolerance) | SETTINGS.get(solver, {})
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")  # what they say is in the status
+            warnings.simplefilter("ignore")  # the status says the same
             problem.solve(solver=solver, **settings)
             status = str(problem.status)
             if status == "optimal":
                 return None if _is_credible(problem) else NotSolved(Status.NOT_CREDIBLE)
     except (KeyboardInterrupt, SystemExit):
         raise
-    except BaseException as error:  # a panic of a library in Rust is no Exception
+    except BaseException as error:  # a panic in a Rust library is not an Exception
         return NotSolved(Status.FAILED, f"{type(error).__name__}: {error}")
     return NotSolved(STATUSES.get(status, Status.FAILED), status)
 
 
 def _is_credible(problem: cp.Problem) -> bool:
-    """Whether all values are finite and break no constraint by more than what is believed."""
+    """Whether all values are finite and violate no constraint by more than is accepted."""
     values = [variable.value for variable in problem.variables()]
     if any(value is None or not np.isfinite(value).all() for value in values):
         return False

@@ -1,4 +1,4 @@
-"""A thin adapter to PIQP: quadratic programs of one pattern after the other, only numbers updated.
+"""A thin adapter to PIQP: for quadratic programs of one pattern only the numbers are updated.
 
 Source: Schwan, Jiang, Kuhn & Jones, *PIQP: A Proximal Interior-Point Quadratic Programming Solver*
 (CDC 2023).
@@ -20,11 +20,11 @@ STATUSES = {
 }
 ITERATIONS = 150
 NEARLY_INFINITE = 9e29
-"""PIQP takes more for infinite, and prints a warning of it."""
+"""PIQP treats larger values as infinite and prints a warning."""
 
 
 class ProximalInteriorPoint:
-    """Keeps the solver, with its ordering and symbolic factors, of the last program's structure."""
+    """Keeps the solver of the last program's structure, with its ordering and symbolic factors."""
 
     def __init__(self) -> None:
         self._structure: object = None
@@ -32,10 +32,10 @@ class ProximalInteriorPoint:
         self._diagonal: csc_matrix | None = None
 
     def solve(self, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
-        """An optimum, or by name why there is none; programs with cones are refused."""
+        """An optimum, or the reason why there is none; programs with cones are rejected."""
         if program.cones is not None:
             return NotSolved(Status.FAILED, "second-order cones")
-        structure, self._structure = self._structure, None  # in case that this call fails
+        structure, self._structure = self._structure, None  # in case this call fails
         solver = self._prepared(program, tolerance, structure)
         name = solver.solve().name
         if name in ("PIQP_SOLVED", "PIQP_PRIMAL_INFEASIBLE"):
@@ -47,7 +47,7 @@ class ProximalInteriorPoint:
     def _prepared(
         self, program: ConvexProgram, tolerance: float, structure: object
     ) -> piqp.SparseSolver:
-        """The solver with the numbers of the program, of which it knows one of that structure."""
+        """The solver with the program's numbers, reused if it has solved one of this structure."""
         solver = self._solver
         if solver is None or program.structure is None or program.structure is not structure:
             solver = piqp.SparseSolver()

@@ -1,8 +1,8 @@
 """z3 on the text of an SMT-LIB 2 script, with a deterministic budget.
 
 Source: de Moura & Bjørner, *Z3: An Efficient SMT Solver*; Jovanović & de Moura, *Solving Non-linear
-Arithmetic* (the procedure behind QF_NRA).  The budget counts z3's own resource units, never
-seconds.  The script that is solved is the one that is kept as evidence, byte for byte.
+Arithmetic* (the procedure behind QF_NRA). The budget counts z3's own resource units, never seconds.
+The script that is solved is also the one stored as evidence, byte for byte.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from compiler.time_limits.time_limit import OutOfTimeError, Reached, current_lim
 from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
 LOGIC = "QF_NRA"
-# Refuted structures of the test suite took 2,000 to 270,000 units (milliseconds); one unit can
-# cost 0.1 milliseconds of nonlinear reasoning, so that a larger budget buys minutes of silence.
+# Refuted structures of the test suite took 2,000 to 270,000 units (milliseconds). One unit can cost
+# 0.1 milliseconds of nonlinear reasoning, so a larger budget would mean minutes without an answer.
 RESOURCES = 1_000_000
 
 
 def solve_script(script: str, *, resources: int = RESOURCES) -> Answer[None, None]:
-    """Decide a QF_NRA script: ``Holds`` is sat, ``Fails`` is unsat, all else is ``Unknown``.
+    """Decide a QF_NRA script: ``Holds`` is sat, ``Fails`` is unsat, anything else ``Unknown``.
 
     Raises:
-        OutOfTimeError: the limit of time that holds here was reached; there is no answer.
+        OutOfTimeError: the current time limit was reached without an answer.
         ValueError: the script does not parse, or the budget is not positive.
-        KeyboardInterrupt: the user interrupted z3, which takes the signal for itself meanwhile.
+        KeyboardInterrupt: the user interrupted z3, which handles the signal itself while it runs.
     """
     if resources < 1:
         raise ValueError("a budget is at least one unit")
@@ -57,18 +57,18 @@ def solve_script(script: str, *, resources: int = RESOURCES) -> Answer[None, Non
     return Unknown(Reason.INCOMPLETE, reason)
 
 
-# --- A question to z3 that a limit of time ends, from another thread: z3 itself asks nobody -------
+# --- z3 under a time limit: another thread interrupts it, since z3 does not check the limit -------
 
 
 PULSE = 0.05
-"""Seconds between two looks at the limit."""
+"""Seconds between two checks of the limit."""
 
 
 @contextmanager
 def interrupted_late(context: z3.Context) -> Iterator[None]:
-    """In the block z3 is interrupted once the limit that holds here is reached.
+    """Within the block, z3 is interrupted once the current time limit is reached.
 
-    Whatever z3 has answered then is not taken for an answer: the block ends with an exception.
+    An answer of z3 after that is not used: the block ends with an exception.
 
     Raises:
         OutOfTimeError: the limit was reached in the block.
@@ -93,7 +93,7 @@ def interrupted_late(context: z3.Context) -> Iterator[None]:
 
 @dataclass(slots=True)
 class _Watch:
-    """Looks at the limit until the question is ``over``; ``late``: the limit came first."""
+    """Checks the limit until the question is ``over``; ``late``: the limit came first."""
 
     context: z3.Context
     reached: Reached
@@ -101,7 +101,7 @@ class _Watch:
     late: bool = False
 
     def run(self) -> None:
-        """Interrupt z3 again and again: an interrupt that comes between two steps is lost."""
+        """Interrupt z3 repeatedly: an interrupt that comes between two steps is lost."""
         while not self.over.wait(PULSE):
             if self.late or self.reached():
                 self.late = True

@@ -1,1 +1,1 @@
-"""Tasks that no motion fulfils, and formulas that ask for nothing."""
+"""Tasks that no motion satisfies, and formulas that demand nothing."""

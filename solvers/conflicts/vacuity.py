@@ -1,4 +1,4 @@
-"""Tasks that no motion fulfils, and formulas that ask for nothing."""
+"""Tasks that no motion satisfies, and formulas that demand nothing."""
 
 from __future__ import annotations
 
@@ -22,21 +22,18 @@ from grammar_lang.source import Span
 from solvers.backends.cadical import SatSolver
 from solvers.verdict import Fails
 
-# --- Tasks that no motion can fulfil, whatever the robot: which clauses exclude each other --------
-
-
-# --- Which demands of a task exclude each other, by a SAT solver ----------------------------------
+# --- The demands of a task that exclude each other, by a SAT solver -------------------------------
 #
-# The demands (in ``compiler``) are assumed; of an unsatisfiable core as many are left out as can be
-# (deletion-based extraction of a minimal core, Chinneck & Dravnieks 1991). Nothing is said where
-# the solver's budget runs out.
+# The demands (in ``compiler``) are assumed; from an unsatisfiable core as many as possible are left
+# out (deletion-based extraction of a minimal core, Chinneck & Dravnieks 1991). If the solver's
+# budget runs out, nothing is reported.
 
 
 CONFLICTS = 20_000
 
 
 class ConditionConflicts:
-    """The demands of a task in a solver, to which others may be added."""
+    """The demands of a task in a solver; others may be added."""
 
     def __init__(self, asked: NecessaryConditions) -> None:
         self._solver = SatSolver()
@@ -48,7 +45,7 @@ class ConditionConflicts:
             self._solver.add(np.array(list(group), dtype=np.int64))
 
     def add(self, demand: NecessaryCondition, clauses: Iterable[Clause]) -> None:
-        """One more demand, with the clauses that it needs."""
+        """Add a demand, with the clauses that it needs."""
         self._by_selector[demand.selector] = demand
         self._write(clauses)
 
@@ -57,7 +54,7 @@ class ConditionConflicts:
         return self._refuted([demand.selector for demand in demands]) is not None
 
     def core(self, demands: Iterable[NecessaryCondition]) -> tuple[NecessaryCondition, ...] | None:
-        """Conditions that exclude each other, none of which can be spared; None if unknown."""
+        """Demands that exclude each other, all of them needed; None if unknown."""
         core = self._refuted([demand.selector for demand in demands])
         if core is None:
             return None
@@ -72,7 +69,7 @@ class ConditionConflicts:
         return tuple(self._by_selector[selector] for selector in sorted(needed))
 
     def _refuted(self, selectors: Sequence[int]) -> list[int] | None:
-        """Those of the selectors that suffice for a contradiction; None if none is found."""
+        """Selectors among the given ones that suffice for a contradiction; None if not found."""
         answer = self._solver.solve(selectors, conflicts=CONFLICTS)
         return list(answer.counterexample.assumptions) if isinstance(answer, Fails) else None
 
@@ -81,11 +78,11 @@ class ConditionConflicts:
         self._solver.close()
 
 
-# --- Tasks that no motion can fulfil, whatever the robot: which clauses exclude each other --------
+# --- Clauses of a task that exclude each other, whatever the robot --------------------------------
 
 
 def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
-    """Errors about the formulas of a task: each contradicts itself, or others and other clauses."""
+    """Errors about formulas of a task that contradict themselves, each other or other clauses."""
     asked = necessary_conditions(program, task)
     if asked is None:
         return ()
@@ -99,7 +96,7 @@ def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]
 def contradictions_among(
     task: ir.Task, demands: Sequence[NecessaryCondition], conflicts: ConditionConflicts
 ) -> tuple[Diagnostic, ...]:
-    """The same for demands that are in a solver."""
+    """The errors, for demands that are already in a solver."""
     return tuple(_found(task, demands, conflicts))
 
 
@@ -116,7 +113,7 @@ def _found(
     while (core := conflicts.core(left)) is not None:
         formulas = [demand for demand in core if demand.formula is not None]
         if not formulas:
-            return  # a start or a target that is avoided: told by the checks of the workspace
+            return  # the workspace checks report an avoided start or target
         yield _together(task, core)
         left = [demand for demand in left if demand.formula != formulas[-1].formula]
 
@@ -136,7 +133,7 @@ def _alone(task: ir.Task, span: Span, core: Sequence[NecessaryCondition]) -> Dia
 
 
 def _together(task: ir.Task, core: Sequence[NecessaryCondition]) -> Diagnostic:
-    """Clauses that exclude each other, told at the last of them."""
+    """Clauses that exclude each other, reported at the last of them."""
     ordered = sorted(core, key=lambda demand: (demand.span.file, demand.span))
     others: dict[Span, list[str]] = {}
     for demand in ordered:
@@ -160,27 +157,27 @@ def _what_to_check(task: ir.Task) -> str:
 
 
 # --------------------------------------------------------------------------------------------------
-# Formulas that ask for nothing, or a part of which has no influence: warnings before any search.
+# Formulas that demand nothing, or that have a part without influence: warnings before any search.
 #
 # A part has no influence if the task entails the formula with the worst constant in its place:
-# false for a part that it helps to have, true for one that it helps not to have (Beer, Ben-David,
-# Eisner & Rodeh, *Efficient detection of vacuity in temporal model checking*, 2001; Kupferman &
-# Vardi, *Vacuity detection in temporal model checking*, 2003).  What holds of a part holds of all
-# that is in it, so that the largest parts are told.  There is no model here but all motions: what
-# the task demands of them (in ``compiler``) is necessary only, so that what is told is true, and
-# much is not told.
+# false for a part in positive position, true for one in negative position (Beer, Ben-David, Eisner
+# & Rodeh, *Efficient detection of vacuity in temporal model checking*, 2001; Kupferman & Vardi,
+# *Vacuity detection in temporal model checking*, 2003). What holds for a part holds for everything
+# in it, so the largest parts are reported. There is no model here except all motions. The demands
+# of the task on them (in ``compiler``) are only necessary, so every report is true, but much is not
+# reported.
 
 
 EXTRA_CLAUSES = 40_000
-"""After so many clauses for this, nothing more is said of the formulas of a task."""
+"""The most clauses for these questions; beyond them the formulas of a task are not examined."""
 QUOTED = 40
-"""A part whose text is longer is not quoted."""
+"""The most characters of a part that is quoted."""
 
 
 def vacuities(
     task: ir.Task, asked: NecessaryConditions, conflicts: ConditionConflicts
 ) -> tuple[Diagnostic, ...]:
-    """Warnings about the formulas of a task that does not contradict itself, one each at most."""
+    """Warnings about the formulas of a task without contradictions, at most one for each."""
     found: list[Diagnostic] = []
     entailment = Entailment(asked, conflicts)
     try:
@@ -193,7 +190,7 @@ def vacuities(
 
 @dataclass(slots=True)
 class Entailment:
-    """What the demands of a task entail, as far as ``EXTRA_CLAUSES`` for all questions go."""
+    """What the demands of a task entail; all questions together use up to ``EXTRA_CLAUSES``."""
 
     asked: NecessaryConditions
     conflicts: ConditionConflicts
@@ -203,14 +200,14 @@ class Entailment:
         """Whether all demands are known to entail a formula.
 
         Raises:
-            TooManySlotsError: the clauses are used up; also from ``reasons``.
+            TooManySlotsError: the clauses are used up; ``reasons`` raises it, too.
         """
         return self.conflicts.exclude([*self.asked.demands, self._denial(formula)])
 
     def reasons(
         self, formula: ir.Formula, demands: Sequence[NecessaryCondition]
     ) -> tuple[NecessaryCondition, ...] | None:
-        """A least part of some demands that entails a formula; None if it is not known to be."""
+        """A minimal set among some demands that entails a formula; None if none is known."""
         denial = self._denial(formula)
         core = self.conflicts.core([*demands, denial])
         return None if core is None else tuple(demand for demand in core if demand is not denial)
@@ -249,12 +246,12 @@ def always_holds(
 def without_influence(
     formula: ir.Formula, number: int, entailment: Entailment
 ) -> tuple[Occurrence, tuple[NecessaryCondition, ...]] | None:
-    """The largest part of a conjunct that has no influence, and due to what.
+    """The largest part of a conjunct without influence, and the demands that cause this.
 
     Args:
         formula: the conjunct.
-        number: that of its formula among those of the task.
-        entailment: by the demands of the task.
+        number: the number of its formula among those of the task.
+        entailment: the entailment by the demands of the task.
     """
     parts = {found.path: found for found in written(formula)}
     inner = {path[:-1] for path in parts if path}
@@ -272,7 +269,7 @@ def without_influence(
 
 
 def written(formula: ir.Formula) -> Iterator[Occurrence]:
-    """The parts that have a place of their own in the text: the pieces of a map have none."""
+    """The parts with a place of their own in the text, which the pieces of a map do not have."""
     spans: dict[tuple[int, ...], Span] = {(): ir.NOWHERE}
     for found in occurrences(formula):
         span = found.formula.span
@@ -297,7 +294,7 @@ def _always(
 
 def _idle(task: ir.Task, part: Occurrence, because: Sequence[NecessaryCondition]) -> Diagnostic:
     text = formula_text(part.formula)
-    # A piece of a map has a name that is written nowhere, with a point.
+    # The name of a piece of a map contains a point and does not occur in the text.
     quoted = len(text) <= QUOTED and not any("." in atom.region for atom in atoms(part.formula))
     named = f"`{text}`" if quoted else "this part of the formula"
     truth = "never" if part.positive else "always"
@@ -312,21 +309,22 @@ def _idle(task: ir.Task, part: Occurrence, because: Sequence[NecessaryCondition]
 
 
 def _notes(because: Sequence[NecessaryCondition]) -> tuple[tuple[Span, str], ...]:
-    """Per place what is asked there."""
+    """The demands at each place."""
     texts: dict[Span, list[str]] = {}
     for demand in sorted(because, key=lambda demand: (demand.span.file, demand.span)):
         texts.setdefault(demand.span, []).append(demand.text)
     return tuple((span, ", ".join(parts)) for span, parts in texts.items())
 
 
-# --- The checks of the formulas of tasks that need a SAT solver -----------------------------------
+# --- The checks of formulas that need a SAT solver ------------------------------------------------
 
 
 def formula_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report formulas that contradict themselves or their task; if there are no errors, idle ones.
+    """Report formulas that contradict themselves or their task; without errors, vacuous ones.
 
-    A program with errors may lack the very clauses that give a formula its sense.  Maps are
-    obstacles already.  Of a formula against which a motion for ever starts no more is said.
+    A program with errors may lack the very clauses that give a formula its meaning. Maps are
+    already expanded to obstacles. Nothing more is reported about a formula that the start of an
+    endless motion already violates.
     """
     warn = not sink.has_errors
     starts = [each.span for each in sink.found if each.code is Code.START_OUTSIDE_LOOP]
@@ -342,7 +340,7 @@ def formula_diagnostics(program: ir.Program, sink: Sink) -> None:
 def formula_findings(
     program: ir.Program, task: ir.Task, *, warn: bool = True
 ) -> tuple[Diagnostic, ...]:
-    """Errors about the formulas of a task; without any, warnings if they are wanted."""
+    """Errors about the formulas of a task; if there are none, warnings if ``warn``."""
     asked = necessary_conditions(program, task)
     if asked is None:
         return ()

@@ -1,1 +1,1 @@
-"""Where jobs are done: in this process, in others beside it, or on a cluster."""
+"""Run jobs in this process, in other processes, or on a cluster."""

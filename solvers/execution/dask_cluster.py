@@ -1,4 +1,4 @@
-"""Jobs done by the workers of a Dask cluster."""
+"""Run jobs on the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
-# --- One job at a time in a process: the solver libraries keep state that threads would share -----
+# --- One job at a time in a process: threads would share the state of the solver libraries --------
 
 
 _BUSY = Lock()
 
 
 def one_job(data: bytes) -> Any:
-    """Do a job that was sent when no other thread of this process does one."""
+    """Do a job that was sent, once no other thread of this process does one."""
     with _BUSY:
         return received(data)
 
 
-# --- Jobs done by any executor of :mod:`concurrent.futures` ---------------------------------------
+# --- Jobs run by any executor of :mod:`concurrent.futures` ----------------------------------------
 
 
 LOST = (BrokenExecutor, CancelledError)
 
 
 class AnyExecutor:
-    """Does jobs by an executor, which stays its owner's to shut down.
+    """Runs jobs on an executor; its owner has to shut it down.
 
-    ``lost`` are the errors that say that a worker ended; where the executor does not go on after
-    that, a job ends with WorkersLostError, and also where it is not ``alive`` any more.
+    ``lost`` are the errors that say that a worker ended. If the executor cannot continue after such
+    an error, or is not ``alive`` any more, a job ends with WorkersLostError.
 
     Raises:
         ValueError: the width is not positive.
@@ -70,7 +70,7 @@ class AnyExecutor:
 
     @property
     def width(self) -> int:
-        """How many jobs are done at once."""
+        """The number of jobs that run at once."""
         return self._width
 
     def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
@@ -84,11 +84,11 @@ class AnyExecutor:
             return failed
 
     def is_lost(self, error: BaseException) -> bool:
-        """Whether a worker ended."""
+        """Whether an error says that a worker ended."""
         return isinstance(error, self._lost)
 
     def is_alive(self) -> bool:
-        """Whether unfinished jobs may still be finished."""
+        """Whether unfinished jobs can still finish."""
         return self._alive()
 
     def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
@@ -100,26 +100,26 @@ class AnyExecutor:
         return begun(self, function, job)
 
     def close(self) -> None:
-        """Nothing: the executor has an owner."""
+        """Do nothing: the executor has an owner."""
 
 
-# --- Jobs done by the workers of a Dask cluster ---------------------------------------------------
+# --- Jobs run by the workers of a Dask cluster ----------------------------------------------------
 
 
 REACHED_WITHIN = 5.0
-"""Seconds for the scheduler to answer, and for a worker to be there."""
+"""Seconds within which the scheduler has to answer, and a worker has to be available."""
 RETRIES = 2
 
 
 class ClusterFault(Exception):
-    """A cluster cannot be used; the text says why."""
+    """A cluster cannot be used; the message says why."""
 
 
 class DaskCluster:
-    """Does jobs on the workers of a scheduler, one at a time on each.
+    """Runs jobs on the workers of a scheduler, one at a time on each.
 
-    The scheduler gives the jobs of a worker that ends to others, and computes again what was there
-    only.
+    If a worker ends, the scheduler passes its jobs to others and computes results again that only
+    this worker had.
     """
 
     def __init__(self, client: Client) -> None:
@@ -128,7 +128,7 @@ class DaskCluster:
 
     @property
     def width(self) -> int:
-        """How many workers there are now."""
+        """The current number of workers."""
         return max(1, len(self._client.nthreads()))
 
     def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
@@ -145,7 +145,7 @@ class DaskCluster:
         try:
             yield from executor.map(function, jobs)
         except KilledWorker as error:
-            # The scheduler has tried several.
+            # The scheduler has tried several workers.
             raise WorkersLostError(ENDED) from error
 
     def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
@@ -165,7 +165,7 @@ class DaskCluster:
         return self._client.status not in ("closing", "closed")
 
     def close(self) -> None:
-        """Leave the cluster; jobs that are unfinished are given up."""
+        """Leave the cluster; unfinished jobs are abandoned."""
         if not self._is_connected():
             return
         self._executor.shutdown(wait=False)
@@ -176,8 +176,8 @@ def join_cluster(address: str, seconds: float = REACHED_WITHIN) -> DaskCluster:
     """The workers of the Dask scheduler at an address, such as ``tcp://10.0.0.1:8786``.
 
     Raises:
-        ClusterFault: Dask is not installed, the address cannot be reached in that time, no worker
-            is there, or one has not this version of srgc.
+        ClusterFault: Dask is not installed, the address cannot be reached within this time, there
+            is no worker, or one has another version of srgc.
     """
     try:
         from distributed import Client
@@ -186,11 +186,11 @@ def join_cluster(address: str, seconds: float = REACHED_WITHIN) -> DaskCluster:
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        # A client that meets no scheduler takes long to go away again.
+        # Without a scheduler, a client takes long to shut down again.
         asyncio.run(_knock(address, seconds))
         client = Client(address, timeout=seconds, set_as_default=False)
     except Exception as error:
-        # Whatever there is may answer in any way.
+        # Anything may listen at this address and answer in any way.
         reason = " ".join(str(error).split()) or "no answer"
         raise ClusterFault(f"the cluster at {address} cannot be reached: {reason}") from None
     try:
@@ -202,7 +202,7 @@ def join_cluster(address: str, seconds: float = REACHED_WITHIN) -> DaskCluster:
 
 
 async def _knock(address: str, seconds: float) -> None:
-    """Shake hands with the scheduler at an address."""
+    """Connect to the scheduler at an address and disconnect again."""
     from distributed.comm.core import connect
 
     comm = await asyncio.wait_for(connect(address, timeout=seconds), seconds)

@@ -1,4 +1,4 @@
-"""Results in the order of their jobs from an executor that finishes them in any order."""
+"""Results in the order of their jobs, from an executor that finishes them in any order."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from compiler.time_limits.time_limit import check_time
 from solvers.execution.workers import DISCONNECTED, ENDED, Job, Result, WorkersLostError
 
 ATTEMPTS = 3
-"""A job is given up when it was unfinished so many times as its worker ended."""
+"""A job is given up when its worker has ended this many times before finishing it."""
 AHEAD = 4
-"""In units of the width: how many jobs may be drawn beyond the one whose result is due."""
+"""In units of the width: how many jobs may be drawn beyond the one whose result is next."""
 
 PULSE = 0.1
-"""After so many seconds without a result it is asked whether there can be one, and is time."""
+"""Seconds without a result after which liveness and the time limit are checked."""
 
 
 class Source(Protocol):
-    """Starts jobs, and makes good what ended with its workers."""
+    """Starts jobs, and replaces workers that ended."""
 
     @property
     def width(self) -> int:
-        """How many jobs are done at once."""
+        """The number of jobs that run at once."""
         ...
 
     def start(self, function: Callable[[Job], Result], job: Job) -> Future[Result]:
@@ -37,7 +37,7 @@ class Source(Protocol):
         ...
 
     def is_alive(self) -> bool:
-        """Whether unfinished jobs may still be finished."""
+        """Whether unfinished jobs can still finish."""
         ...
 
 
@@ -52,7 +52,7 @@ class _Started(Generic[Job, Result]):
 
 @dataclass(frozen=True, slots=True)
 class BegunJob(Generic[Job, Result]):
-    """A job that a source does; begun again where its worker ends."""
+    """A job that a source runs; it is begun again if its worker ends."""
 
     source: Source
     function: Callable[[Job], Result]
@@ -60,7 +60,7 @@ class BegunJob(Generic[Job, Result]):
 
     @property
     def done(self) -> bool:
-        """Whether the result is there, or an error."""
+        """Whether the job has ended, with a result or an error."""
         return self.started.future.done()
 
     def result(self) -> Result:
@@ -69,7 +69,7 @@ class BegunJob(Generic[Job, Result]):
 
 
 def begun(source: Source, function: Callable[[Job], Result], job: Job) -> BegunJob[Job, Result]:
-    """A job, begun."""
+    """Begin a job."""
     return BegunJob(source, function, _Started(job, source.start(function, job)))
 
 
@@ -82,8 +82,8 @@ def in_order(
     """The results in the order of the jobs, after those ``started``; see :meth:`Workers.map`.
 
     Raises:
-        OutOfTimeError: the limit of time that holds here was reached.
-        WorkersLostError: see there.
+        OutOfTimeError: the current time limit was reached.
+        WorkersLostError: every worker that tried a job ended, or none can be reached.
     """
     remaining, width = iter(jobs), source.width
     begun: deque[_Started[Job, Result]] = deque(started)
@@ -115,7 +115,7 @@ def _begin_more(
     begun: deque[_Started[Job, Result]],
     width: int,
 ) -> None:
-    """Draw jobs until as many are unfinished as can be done at once, unless a result is there."""
+    """Start jobs until ``width`` are unfinished, unless the next result is available."""
     while len(begun) < AHEAD * width and not (begun and begun[0].future.done()):
         if sum(not one.future.done() for one in begun) >= width:
             return

@@ -1,6 +1,6 @@
-"""Libraries with threads of their own use one: processes together use all cores.
+"""Limit libraries with threads of their own to one: the processes together use all cores.
 
-Matrices are small here, and sums by several threads may depend on how many those are.
+Matrices are small here, and sums by several threads may depend on the number of threads.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Jobs done by other processes on this machine."""
+"""Run jobs in other processes on this machine."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from solvers.execution.one_thread import ONE_THREAD
 from solvers.execution.workers import Begun, Job, Result, received, sent
 
 PATIENCE = 1.0
-"""Seconds of jobs done in this process before others are started: a short run needs none."""
+"""Seconds of jobs run in this process before others are started: a short run needs none."""
 STARTING = Lock()
-"""Held while processes are started, and by what ends this one."""
+"""Held while processes are started, and by code that ends this process."""
 
 
 class ProcessPool:
-    """Does jobs in so many processes, which are started once it is worth it.
+    """Runs jobs in ``jobs`` processes, which are started once this is worthwhile.
 
-    Until they are ready, jobs are done in this process, one after the other.  Processes that end in
-    the middle of a job are replaced, and it is done again.
+    Until they are ready, jobs run in this process, one after the other. Processes that end in the
+    middle of a job are replaced, and the job is run again.
     """
 
     def __init__(self, jobs: int, patience: float | None = None) -> None:
@@ -45,7 +45,7 @@ class ProcessPool:
 
     @property
     def width(self) -> int:
-        """How many jobs are done at once."""
+        """The number of jobs that run at once."""
         return self._jobs
 
     def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
@@ -63,9 +63,9 @@ class ProcessPool:
         yield from in_order(self, function, remaining)
 
     def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
-        """Begin a job; for this the processes are started at once.
+        """Begin a job; the processes are started at once for this.
 
-        It is done here where its result is asked for before they are ready.
+        It runs in this process if its result is asked for before they are ready.
         """
         return _BegunJob(self, function, job, begun(self, function, job))
 
@@ -79,11 +79,11 @@ class ProcessPool:
             return self._running(function).submit(received, data)
 
     def is_lost(self, error: BaseException) -> bool:
-        """Whether a process ended."""
+        """Whether an error says that a process ended."""
         return isinstance(error, BrokenExecutor)
 
     def is_alive(self) -> bool:
-        """Always: processes that have ended are noticed as their jobs are lost."""
+        """Always true: ended processes are noticed when their jobs are lost."""
         return True
 
     def close(self) -> None:
@@ -92,7 +92,7 @@ class ProcessPool:
         self._end()
 
     def _is_ready(self, function: Callable[..., object]) -> bool:
-        """Whether the processes are there; they are started when patience ends."""
+        """Whether the processes are ready; they are started when patience ends."""
         if self._patience > 0:
             return False
         self._running(function)
@@ -100,11 +100,11 @@ class ProcessPool:
 
     @property
     def has_processes(self) -> bool:
-        """Whether processes have been started and have what jobs need."""
+        """Whether processes have been started and have imported what jobs need."""
         return bool(self._ready) and all(ready.done() for ready in self._ready)
 
     def _running(self, function: Callable[..., object]) -> ProcessPoolExecutor:
-        """The executor, started if it is not there, with processes that have the function."""
+        """The executor, started if necessary, with processes that have imported the function."""
         if self._closed:
             raise RuntimeError("the processes have been ended")
         if self._executor is None:
@@ -114,17 +114,17 @@ class ProcessPool:
                 self._jobs, mp_context=context, initializer=_prepare, initargs=(theirs,)
             )
             with _as_workers_start():
-                # Every job that finds no idle process starts one.
+                # Each job that finds no idle process starts one.
                 self._ready = [
                     self._executor.submit(_imported, function.__module__) for _ in range(self._jobs)
                 ]
         return self._executor
 
     def _end(self) -> None:
-        """End the processes, whatever they do.
+        """End the processes, whatever they are doing.
 
-        They end themselves when their end of the pipe says that ours is closed, but not before a
-        call of a library lets another thread run.
+        They end themselves when our end of the pipe is closed, but only after a library call lets
+        another thread run; so they are also killed.
         """
         executor, lifeline = self._executor, self._lifeline
         self._executor = self._lifeline = None
@@ -149,7 +149,7 @@ class _BegunJob(Generic[Job, Result]):
         return self.begun.done
 
     def result(self) -> Result:
-        """The result, of this process where others are not ready yet."""
+        """The result, from this process if the others are not ready yet."""
         return self.begun.result() if self.pool.has_processes else self.function(self.job)
 
 
@@ -157,13 +157,13 @@ class _BegunJob(Generic[Job, Result]):
 def _as_workers_start() -> Iterator[None]:
     """Processes started in the block have libraries with one thread, and no interrupts.
 
-    Those are for their parent to handle: one that comes in the block is handled after it, or by
-    another thread of the parent.  The processes do not run the program of their parent first, as
-    :mod:`multiprocessing` would have it: no job needs it, and a script may do anything.
+    Interrupts are for the parent to handle: one that comes in the block is handled after it, or by
+    another thread of the parent. The processes do not run their parent's main program first, as
+    :mod:`multiprocessing` would: no job needs it, and a script may do anything.
     """
     program = sys.modules["__main__"]
     before = {name: os.environ.get(name) for name in ONE_THREAD}
-    resource_tracker.ensure_running()  # it would end what follows
+    resource_tracker.ensure_running()  # starting it unblocks SIGINT
     os.environ.update(ONE_THREAD)
     blocked = _blocked({signal.SIGINT})
     sys.modules["__main__"] = ModuleType("__main__")
@@ -182,25 +182,25 @@ def _as_workers_start() -> Iterator[None]:
 
 
 def _blocked(signals: set[signal.Signals]) -> set[int | signal.Signals]:
-    """Block signals in this thread, and so in what it starts; those blocked before."""
+    """Block signals in this thread and in the processes it starts; return those blocked before."""
     if hasattr(signal, "pthread_sigmask"):
         return signal.pthread_sigmask(signal.SIG_BLOCK, signals)
     return set()
 
 
 def _prepare(lifeline: Connection) -> None:
-    """What a process does first."""
+    """Initialise a worker process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with, args=(lifeline,), daemon=True).start()
 
 
 def _end_with(lifeline: Connection) -> None:
-    """End this process when its parent is gone or closes the pipe, whatever is being done here."""
+    """End this process when its parent ends or closes the pipe, whatever runs here."""
     parent = parent_process()
     wait([lifeline] if parent is None else [lifeline, parent.sentinel])
     os._exit(1)
 
 
 def _imported(module: str) -> None:
-    """A job that makes a process start, and have what the jobs of a module need."""
+    """A job that makes a process start and import what the jobs of a module need."""
     import_module(module)

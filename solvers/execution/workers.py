@@ -1,4 +1,4 @@
-"""What does jobs: one after the other or many at once, with the same results."""
+"""Workers that run jobs: one after the other or many at once, with the same results."""
 
 from __future__ import annotations
 
@@ -23,48 +23,48 @@ class WorkersLostError(Exception):
 
 
 class Begun(Protocol[Made_co]):
-    """A job that was begun, or will be done when its result is asked for."""
+    """A job that was begun, or that will run when its result is asked for."""
 
     @property
     def done(self) -> bool:
-        """Whether the result is not waited for."""
+        """Whether the result is available without waiting."""
         ...
 
     def result(self) -> Made_co:
         """The result.
 
         Raises:
-            OutOfTimeError: the limit of time that holds here was reached.
-            WorkersLostError: see there.
+            OutOfTimeError: the current time limit was reached.
+            WorkersLostError: every worker that tried the job ended, or none can be reached.
         """
         ...
 
 
 class Workers(Protocol):
-    """Does jobs.  A function is pure and found by its name in a module; jobs can be pickled.
+    """Runs jobs. A function is pure and found by its name in a module; jobs can be pickled.
 
-    The same jobs have the same results, whoever does them and in whichever order.
+    The same jobs have the same results, whoever runs them and in whatever order.
     """
 
     @property
     def width(self) -> int:
-        """How many jobs are done at once."""
+        """The number of jobs that run at once."""
         ...
 
     def map(self, function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
         """The results in the order of the jobs.
 
-        Jobs are drawn while a result is waited for only, and no more than ``width`` are unfinished
-        at any time: with a width of 1 nothing is done before it is needed.  An iterator that is
-        closed or forgotten abandons its jobs.
+        Jobs are drawn only while a result is waited for, and no more than ``width`` are unfinished
+        at any time: with a width of 1 nothing is done before it is needed. An iterator that is
+        closed or deleted abandons its jobs.
 
         Raises:
-            WorkersLostError: see there.
+            WorkersLostError: every worker that tried a job ended, or none can be reached.
         """
         ...
 
     def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
-        """Begin a job beside what is done here; its result may never be asked for."""
+        """Begin a job alongside the caller; its result need not be asked for."""
         ...
 
     def close(self) -> None:
@@ -72,11 +72,11 @@ class Workers(Protocol):
         ...
 
 
-# --- Jobs done in this process, one after the other -----------------------------------------------
+# --- Jobs run in this process, one after the other ------------------------------------------------
 
 
 class InProcess:
-    """Does each job when its result is asked for."""
+    """Runs each job when its result is asked for."""
 
     @property
     def width(self) -> int:
@@ -88,11 +88,11 @@ class InProcess:
         return map(function, jobs)
 
     def begin(self, function: Callable[[Job], Result], job: Job) -> Begun[Result]:
-        """The job, which is done when its result is asked for."""
+        """The job, which runs when its result is asked for."""
         return _WhenAsked(function, job)
 
     def close(self) -> None:
-        """Nothing has to be ended."""
+        """Do nothing: there is nothing to end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ class _WhenAsked(Generic[Job, Result]):
     done: bool = True
 
     def result(self) -> Result:
-        """The result, computed."""
+        """Compute the result."""
         return self.function(self.job)
 
 
@@ -112,8 +112,8 @@ class _WhenAsked(Generic[Job, Result]):
 def sent(function: Callable[[Job], Result], job: Job) -> bytes:
     """A job as bytes.
 
-    Executors would pickle it in a thread, while what it refers to may change here: a property that
-    is computed when it is asked for is enough.
+    Executors would pickle it in a thread while its contents may change here: a property that is
+    computed on access is enough.
     """
     return pickle.dumps((function, job), protocol=pickle.HIGHEST_PROTOCOL)
 
@@ -124,14 +124,14 @@ def received(data: bytes) -> Any:
     return function(job)
 
 
-# --- What many jobs have in common, pickled once and taken out once per process -------------------
+# --- Data that many jobs share: pickled once, and unpickled once per process ----------------------
 
 
 Content = TypeVar("Content")
 Made = TypeVar("Made")
 
 KEPT = 8
-"""So many of the things made of payloads are kept, those used last."""
+"""The number of objects made from payloads that are kept: those used last."""
 
 _made: OrderedDict[tuple[str, str], object] = OrderedDict()
 
@@ -151,7 +151,7 @@ def packed(content: Content) -> SharedPayload[Content]:
 
 
 def made_of(payload: SharedPayload[Content], make: Callable[[Content], Made]) -> Made:
-    """What a function of a module makes of the content; kept for the next job with this payload."""
+    """The object that a function makes from the content; kept for later jobs with this payload."""
     name = payload.digest, f"{make.__module__}.{make.__qualname__}"
     if name not in _made:
         keep(payload, make, make(cast("Content", pickle.loads(payload.data))))  # noqa: S301 (our own)
@@ -160,7 +160,7 @@ def made_of(payload: SharedPayload[Content], make: Callable[[Content], Made]) ->
 
 
 def keep(payload: SharedPayload[Content], make: Callable[[Content], Made], made: Made) -> None:
-    """Say what a function makes of a payload, where that is there already."""
+    """Store what a function makes from a payload, if it is available already."""
     _made[payload.digest, f"{make.__module__}.{make.__qualname__}"] = made
     while len(_made) > KEPT:
         _made.popitem(last=False)

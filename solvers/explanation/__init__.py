@@ -1,1 +1,1 @@
-"""Why a task was not met: conflicting lines, and what would make it possible."""
+"""Explain why a task was not met: conflicting lines, and changes that would make it possible."""

@@ -1,7 +1,8 @@
-"""Changes of one line of a task that make it weaker, by a value or as a whole; or of no line.
+"""Changes that weaken one line of a task, by a value or as a whole, or that change no line.
 
 A scale is a line with the values that it may take, the nearest first; each of its tasks is weaker
-than those before.  What a change says follows "with" or "without".
+than those before. The text ``says`` of a change describes the new task, mostly as "with ..." or
+"without ...".
 """
 
 from __future__ import annotations
@@ -18,19 +19,20 @@ from solvers.explanation.relaxation import WIDER, ends, grown_bounds, with_effor
 from solvers.explanation.task_line import TaskLine
 
 MOST_STEPS = 160
-"""So long a horizon is made, and four times as long as it is, at most; or half as long again."""
+"""The most steps of a longer horizon; it is also at most four times as long. A horizon near or
+above this limit still becomes half as long again."""
 MOST_EFFORT = 64
-"""By this factor at most an effort bound is larger."""
+"""The largest factor by which an effort bound is raised."""
 BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
-"""Percent of their width by which bounds are moved outwards."""
+"""Percentages of their width by which bounds are moved outwards."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A weaker task: the line that is changed, what is changed in words, and the value if one.
+    """A weaker task: the changed line, the change in words, and its value if it has one.
 
-    The changes of a line that differ in their value alone have the same ``way``.  Without a line
-    the task is the same, and ``budget`` times as much is searched.
+    Changes of a line that differ only in their value have the same ``way``. Without a line the task
+    is the same, and the search has ``budget`` times as much.
     """
 
     line: TaskLine | None
@@ -45,7 +47,7 @@ class Change:
 class Scale:
     """The changes of a line by a value, the smallest change first.
 
-    ``posable``: more poses come with them, so that poses tell from where on they may help.
+    ``posable``: larger changes allow more poses, so poses show from which value on they may help.
     """
 
     line: TaskLine
@@ -55,7 +57,7 @@ class Scale:
 
 
 def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
-    """The scales of a line; none where it has no value to change."""
+    """The scales of a line; none if it has no value to change."""
     match line.kind:
         case "parameter":
             yield from _parameter(posed, line)
@@ -72,7 +74,7 @@ def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
 
 
 def single_changes(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
-    """The changes of a line that have no value: dropped parts and names of effectors."""
+    """The changes of a line without a value: parts and names of effectors are dropped."""
     for change in _single(posed, line):
         yield replace(change, way=change.says)
 
@@ -120,15 +122,15 @@ def _start(posed: PosedTask, start: ir.StartIn, line: TaskLine) -> Iterator[Chan
 
 
 def with_feedback(posed: PosedTask, line: TaskLine) -> Change:
-    """With inputs that follow what is measured; all else is asked for as before."""
+    """Inputs follow measurements; everything else stays as before."""
     return Change(line, "with `control feedback`", posed.with_task(control="feedback"))
 
 
 def with_shorter_steps(posed: PosedTask, line: TaskLine, parts: int) -> Change:
-    """With each step divided into so many: feedback acts more often, and all lasts as long."""
+    """Each step is divided into ``parts``: feedback acts more often over the same time."""
     steps, step = parts * posed.task.steps, posed.task.step / parts
     length = number_text(step)
-    # A quotient without parentheses would be one of a number and a time.
+    # Without parentheses, a quotient would be read as that of a number and a time.
     of = f"({length})" if "/" in length else length
     says = f"with `horizon {_at_most(posed)}{steps} steps of {of} s`"
     shorter = posed.with_task(steps=steps, step=step)
@@ -140,20 +142,20 @@ def _at_most(posed: PosedTask) -> str:
 
 
 def with_fewer_steps(posed: PosedTask, line: TaskLine, steps: int) -> Change:
-    """With a shorter horizon: what takes long may sway."""
+    """A shorter horizon: a long motion may sway."""
     return Change(
         line, f"with {steps} steps", posed.with_task(steps=steps), Fraction(steps), "fewer"
     )
 
 
 def with_budget(posed: PosedTask, times: int, paths: int, evaluations: int) -> Change:
-    """The same task with so many times the budgets of a structure and of a path."""
+    """The same task with ``times`` the budgets of a structure and of a path."""
     says = f"with `--paths {times * paths} --evaluations {times * evaluations}`"
     return Change(None, says, posed, budget=times)
 
 
 def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:
-    """With another bound on modules."""
+    """Another bound on modules."""
     changed = posed.with_task(modules=modules)
     return Change(line, f"with `modules <= {modules}`", changed, Fraction(modules))
 
@@ -162,7 +164,7 @@ def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:
 
 
 def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
-    """A range that goes further up, and one that goes further down."""
+    """A range that extends further up, and one that extends further down."""
     module, name = (str(part) for part in line.key)
     p = next(p for p in posed.program.modules[module].parameters if p.name == name)
     low, high = ends(p.domain)
@@ -184,7 +186,7 @@ def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
 
 
 def _with_value(domain: ir.Interval | ir.Choices, value: Fraction) -> ir.Interval | ir.Choices:
-    """A domain that has a value besides: an interval reaches to it."""
+    """A domain that also has the value: an interval is extended to it."""
     number = ir.Num(value)
     if isinstance(domain, ir.Choices):
         return ir.Choices((*domain.values, number))
@@ -211,7 +213,7 @@ def _stronger(bound: Fraction) -> tuple[Fraction, ...]:
 
 
 def _joint_effort(posed: PosedTask, line: TaskLine) -> Scale:
-    """A stronger drive of one joint; what the task bounds stays bound by that."""
+    """A stronger drive of one joint; bounds of the task stay as they are."""
     module, name = (str(part) for part in line.key)
     dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
     bound = Fraction(0) if dof.effort is None else rational_bounds(dof.effort)[0]
@@ -269,7 +271,7 @@ def _reach(posed: PosedTask, reach: ir.Reach, line: TaskLine) -> Iterator[Change
 
 
 def _avoid(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
-    """With no margin, with the effector alone, or without the region."""
+    """Without the margin, for the effector alone, or without the region."""
     index, region = int(line.key[0]), str(line.key[1])
     clauses = posed.task.avoid
     clause = clauses[index]
@@ -285,11 +287,11 @@ def _avoid(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
     yield Change(line, f"without avoiding `{region}`", without(posed, [line]))
 
 
-# --- Numbers of two significant digits, for values that a person is to write down -----------------
+# --- Numbers of two significant digits, for values that a person would write ----------------------
 
 
 DECADE = 90
-"""So many such numbers there are from one power of ten to the next."""
+"""The count of such numbers from one power of ten to the next."""
 
 
 def number_of(index: int) -> Fraction:
@@ -302,7 +304,7 @@ def index_above(value: Fraction) -> int:
     """The index of the least such number that is at least ``value``, which is positive.
 
     Raises:
-        ValueError: it is not positive.
+        ValueError: ``value`` is not positive.
     """
     if value <= 0:
         raise ValueError("a positive number is due")

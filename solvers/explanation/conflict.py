@@ -1,7 +1,7 @@
-"""Which lines of a task rule a robot out, and which rule out every robot before any is looked at.
+"""The lines of a task that rule a robot out, or that rule out every robot at once.
 
-The oracle is the refuter of the synthesis, asked about the task with the other lines relaxed: a
-conflict is a set of lines that is refuted, while it is not without any one of them.
+The oracle is the refuter of the synthesis, applied to the task with the other lines relaxed. A
+conflict is a set of lines that is refuted, but is not refuted if any one of them is left out.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from solvers.impossibility.structure_refutation import refute_structure
 from solvers.run_context import Memory, RunContext
 
 MOST_QUESTIONS = 1500
-"""So many questions to the refuter are asked about all structures together."""
+"""The most questions to the refuter about all structures together."""
 
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """Lines that rule out robots, all of them needed; ``words`` are those robots, in order.
+    """Lines that rule out robots, all of them needed; ``words`` are the words of those robots.
 
-    Without words it is all robots: two places are cut off from each other.
+    Without words the lines rule out all robots: two places are separated from each other.
     """
 
     lines: tuple[TaskLine, ...]
@@ -42,19 +42,19 @@ class Conflict:
 
 @dataclass(frozen=True, slots=True)
 class Conflicts:
-    """The conflicts, those of most robots first; ``left`` robots were not explained."""
+    """The conflicts, those that rule out most robots first; ``left`` robots were not explained."""
 
     found: tuple[Conflict, ...]
     left: int = 0
 
     @property
     def lines(self) -> tuple[TaskLine, ...]:
-        """All lines of all conflicts, each once."""
+        """All lines of all conflicts, without repetition."""
         return tuple(dict.fromkeys(line for conflict in self.found for line in conflict.lines))
 
 
 def separation_conflict(posed: PosedTask) -> Conflict | None:
-    """The lines that cut start and target off from each other; None where nothing does."""
+    """The lines that separate start and target from each other; None if nothing does."""
     every = task_lines(posed)
     lines = [
         line for line in every if line.kind in ("start", "reach", "satisfy", "avoid", "bounds")
@@ -68,7 +68,7 @@ def separation_conflict(posed: PosedTask) -> Conflict | None:
 
 
 def is_cut_off(posed: PosedTask) -> bool:
-    """Whether places that the task joins are cut off from each other, whatever the robot."""
+    """Whether places that the task connects are separated from each other, for every robot."""
     whole = posed.expanded()
     cells = abstract(whole.workspace)
     return disconnected(whole.program, whole.task, cells) is not None
@@ -79,7 +79,7 @@ class ConflictSearch:
     """The conflicts of structures; structures ruled out by the same lines are one conflict.
 
     ``between`` is called before every question to the refuter, and may raise to end the search.
-    With ``late``, what is not refuted otherwise is asked about as after a search that found no
+    With ``late``, a structure that is not refuted otherwise is examined as after a search without a
     motion, which takes long.
     """
 
@@ -97,7 +97,7 @@ class ConflictSearch:
         self.lines = task_lines(self.posed)
 
     def conflicts(self, derivations: Iterable[Derivation]) -> Conflicts:
-        """The conflicts of refuted structures, in the order of how many robots they rule out."""
+        """The conflicts of refuted structures; those that rule out most robots come first."""
         total = 0
         for derivation in derivations:
             total += 1
@@ -109,15 +109,15 @@ class ConflictSearch:
         return self.found(total)
 
     def found(self, total: int) -> Conflicts:
-        """What is found so far of so many structures."""
+        """The conflicts found so far among ``total`` structures."""
         left = total - sum(map(len, self._found.values()))
         ranked = sorted(self._found.items(), key=lambda item: -len(item[1]))
         return Conflicts(tuple(Conflict(lines, tuple(words)) for lines, words in ranked), left)
 
     def conflict(self, derivation: Derivation) -> tuple[TaskLine, ...] | None:
-        """The lines that rule a structure out; None where the refuter does not refute it.
+        """The lines that rule a structure out; None if the refuter does not refute it.
 
-        A conflict that rules another structure out is tried first.
+        Conflicts that rule out other structures are tried first.
         """
         found = self._conflict(derivation, late=False)
         if found is None and self.late:
@@ -143,7 +143,7 @@ class ConflictSearch:
     ) -> bool:
         """Whether a structure is refuted by these lines alone.
 
-        ``late``: also with the effort that a synthesis makes once it has found no motion.
+        ``late``: also with the effort that a synthesis spends after it has found no motion.
         """
         self.between()
         self.questions += 1
@@ -165,13 +165,13 @@ class ConflictSearch:
         return out_of_reach_of_drives(candidate, posed.program, posed.task, context) is not None
 
 
-# --- A minimal conflict: a subset of constraints that is refuted and of which all are needed ------
+# --- A minimal conflict: a refuted subset of constraints, all of them needed ----------------------
 #
-# QUICKXPLAIN finds one with few questions where it is small; elements that come first are
-# preferred. Source: Junker, *QuickXplain: Preferred Explanations and Relaxations for
-# Over-Constrained Problems* (AAAI 2004).  It assumes that more constraints are never less refuted.
-# A refuter with a budget may break that, so that the answer is checked, and thinned out once more
-# one by one.
+# QUICKXPLAIN finds one with few questions if it is small; elements that come first are preferred.
+# Source: Junker, *QuickXplain: Preferred Explanations and Relaxations for Over-Constrained
+# Problems* (AAAI 2004). It assumes that adding constraints never makes a refutation fail. A refuter
+# with a budget may break this assumption, so the answer is checked, and elements are removed once
+# more one by one.
 
 
 Item = TypeVar("Item")
@@ -179,9 +179,9 @@ Refuted: TypeAlias = Callable[[Sequence[Item]], bool]
 
 
 def minimal_conflict(items: Sequence[Item], refuted: Refuted[Item]) -> tuple[Item, ...] | None:
-    """A subset that is refuted, while it is not without any one of its elements; in order.
+    """A subset that is refuted, but not without any one of its elements; in order.
 
-    None where not even all items together are refuted.  Empty where nothing at all is needed.
+    None if not even all items together are refuted. Empty if nothing is needed.
     """
     if not refuted(items):
         return None
@@ -199,7 +199,7 @@ def _explained(
     *,
     grown: bool,
 ) -> tuple[Item, ...]:
-    """What of the items is needed besides the background; ``grown``: that is new."""
+    """The items that are needed in addition to the background; ``grown``: it has new elements."""
     if grown and refuted(background):
         return ()
     if len(items) == 1:
@@ -212,9 +212,10 @@ def _explained(
 
 
 def _thinned(items: list[Item], refuted: Refuted[Item]) -> tuple[Item, ...]:
-    """Without all that can be spared, the last first.
+    """The items without those that are not needed, removing the last first.
 
-    What could not be spared beside more may be spared beside less, so it is asked until nothing is.
+    An item that is needed among many may not be needed among fewer, so this is repeated until
+    nothing changes.
     """
     kept, count = list(items), len(items) + 1
     while len(kept) < count:

@@ -1,4 +1,4 @@
-"""Why a task was not met: the conflicting lines, what was nearest, and what would help."""
+"""Why a task was not met: the conflicting lines, the nearest robot, and changes that would help."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ TELLING = (
     "parameter", "effort", "horizon", "avoid", "joint_range", "joint_rate", "joint_accel",
     "joint_effort", "fixed",
 )  # fmt: skip
-"""Kinds of lines that a person would change; conflicts with such lines are told first."""
+"""Kinds of lines that a person would change; conflicts with such lines come first."""
 
 
 MOST_COMPARED = 100
-"""So many refuted structures, the last ones, are compared for the foremost one."""
+"""The number of refuted structures, counted from the last, among which the foremost is chosen."""
 
 
 MOST_QUICK = 40
-"""So many questions to the refuter are asked for the conflict at the end of a synthesis."""
+"""The most questions to the refuter for the conflict at the end of a synthesis."""
 
 
 @dataclass(frozen=True, slots=True)
 class Nearest:
-    """The robot that came nearest to a design, and what stood in its way.
+    """The robot that came nearest to a design, and the obstacle to it.
 
-    ``robustness`` is the best that was evaluated for it, None where nothing was.
+    ``robustness`` is the best that was evaluated for it, None if nothing was evaluated.
     """
 
     word: tuple[str, ...]
@@ -53,24 +53,22 @@ class Nearest:
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What a synthesis without a design has left: refuted structures, the nearest one, lemmas."""
+    """The results of a synthesis without a design: refuted structures, the nearest one, lemmas."""
 
     verdict: NotFound
     reason: str
     refuted: tuple[tuple[str, ...], ...]
-    """Derivations, one of each different robot."""
+    """Derivations, one for each different robot."""
     nearest: Nearest | None = None
     lemmas: tuple[Learnt, ...] = ()
 
 
 @dataclass(slots=True)
 class Explanation:
-    """What is known so far; ``ended`` says what kept the rest from being found out.
+    """The explanation found so far; ``ended`` says why the rest was not found.
 
-    ``most_runs`` is how many runs were allowed.
-
-    ``bound`` is the line that bounds the modules where a longer robot has poses for the task, with
-    an example in ``beyond``.
+    ``most_runs`` is the number of allowed runs. ``bound`` is the line that bounds the modules, if a
+    longer robot has poses for the task; ``beyond`` is an example of such a robot.
     """
 
     posed: PosedTask
@@ -86,13 +84,13 @@ class Explanation:
 
     @property
     def all_refuted(self) -> bool:
-        """Whether all that was tried is refuted, be the verdict unknown for a bound or a limit."""
+        """Whether all tried structures are refuted, even if the verdict is unknown."""
         return bool(self.tried.refuted) and self.tried.nearest is None
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """How far an explanation is to go; ``tell`` receives a line of progress now and then."""
+    """The limits of an explanation; ``tell`` receives a line of progress now and then."""
 
     context: RunContext = field(default_factory=RunContext)
     runs: int = MOST_RUNS
@@ -100,7 +98,7 @@ class Asked:
 
 
 def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
-    """Explain why a task was not met; whatever is found until the limit of time is kept.
+    """Explain why a task was not met; everything found until the time limit is kept.
 
     Raises:
         MapFault: a map of obstacles cannot be used.
@@ -120,7 +118,7 @@ def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
 
 
 def foremost(posed: PosedTask, refuted: Sequence[tuple[str, ...]]) -> Derivation:
-    """Of refuted structures, by derivation, that with most freedom in coordinates and design."""
+    """The derivation, among refuted structures, with most freedom in coordinates and design."""
     grammar, family = (
         posed.program.grammars[posed.task.grammar],
         family_of(posed.program, posed.task),
@@ -136,7 +134,7 @@ def foremost(posed: PosedTask, refuted: Sequence[tuple[str, ...]]) -> Derivation
 def conflicts_of(
     posed: PosedTask, refuted: Sequence[Derivation], context: RunContext
 ) -> tuple[Conflicts, str | None]:
-    """The conflicts of some refuted structures; and what kept the rest from being found out."""
+    """The conflicts of some refuted structures, and the reason if the search did not finish."""
     search = ConflictSearch(posed, context, context.check_time)
     try:
         return search.conflicts(refuted), None
@@ -147,9 +145,9 @@ def conflicts_of(
 def quick_conflict(
     posed: PosedTask, refuted: Derivation | None, context: RunContext
 ) -> Explanation:
-    """An explanation with the conflict of one structure, where a few questions find it.
+    """An explanation with the conflict of one structure, if a few questions find it.
 
-    Without a structure, start and target are cut off from each other.
+    Without a structure, start and target are separated from each other.
     """
     found = Explanation(posed, Tried("impossible", "", ()))
     if refuted is None:

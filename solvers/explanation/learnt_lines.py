@@ -1,4 +1,4 @@
-"""Lemmas in an explanation: what each says, the lines that it rests on, and robots it is about."""
+"""Lemmas in an explanation: their text, the lines that they depend on, and some of their robots."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from solvers.explanation.task_line import TaskLine, task_lines
 from solvers.verifier.claims.lemma_claims import LemmaClaim, VariantClaim, WeightsClaim, lemma_text
 
 MOST_ROBOTS = 60
-"""So many different robots of lemmas are looked at, of the first structures."""
+"""The most different robots of lemmas that are examined, from the first structures."""
 MOST_STRUCTURES = 300
 
 
 @dataclass(frozen=True, slots=True)
 class Learnt:
-    """A lemma, in words, and the lines of the spec that it rests on."""
+    """A lemma, in words, and the lines of the spec that it depends on."""
 
     claim: LemmaClaim
     says: str
@@ -34,13 +34,13 @@ def learnt(posed: PosedTask, claims: Sequence[LemmaClaim]) -> tuple[Learnt, ...]
     """The lemmas of a result.
 
     Raises:
-        ValueError: a condition is none on words of the family.
+        ValueError: a condition is not one on words of the family.
     """
     return tuple(Learnt(c, lemma_text(c), tuple(_lines(posed, c))) for c in claims)
 
 
 def _lines(posed: PosedTask, claim: LemmaClaim) -> Iterator[TaskLine]:
-    """What a lemma is about: where poses have to be and to keep clear, what drives, what counts."""
+    """The lines that a lemma depends on: places, obstacles, drives, and counted modules."""
     task, program = posed.task, posed.program
     if isinstance(claim, VariantClaim):
         kinds = ("start", "reach", "avoid", "avoid_self", "bounds_body")
@@ -90,7 +90,7 @@ def _text(posed: PosedTask, line: TaskLine) -> str:
 def robots_of_lemmas(
     posed: PosedTask, claims: Sequence[LemmaClaim], known: Sequence[tuple[str, ...]]
 ) -> tuple[tuple[str, ...], ...]:
-    """Derivations of some structures that lemmas are about, one of each robot but those known.
+    """Derivations of some structures that lemmas cover, one for each robot not known yet.
 
     Args:
         posed: the task.
@@ -98,7 +98,7 @@ def robots_of_lemmas(
         known: the derivations of structures that were refuted on their own.
 
     Raises:
-        ValueError: a condition is none on words of the family.
+        ValueError: a condition is not one on words of the family.
     """
     if not claims:
         return ()

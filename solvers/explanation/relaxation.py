@@ -1,7 +1,7 @@
-"""A task without some of its lines: each is replaced by one that demands next to nothing.
+"""A task without some of its lines: each is replaced by one that demands almost nothing.
 
-A relaxed range is not unlimited but far wider than what is written, as refuters need ranges; a
-relaxed place is anywhere within the bounds.
+A relaxed range is not unlimited but far wider than written, since refuters need ranges; a relaxed
+place is anywhere within the bounds.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.task_line import TaskLine
 
 WIDER = 30
-"""By this factor relaxed ranges and bounds are wider."""
+"""The factor by which relaxed ranges and bounds are wider."""
 DRIVEN = 1000
-"""By this factor relaxed efforts and horizons are larger."""
+"""The factor by which relaxed efforts and horizons are larger."""
 AMPLE_EFFORT, AMPLE_TIME = Fraction(10**9), Fraction(10**6)
-"""At least so large are relaxed efforts (SI), and horizons (s) of tasks without formulas: what is
-stated may be too small by any factor."""
+"""The least relaxed efforts (SI), and horizons (s) of tasks without formulas: the stated values may
+be too small by any factor."""
 EVERYWHERE = "anywhere within the bounds"
 """The name of a region that no region of the language can have."""
 
@@ -32,7 +32,7 @@ Key: TypeAlias = tuple[str | int, ...]
 
 
 def without(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
-    """The task without these lines; places are relaxed last, to what is within the bounds then."""
+    """The task without these lines; places are relaxed last, to the bounds as they are by then."""
     places = {line for line in lines if line.kind in ("start", "reach", "satisfy")}
     dropped = {line for line in lines if line.kind == "carry"}
     for line in lines:
@@ -73,7 +73,7 @@ def _relaxed(posed: PosedTask, line: TaskLine) -> PosedTask:
 
 
 def _weightless(posed: PosedTask, line: TaskLine) -> PosedTask:
-    """Without gravity, or with a payload of no mass."""
+    """A copy without gravity, or with a payload of no mass."""
     task = posed.task
     if line.kind == "gravity":
         return posed.with_task(gravity=(Fraction(0),) * len(task.gravity))
@@ -86,7 +86,7 @@ def _weightless(posed: PosedTask, line: TaskLine) -> PosedTask:
 
 
 def _ranged(posed: PosedTask, line: TaskLine) -> PosedTask:
-    """Without a range, a limit of a rate or an acceleration, or a fixed value."""
+    """A copy without a range, a limit of a rate, acceleration or effort, or a fixed value."""
     if line.kind == "fixed":
         return _freed(posed, line.key)
     module, name = (str(part) for part in line.key)
@@ -105,7 +105,7 @@ def _ranged(posed: PosedTask, line: TaskLine) -> PosedTask:
 
 
 def _freed(posed: PosedTask, key: Key) -> PosedTask:
-    """With a fixed parameter of the existing robot free."""
+    """A copy with a fixed parameter of the existing robot set free."""
     origin = posed.task.origin
     if origin is None:
         return posed
@@ -122,7 +122,7 @@ def ends(domain: ir.Interval | ir.Choices) -> tuple[Fraction, Fraction]:
 
 
 def _wider(domain: ir.Interval | ir.Choices | None) -> ir.Interval:
-    """An interval that holds the domain and far more, of the same signs."""
+    """An interval that contains the domain and far more, with the same signs."""
     low, high = (Fraction(0), Fraction(0)) if domain is None else ends(domain)
     low = low / WIDER if low > 0 else low * WIDER
     high = high * WIDER if high > 0 else high / WIDER
@@ -133,7 +133,7 @@ def _wider(domain: ir.Interval | ir.Choices | None) -> ir.Interval:
 
 
 def grown_bounds(workspace: ir.Workspace, width: Fraction) -> ir.Workspace:
-    """Bounds that are a box about the old ones, on every side wider by so many of its widths."""
+    """A box around the old bounds, wider on every side by ``width`` times its size, as bounds."""
     box = polytope_of(workspace.bounds.shape, workspace.dimension).vertices
     rows = []
     for axis in range(workspace.dimension):
@@ -149,7 +149,7 @@ def grown_bounds(workspace: ir.Workspace, width: Fraction) -> ir.Workspace:
 
 
 def with_effort(posed: PosedTask, index: int, factor: int | Fraction) -> PosedTask:
-    """With an effort bound multiplied."""
+    """A copy with an effort bound multiplied."""
     efforts = list(posed.task.effort)
     efforts[index] = replace(efforts[index], bound=efforts[index].bound * factor)
     return posed.with_task(effort=tuple(efforts))
@@ -159,7 +159,7 @@ def with_effort(posed: PosedTask, index: int, factor: int | Fraction) -> PosedTa
 
 
 def _placed(posed: PosedTask, lines: Collection[TaskLine]) -> PosedTask:
-    """Without a start, a target or formulas: that is anywhere within the bounds."""
+    """A copy without a start, a target or formulas: places are anywhere within the bounds."""
     workspace, task = posed.workspace, posed.task
     anywhere = ir.Region(EVERYWHERE, "region", workspace.bounds.shape)
     posed = posed.with_workspace(replace(workspace, regions=(*workspace.regions, anywhere)))

@@ -1,7 +1,7 @@
-"""Runs of the whole synthesis on changed tasks: what a suggestion rests on.
+"""Runs of the whole synthesis on changed tasks, which confirm a suggestion.
 
-A run ends after a number of cell paths, or of questions about the time, which searches and proofs
-ask as they go on, so that it is bounded without a clock and repeats.
+A run ends after a number of cell paths, or of checks of the time, which searches and proofs make as
+they go on. So it is bounded without a clock and is repeatable.
 """
 
 from __future__ import annotations
@@ -15,22 +15,23 @@ from solvers.run_context import Memory, Recorded, RunContext, Silent
 from solvers.search.synthesis import Synthesis, synthesise
 
 MOST_RUNS = 16
-"""So many runs are made for an explanation."""
+"""The most runs for an explanation."""
 MOST_PATHS = 2
-"""So many cell paths are tried in a run, of all structures together."""
+"""The most cell paths that are tried in a run, for all structures together."""
 MOST_PAUSES = 2500
-"""So often a run may ask for the time before it is ended."""
+"""How often a run may check the time before it is ended."""
 REFUTATION = "smt|"
-"""How keys begin that name a script in full, so that answers hold for other tasks too."""
+"""The prefix of keys that contain a whole script, so that their answers hold for other tasks,
+too."""
 NOT_SOUGHT: dict[str, Recorded] = {"drives|": ["", ""], "boxes|": ""}
-"""By how keys begin, answers that spare a run the evidence that a task is impossible."""
+"""Maps prefixes of keys to answers that spare a run the search for evidence of impossibility."""
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
     """A change with which a robot was found and its motion proved.
 
-    ``effort_unit`` is that of its drives; of turning and sliding ones, both.
+    ``effort_unit`` is the unit of its drives, or both units if some turn and some slide.
     """
 
     change: Change
@@ -42,7 +43,7 @@ class Suggestion:
 
 @dataclass(slots=True)
 class _Shared:
-    """A journal of one run that keeps scripts for the next, and lets it look for designs only."""
+    """A journal of one run: scripts are kept for the next, and only designs are searched for."""
 
     scripts: dict[str, Recorded]
     own: Memory = field(default_factory=Memory)
@@ -62,7 +63,7 @@ class _Shared:
 
 @dataclass(slots=True)
 class _Meter(Silent):
-    """Counts what a run does, and says when that is enough."""
+    """Counts the paths and time checks of a run, and says when to end it."""
 
     overtime: Callable[[], bool]
     budget: int = 1
@@ -70,11 +71,11 @@ class _Meter(Silent):
     pauses: int = 0
 
     def path(self, cells: tuple[str, ...]) -> None:
-        """A cell path is being tried."""
+        """Count a cell path that is being tried."""
         self.paths += 1
 
     def ended(self) -> bool:
-        """Whether the run is to end; asked again and again."""
+        """Whether the run has to end; called repeatedly."""
         self.pauses += 1
         many = self.paths > MOST_PATHS * self.budget or self.pauses > MOST_PAUSES * self.budget
         return many or self.overtime()
@@ -93,24 +94,24 @@ class Runs:
 
     @property
     def made(self) -> int:
-        """How many runs there were."""
+        """The number of runs so far."""
         return len(self.found) + len(self.failed)
 
     @property
     def left(self) -> bool:
-        """Whether there may be another one."""
+        """Whether another run is allowed."""
         return self.made < self.limit
 
     def run(self, change: Change) -> Suggestion | None:
-        """Synthesise for a changed task; the suggestion if a robot is found and proved.
+        """Run the synthesis for a changed task; a suggestion if a robot is found and proved.
 
         Raises:
-            OutOfTimeError: the limit of time was reached.
+            OutOfTimeError: the time limit was reached.
         """
         self.context.check_time()
         self.tell(f"run {self.made + 1} of at most {self.limit}: {change.says}")
         result = self._result(change)
-        # A run that the clock has ended says nothing about the change.
+        # A run that the clock has ended shows nothing about the change.
         self.context.check_time()
         design = result.design
         if design is None:
@@ -134,8 +135,7 @@ class Runs:
             paths=change.budget * self.context.paths,
             evaluations=change.budget * self.context.evaluations,
         )
-        # A fast motion takes all the effort that it may, and so would tell nothing of how much it
-        # needs.
+        # A fast motion uses all available effort, so it would not show how much it needs.
         task = change.posed.task
         objectives = tuple(each for each in task.minimize if each.kind != "time")
         return synthesise(change.posed.program, replace(task, minimize=objectives), context)

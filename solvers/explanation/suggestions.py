@@ -1,7 +1,7 @@
-"""The search for changes of one line with which a robot is found, each confirmed by a run.
+"""Search for changes of one line with which a robot is found, each confirmed by a run.
 
-Poses tell cheaply from which value on a change may help; runs decide.  A value for which poses say
-nothing is tried at its far end first, and then nearer, as far as a few runs go.
+Poses show cheaply from which value on a change may help; runs decide. A value for which poses show
+nothing is tried at its far end first, and then nearer, within a few runs.
 """
 
 from __future__ import annotations
@@ -42,31 +42,32 @@ from solvers.explanation.task_line import TaskLine, control_line
 from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
-"""So near to an effort that was too small it is not looked any nearer."""
+"""An effort within this factor of one that was too small is not refined further."""
 DRIVES = ("effort", "joint_effort", "horizon")
-"""Changed first: where these are to blame, there are poses whatever the ranges, and changes of
-ranges would use up the runs."""
+"""Changed first: if these are to blame, there are poses for any ranges, and changes of ranges would
+use up the runs."""
 LIMITS = ("joint_range", "joint_rate", "joint_accel")
-"""Limits of joints are dropped last: real ones cannot be."""
+"""Limits of joints are dropped last, since real joints keep theirs."""
 FURTHER = (1, Fraction(6, 5), Fraction(2))
-"""The least value with poses, and so many times that, until a run succeeds."""
+"""Multiples of the least value with poses that are tried until a run succeeds."""
 NEARER = 3
-"""So many runs look for a smaller change once one has succeeded."""
+"""The runs that look for a smaller change once one has succeeded."""
 SHORTER = (5, 2)
-"""Into so many parts steps are divided, the fewer once the more have helped."""
+"""The parts into which steps are divided: the second number only if the first has helped."""
 HALVES = 2
-"""Into so many parts steps are divided without disturbances: they follow an obstacle closer."""
+"""The parts into which steps are divided without disturbances: shorter steps follow an obstacle
+more closely."""
 LONGER = 2
-"""So many times the budgets are tried."""
+"""The factor for the budgets."""
 FEWER = Fraction(3, 4), Fraction(1, 2)
-"""The parts of a horizon that are tried."""
+"""The fractions of a horizon that are tried."""
 MOST_STRUCTURES = 300
-"""Structures whose poses are looked for."""
+"""The structures for which poses are searched."""
 
 
 @dataclass(frozen=True, slots=True)
 class SuggestionSearch:
-    """Looks for changes of a task; what was found and what not is kept by ``runs``."""
+    """Looks for changes of a task; ``runs`` stores which were confirmed and which failed."""
 
     posed: PosedTask
     runs: Runs
@@ -77,7 +78,7 @@ class SuggestionSearch:
         return self.runs.context.seed
 
     def after_conflicts(self, lines: Iterable[TaskLine], bound: TaskLine | None) -> None:
-        """Changes of the lines of conflicts, and of the bound on modules."""
+        """Try changes of the lines of conflicts, and of the bound on modules."""
         derivations = self.structures(self.posed)
         for line in sorted(lines, key=lambda line: line.kind not in DRIVES):
             for scale in scales(self.posed, line):
@@ -90,7 +91,7 @@ class SuggestionSearch:
             self.modules(bound)
 
     def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
-        """Changes that may help where there are poses and no motion was found or proved."""
+        """Try changes that may help if there are poses but no motion was found or proved."""
         horizon = next(line for line in lines if line.kind == "horizon")
         self.feedback("open loop")
         self.shorter(horizon)
@@ -108,29 +109,29 @@ class SuggestionSearch:
                 self.singles(line)
 
     def drives(self, lines: Sequence[TaskLine]) -> None:
-        """More effort, then more steps."""
+        """Try more effort, then more steps."""
         for line in sorted(lines, key=lambda line: line.kind == "horizon"):
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
                     self.far(scale)
 
     def undisturbed(self, line: TaskLine) -> None:
-        """Without disturbances, and with feedback about them."""
+        """Try without disturbances, and with feedback against them."""
         if self.posed.task.robust is None:
             return
         calm = self.posed.with_task(robust=None)
         self.tried(Change(line, "without `robust`", calm))
-        # Last: a search that may choose has tried feedback, unless it was ended before.
+        # Last, since a search that may choose has tried feedback, unless it was ended early.
         self.feedback(None)
 
     def feedback(self, control: str | None) -> None:
-        """Inputs that follow what is measured, where this is what the task says of ``control``."""
+        """Try inputs that follow measurements, if the task's ``control`` is the given one."""
         line = control_line(self.posed)
         if line is not None and self.posed.task.control == control:
             self.tried(with_feedback(self.posed, line))
 
     def shorter(self, line: TaskLine) -> None:
-        """Steps so short that feedback answers disturbances before they have grown."""
+        """Try steps short enough for feedback to answer disturbances before they have grown."""
         task = self.posed.task
         if task.robust is None or task.control == "open loop":
             return
@@ -141,12 +142,12 @@ class SuggestionSearch:
                 return
 
     def otherwise(self, line: TaskLine) -> None:
-        """Shorter horizons, the longest first, finer steps, and a longer search of the same task.
+        """Try shorter horizons, the longest first, finer steps, and a longer search of the task.
 
-        They take longest, and so come where nothing else has helped.
+        They take longest, and so are tried only if nothing else has helped.
         """
         task, context = self.posed.task, self.runs.context
-        # Where fewer steps do the task they have been tried.
+        # With ``at most``, fewer steps have been tried.
         for part in () if task.at_most else FEWER:
             fewer = int(task.steps * part)
             if fewer and self.tried(with_fewer_steps(self.posed, line, fewer)) is not None:
@@ -156,11 +157,11 @@ class SuggestionSearch:
             self.tried(with_budget(self.posed, LONGER, context.paths, context.evaluations))
 
     def tried(self, change: Change) -> Suggestion | None:
-        """A run of a change, if there may be one."""
+        """Run a change, if another run is allowed."""
         return self.runs.run(change) if self.runs.left else None
 
     def singles(self, line: TaskLine) -> None:
-        """Changes without a value: the next one only where the one before does not help."""
+        """Try changes without a value: the next one only if the one before does not help."""
         for change in single_changes(self.posed, line):
             if self.posable_at(change.posed) and self.tried(change) is not None:
                 return
@@ -178,7 +179,7 @@ class SuggestionSearch:
     # --- values ---------------------------------------------------------------------------------
 
     def posable(self, scale: Scale, derivations: Sequence[Derivation]) -> None:
-        """The least change for which there are poses, or a few further ones."""
+        """Try the least change for which there are poses, and then a few larger ones."""
         tasks = [scale.at(value).posed for value in scale.values]
         first = first_with_poses(tasks, derivations, self.seed) if tasks else None
         if first is None:
@@ -192,7 +193,7 @@ class SuggestionSearch:
                 return
 
     def far(self, scale: Scale) -> None:
-        """The largest change first, and once that helps smaller ones."""
+        """Try the largest change first, and smaller ones if it helps."""
         best = self.tried(scale.at(scale.values[-1])) if scale.values else None
         if best is None:
             return
@@ -205,7 +206,7 @@ class SuggestionSearch:
             self.by_halving(scale, low, high)
 
     def by_peak(self, scale: Scale, best: Suggestion, low: Fraction, high: Fraction) -> None:
-        """Effort: what a motion took is tried as the bound; where that fails, more."""
+        """For an effort, try the peak of a motion as the bound; if that fails, more."""
         wanted = rounded_up(Fraction(best.effort_peak))
         for _ in range(NEARER):
             if not low <= wanted < high:
@@ -221,7 +222,7 @@ class SuggestionSearch:
                 return
 
     def by_values(self, scale: Scale, best: Fraction) -> None:
-        """The effort of one joint: values between those that were too small and the best."""
+        """For one joint's effort, try values between those that were too small and the best."""
         low, high = -1, scale.values.index(best)
         for _ in range(NEARER):
             middle = (low + high) // 2
@@ -233,7 +234,7 @@ class SuggestionSearch:
                 high = middle
 
     def by_halving(self, scale: Scale, low: Fraction, high: Fraction) -> None:
-        """Steps: a number between one that was too small and the best, as often as allowed."""
+        """For steps, try a number between one that was too small and the best, a few times."""
         low = low - 1
         for _ in range(NEARER):
             middle = Fraction(round(_between(low, high)))
@@ -245,13 +246,13 @@ class SuggestionSearch:
                 high = middle
 
     def modules(self, line: TaskLine) -> None:
-        """The least bound on modules for which there are poses."""
+        """Try the least bound on modules for which there are poses."""
         longer = self.longer()
         if longer is not None:
             self.tried(with_modules(self.posed, line, self.size(longer)))
 
     def longer(self) -> Derivation | None:
-        """The first structure of more modules than the task allows with poses for it."""
+        """The first structure with more modules than the task allows and with poses for it."""
         family = family_of(self.posed.program, self.posed.task)
         allowed = module_bound(family, self.posed.task)
         fewest = family.language.fewest_modules() or 0
@@ -270,12 +271,12 @@ def _nearest(values: Sequence[Fraction], wanted: Fraction) -> Fraction:
 
 
 def _between(low: Fraction, high: Fraction) -> Fraction:
-    """The geometric middle, rounded to a double."""
+    """The geometric mean, rounded to a double."""
     return Fraction((float(low) * float(high)) ** 0.5)
 
 
 def smallest(found: Sequence[Suggestion]) -> tuple[Suggestion, ...]:
-    """Of the suggestions that change one line in one way the smallest: what was found last."""
+    """The smallest suggestion for each line and way of change: the one found last."""
     kept: dict[tuple[TaskLine | None, str], Suggestion] = {}
     for one in found:
         kept[one.change.line, one.change.way] = one
@@ -283,19 +284,20 @@ def smallest(found: Sequence[Suggestion]) -> tuple[Suggestion, ...]:
 
 
 # --------------------------------------------------------------------------------------------------
-# Whether poses are found that a task asks of a robot: a cheap sign that the task may be possible.
+# The search for all poses that a task requires of a robot: a cheap sign that the task may be
+# possible.
 #
-# No poses prove nothing here, and poses do not prove that there is a motion.
+# Here a lack of poses proves nothing, and poses do not prove that there is a motion.
 
 
 MOST_ROBOTS = 6
-"""So many robots are followed when a value is searched."""
+"""The most robots that are followed when a value is searched."""
 
 
 def with_poses(
     posed: PosedTask, derivations: Iterable[Derivation], seed: int, robots: int = MOST_ROBOTS
 ) -> tuple[Derivation, ...]:
-    """The first few different robots for which all poses are found that the task asks for."""
+    """The first few different robots for which all poses that the task requires are found."""
     if is_cut_off(posed):
         return ()
     return tuple(islice(_posable(posed.expanded(), derivations, seed), robots))
@@ -337,9 +339,9 @@ def _answered(numeric: NumericRobot, posed: PosedTask, seed: int) -> bool:
 def first_with_poses(
     posed_at: Sequence[PosedTask], derivations: Sequence[Derivation], seed: int
 ) -> int | None:
-    """The index of the first of ever weaker tasks for which poses are found, by bisection.
+    """The index of the first of weaker and weaker tasks for which poses are found, by bisection.
 
-    None where not even the last one has any.
+    None if not even the last one has any.
     """
     hopeful = with_poses(posed_at[-1], derivations, seed)
     if not hopeful:

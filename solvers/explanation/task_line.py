@@ -1,4 +1,4 @@
-"""The lines of a task that may be in conflict: what each demands, and where it is written."""
+"""The lines of a task that may be in conflict: the demand of each, and where it is written."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ LineKind: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class TaskLine:
-    """One demand that can be relaxed by itself; ``key`` tells it from others of its kind.
+    """One demand that can be relaxed by itself; ``key`` distinguishes it from others of its kind.
 
-    The key of a parameter, a range or a rate is the module and the name, that of an avoided region
-    the index of the clause and the name, that of an ``effort``, ``satisfy``, ``payload`` or
+    The key of a parameter, a range or a rate is the module and the name; that of an avoided region
+    the index of the clause and the name; that of an ``effort``, ``satisfy``, ``payload`` or
     ``carry`` its index.
     """
 
@@ -34,7 +34,7 @@ class TaskLine:
 
 
 def task_lines(posed: PosedTask) -> tuple[TaskLine, ...]:
-    """All lines but the bound on modules, those first that are best named in an explanation."""
+    """All lines except the bound on modules; those best named in an explanation come first."""
     return (
         *_ends(posed.task),
         *_ranges(posed),
@@ -47,7 +47,7 @@ def task_lines(posed: PosedTask) -> tuple[TaskLine, ...]:
 
 
 def modules_line(posed: PosedTask) -> TaskLine | None:
-    """The bound on modules, which is about the structures and not about one of them."""
+    """The bound on modules, which is about the set of structures, not about one; or None."""
     task = posed.task
     if task.modules is None:
         return None
@@ -56,9 +56,9 @@ def modules_line(posed: PosedTask) -> TaskLine | None:
 
 
 def control_line(posed: PosedTask) -> TaskLine | None:
-    """What keeps feedback out, or where it would help: a fixed list of inputs, or disturbances.
+    """The line about feedback: it is excluded by fixed inputs, or would help against disturbances.
 
-    None where neither is asked for, or feedback is.
+    None if neither is the case, or if feedback is already asked for.
     """
     task = posed.task
     if task.control == "open loop":
@@ -73,7 +73,7 @@ def control_line(posed: PosedTask) -> TaskLine | None:
 
 
 def _ends(task: ir.Task) -> Iterator[TaskLine]:
-    """Where a robot starts, ends, and what it does on the way."""
+    """Where a robot starts and ends, and what it does in between."""
     if isinstance(task.start, ir.StartIn):
         where = f"{_who(task.start.effector)} starts in `{task.start.region}`"
         yield TaskLine("start", (), where, task.start.span)
@@ -96,7 +96,7 @@ def _who(effector: int | None) -> str:
 
 
 def _ranges(posed: PosedTask) -> Iterator[TaskLine]:
-    """Ranges of parameters, what of them is fixed, and the limits of joints."""
+    """Ranges of parameters, fixed parameters, and the limits of joints."""
     for module in posed.modules:
         for p in module.parameters:
             says = f"the range of `{module.name}.{p.name}`"
@@ -135,7 +135,7 @@ def _avoided(posed: PosedTask) -> Iterator[TaskLine]:
 
 
 def _mention(name: str, clause: Span, sources: tuple[Source, ...]) -> Span:
-    """Where a clause mentions a name; the whole clause where that is not known."""
+    """Where a clause mentions a name; the whole clause if this is not known."""
     if clause.file >= len(sources):
         return clause
     text = sources[clause.file].text[clause.start : clause.end]
@@ -146,7 +146,7 @@ def _mention(name: str, clause: Span, sources: tuple[Source, ...]) -> Span:
 
 
 def _dynamics(task: ir.Task) -> Iterator[TaskLine]:
-    """What bounds the motion."""
+    """The bounds of the motion."""
     for index, effort in enumerate(task.effort):
         yield TaskLine("effort", (index,), f"the effort of {effort.kind} joints", effort.span)
     says = f"the motion ends after {'at most ' if task.at_most else ''}{task.steps} steps"

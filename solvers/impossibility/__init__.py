@@ -1,1 +1,1 @@
-"""Why a structure cannot do a task: poses, scripts for z3, coverings by boxes."""
+"""Show that a structure cannot do a task: poses, scripts for z3, coverings by boxes."""

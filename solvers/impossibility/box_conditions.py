@@ -1,6 +1,6 @@
-"""What a task asks on boxes of coordinates and parameters, in floats.
+"""The demands of a task on boxes of coordinates and parameters, in floats.
 
-What is found here guides a search, and proves nothing: the verifier reads the same demands exactly.
+The results guide a search and prove nothing: the verifier evaluates the same demands exactly.
 """
 
 from __future__ import annotations
@@ -35,25 +35,26 @@ from solvers.impossibility.box_points import BoxPoints, Placed, ends
 from solvers.impossibility.coordinate_cover import Flags, Numbers
 
 CLEAR = 1e-9
-"""By so much a box has to violate a demand, in parts of the size of the numbers it is about."""
+"""How far a box has to violate a demand, relative to the size of the numbers in it."""
 NEAR = 2e-9
-"""A motion from a given pose may start near it: the verifier's tolerance, and a bit more."""
+"""A motion from a given pose may start this near to it: a bit more than the verifier's
+tolerance."""
 MOST_IN_BATCH = 256
-"""More boxes are read in blocks,"""
+"""Boxes are evaluated in blocks of this many."""
 MOST_NORMALS = 256
-"""and more half-spaces of obstacles."""
+"""Half-spaces of obstacles are evaluated in groups of about this many."""
 
 
 _Kind: TypeAlias = tuple[tuple[int, ...], tuple[tuple[int, int], ...], int]
-"""The points and the segments of an obstacle, and the number of its half-spaces."""
+"""The points and the segments that avoid an obstacle, and the number of its half-spaces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judged:
-    """What is known of K boxes, for C passages.
+    """The result for K boxes and C passages.
 
-    ``open`` (K,): no demand is known to be violated in all of the box; ``free`` (K,): none is
-    violated anywhere in it.  ``start`` and ``goal`` (K, C): a pose of the box may be there.
+    ``open`` (K,): no demand is known to be violated on the whole box; ``free`` (K,): none is
+    violated anywhere in it. ``start`` and ``goal`` (K, C): a pose of the box may be there.
     ``effects`` (K, v): how far each variable moves a point, in metres.
     """
 
@@ -64,7 +65,7 @@ class Judged:
     effects: Array
 
     def at(self, where: Flags | Numbers) -> Judged:
-        """Of some boxes: a mask (K,) or their numbers (some,)."""
+        """The result for some boxes: a mask (K,) or their numbers (some,)."""
         return Judged(
             self.open[where], self.free[where], self.start[where], self.goal[where],
             self.effects[where],
@@ -73,7 +74,7 @@ class Judged:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Region:
-    """Unit normals (r, d) and offsets (r,) in metres, and points, by their place here."""
+    """Unit normals (r, d) and offsets (r,) in metres, and the indices of points in ``Placed``."""
 
     normals: Array
     offsets: Array
@@ -84,16 +85,16 @@ class _Region:
         return np.asarray(CLEAR * np.maximum(np.abs(self.offsets), 1.0))
 
     def outside(self, placed: Placed) -> Flags:
-        """Which boxes have some point strictly outside all over, (K,)."""
+        """Which boxes have a point that is strictly outside on the whole box, (K,)."""
         least = placed.along(self.normals, self.points).low
         return np.asarray((least > self.offsets + self.slack).any(axis=(1, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Avoided:
-    """Regions whose interiors the same points and the segments between some of them stay out of.
+    """Regions whose interiors the same points, and the segments between some of them, avoid.
 
-    All have equally many normals, which are one after the other in ``regions``.
+    All have the same number of normals, stored one after the other in ``regions``.
     """
 
     regions: _Region
@@ -103,7 +104,7 @@ class _Avoided:
     last: Numbers
 
     def judged(self, placed: Placed) -> tuple[Flags, Flags]:
-        """Which boxes violate this all over, and which nowhere, (K,) each."""
+        """Which boxes violate this everywhere, and which nowhere, (K,) each."""
         found = placed.along(self.regions.normals, self.regions.points)
         shape = *found.low.shape[:2], self.count, len(self.regions.offsets) // self.count
         offsets, slack = (
@@ -122,9 +123,9 @@ class _Avoided:
 
 
 def _crossed(first: Array, last: Array, slack: Array) -> Flags:
-    """Which segments have a common point surely inside, by heights of their ends (..., r).
+    """Which segments certainly have a point inside a region, by heights of their ends (..., r).
 
-    The fraction is chosen as the verifier chooses it, which is to come to the same answer.
+    The fraction is chosen as the verifier chooses it, so that both give the same answer.
     """
     at = first / (first - last)
     low = np.where((first >= 0) & (last < 0), at, 0.0).max(axis=-1, initial=0.0)
@@ -135,27 +136,27 @@ def _crossed(first: Array, last: Array, slack: Array) -> Flags:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Turned:
-    """Axes, by their places, whose products with ``directions`` (a, d) add up to ``least``."""
+    """Axes, by index, whose products with ``directions`` (a, d) must sum to at least ``least``."""
 
     directions: Array
     points: Numbers
     least: float
 
     def away(self, placed: Placed) -> Flags:
-        """Which boxes are turned away all over, (K,)."""
+        """Which boxes have the wrong orientation everywhere, (K,)."""
         high = placed.along(self.directions, self.points).high
         return np.asarray(np.trace(high, axis1=1, axis2=2) < self.least - CLEAR)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Apart:
-    """Bodies of the robot that keep from each other, with the places of their differences here."""
+    """Two bodies of the robot that stay apart; ``points`` are their differences in ``Placed``."""
 
     pair: Pair
     points: Numbers
 
     def judged(self, placed: Placed) -> tuple[Flags, Flags]:
-        """Which boxes violate this all over, and which nowhere, (K,) each."""
+        """Which boxes violate this everywhere, and which nowhere, (K,) each."""
         dimension = placed.centre.shape[2]
         along = placed.along(np.eye(dimension), self.points)
         away = placed.along(_directions(dimension), self.points)
@@ -167,7 +168,7 @@ class _Apart:
         return near, apart
 
     def _near(self, along: IntervalBatch, least: float) -> Flags:
-        """Where one place of all differences is near zero, chosen as the verifier chooses it."""
+        """Which boxes have a point of all differences near zero, chosen as by the verifier."""
         shares = nearest_shares(*spanned((along.low + along.high) / 2, self.pair.counts))
         first, second = (np.round(shares * FRACTIONS) / FRACTIONS).T
         ones = (1 - first, first) if self.pair.counts[0] == 2 else (np.ones(len(first)),)
@@ -179,13 +180,13 @@ class _Apart:
 
 
 def _directions(dimension: int) -> Array:
-    """The directions (r, d) in which bodies are looked at for being apart: unit vectors."""
+    """The unit vectors (r, d) along which two bodies are tested for being apart."""
     found = np.array([each for each in product((-1, 0, 1), repeat=dimension) if any(each)], float)
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
 def _around_zero(along: IntervalBatch) -> Flags:
-    """Where zero is strictly inside the parallelogram of the differences, (K,)."""
+    """Which boxes have zero strictly inside the parallelogram of the differences, (K,)."""
     way = [0, 2, 3, 1]
     (x, y), (u, v) = (
         [IntervalBatch(along.low[:, order, axis], along.high[:, order, axis]) for axis in (0, 1)]
@@ -231,12 +232,12 @@ class BoxConditions:
 
     @property
     def given(self) -> Array | None:
-        """The coordinates (n,) of a start that the task gives."""
+        """The coordinates (n,) of a start pose that the task gives, or None."""
         first = self._starts[0]
         return None if isinstance(first, _Region) else first
 
     def judged(self, low: Array, high: Array) -> Judged:
-        """What is known of boxes of (q, theta) from ``low`` to ``high`` (K, n + p)."""
+        """The result for boxes of (q, theta) from ``low`` to ``high`` (K, n + p)."""
         blocks = [slice(i, i + MOST_IN_BATCH) for i in range(0, max(len(low), 1), MOST_IN_BATCH)]
         with np.errstate(all="ignore"):
             parts = [self._block(low[block], high[block]) for block in blocks]
@@ -269,7 +270,7 @@ class BoxConditions:
         return Judged(~violated, free, start, goal, placed.effects)
 
     def _violations(self, placed: Placed) -> tuple[Flags, Flags]:
-        """Which boxes violate a demand all over, and which nowhere, (K,) each."""
+        """Which boxes violate a demand everywhere, and which nowhere, (K,) each."""
         found = placed.along(self._bounds.normals, self._bounds.points)
         limit, slack = self._bounds.offsets, self._bounds.slack
         violated = (found.low > limit + slack).any(axis=(1, 2))
@@ -282,7 +283,7 @@ class BoxConditions:
 
 
 def _used(demands: MotionConditions, passages: Sequence[Passage], graph: RobotGraph) -> list[int]:
-    """The points that a demand is about."""
+    """The points that occur in a demand."""
     used = set(demands.bounded)
     for obstacle in demands.obstacles:
         used.update(obstacle.points)
@@ -299,13 +300,13 @@ def _used(demands: MotionConditions, passages: Sequence[Passage], graph: RobotGr
 
 
 def _axes(graph: RobotGraph, effector: int) -> list[int]:
-    """The numbers of the axes of its frame, directions among the points."""
+    """The numbers of the axes of the effector's frame, which are directions among the points."""
     first = len(graph.model.effectors)
     return [first + axis for axis in corner_points(graph.parts.at).axes[effector]]
 
 
 def _turned(goal: PointIn, graph: RobotGraph, place: Mapping[int, int]) -> list[_Turned]:
-    """How an effector is turned where it has to be."""
+    """The required orientations of an effector at its goal."""
     found = []
     for pose in goal.poses:
         target = pose_target(pose, graph.model.dimension, FLOATS)
@@ -319,17 +320,17 @@ def _region(rows: Sequence[ir.HalfSpace], points: Sequence[int]) -> _Region:
     normals = np.array([[float(a) for a in row.normal] for row in rows]).reshape(len(rows), -1)
     offsets = np.array([float(row.offset) for row in rows])
     length = np.linalg.norm(normals, axis=1)
-    length = np.where(length > 0, length, 1.0)  # a zero row says "everywhere"
+    length = np.where(length > 0, length, 1.0)  # a zero row holds everywhere
     return _Region(normals / length[:, None], offsets / length, _numbers(points))
 
 
 def _has_interior(obstacle: Obstacle) -> bool:
-    """Whether no row says "nowhere"."""
+    """Whether no row excludes every point."""
     return all(any(row.normal) or row.offset >= 0 for row in obstacle.rows)
 
 
 def _avoided(obstacles: Sequence[Obstacle], place: Mapping[int, int]) -> list[_Avoided]:
-    """The obstacles, those together that are alike."""
+    """The obstacles, grouped by their points, segments and numbers of half-spaces."""
     alike: dict[_Kind, list[list[ir.HalfSpace]]] = {}
     for obstacle in obstacles:
         rows = [row for row in obstacle.rows if any(row.normal)]
@@ -360,6 +361,6 @@ def _numbers(values: Sequence[int]) -> Numbers:
 
 
 def _given(start: GivenPose, circles: Flags) -> Array:
-    """The coordinates of a pose; those on a circle within a half turn."""
+    """The coordinates of a pose; those on a circle are within half a turn."""
     values = np.array([float(closed_ball(value).mid()) for value in start.values])
     return np.where(circles, values - TURN * np.round(values / TURN), values)

@@ -1,7 +1,8 @@
-"""Coverings of structures that are not sought before a motion is.
+"""Coverings that are searched for only after the search for a motion.
 
-Of those that a solver refutes: once all structures are refuted, when there is an impossibility to
-be proved, so that nobody has to believe the solver.  Of those that no motion is found for.
+For structures that a solver refutes, this happens once all structures are refuted, so that nobody
+has to trust the solver for the impossibility. For structures without a motion, it happens when none
+was found.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from solvers.impossibility.drive_search import AFTER_MOTIONS, drive_refutation
 from solvers.run_context import RunContext
 
 WITHOUT_SUCCESS = 5
-"""So many searches without a result end it: each takes much longer than one with a result."""
+"""This many searches without a result end it: each takes much longer than a successful one."""
 NONE_FOUND = ""
 
 
@@ -32,10 +33,10 @@ def covered(
     context: RunContext,
     due: Container[int] | None = None,
 ) -> tuple[list[StructureRecord], OutOfTimeError | None]:
-    """The records of all structures, with coverings where they were found.
+    """The records of all structures, with the coverings that were found.
 
-    With ``due`` they are looked for at these places alone.  A time limit ends the search, and is
-    told; what is refuted stays refuted.
+    With ``due`` coverings are searched for at these indices alone. A time limit ends the search and
+    is returned; refuted structures stay refuted.
     """
     found, failed = list(records), 0
     try:
@@ -60,7 +61,7 @@ def covered(
 def out_of_reach_of_drives(
     candidate: Candidate, program: ir.Program, task: ir.Task, context: RunContext
 ) -> BoxRefutation | None:
-    """Whether the drives are shown to be too weak for a robot that no motion was found for."""
+    """A proof that drives are too weak for a robot without a known motion; None if not found."""
     key = f"drives|{candidate.number}"
     match context.journal.recall(key):
         case [str(boxes), str(reason)]:
@@ -79,7 +80,7 @@ def out_of_reach_of_drives(
 def _boxes(
     number: int, model: RobotModel, program: ir.Program, task: ir.Task, context: RunContext
 ) -> str | None:
-    """The covering of a structure, by its number; the journal is asked first."""
+    """The covering of a structure, by its number; the journal is read first."""
     key = f"boxes|{number}"
     known = context.journal.recall(key)
     if not isinstance(known, str):

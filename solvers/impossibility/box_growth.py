@@ -1,8 +1,9 @@
-"""A covering of the coordinates for one box of parameters, grown where the task may still be done.
+"""Grow a covering of the coordinates for one box of parameters where the task may be possible.
 
-Each round asks why it may be.  If no pose is known that is at the goal (or at the start), all
-leaves that may hold one are halved.  Else leaves on short ways from start to goal are.  A way that
-is seen to be clear ends the search; so does a pose that only smaller boxes of parameters exclude.
+Each round asks why it may be. If no pose at the goal (or at the start) is known, all leaves that
+may contain one are halved. Otherwise the leaves on short ways from start to goal are halved. A way
+that appears to be clear ends the search; so does a pose that only smaller boxes of parameters
+exclude.
 """
 
 from __future__ import annotations
@@ -18,27 +19,27 @@ from solvers.impossibility.box_conditions import BoxConditions, Judged
 from solvers.impossibility.coordinate_cover import CoordinateCover, Flags, Numbers, Side
 
 AT_ONCE = 64
-"""Leaves that are halved in a round because they are on ways."""
+"""The leaves on ways that are halved in a round."""
 WAYS = 4
-"""Ways that are looked for in a round."""
+"""The ways that are looked for in a round."""
 SAMPLES = 5
-"""Poses on each piece of a way that is looked at."""
+"""The poses that are checked on each piece of a way."""
 UNSEEN, UNCERTAIN, CLEAR = 2.0, 0.5, 0.05
-"""Coordinates are halved while they move points by more than this part of what parameters do: of
-leaves where no pose is seen that does, with a pose that some parameters exclude, or that none do.
-"""
+"""Coordinates are halved while they move points by more than this multiple of what parameters do:
+in leaves without a known valid pose, in leaves with a pose that some parameters exclude, and in
+leaves with a pose that no parameters exclude."""
 
 
 @dataclass(frozen=True, slots=True)
 class Divide:
-    """A parameter is to be divided first."""
+    """A parameter has to be divided first."""
 
     parameter: int
 
 
 @dataclass(frozen=True, slots=True)
 class Hopeless:
-    """There is a way from start to goal, by all that floats can tell."""
+    """There is a way from start to goal, as far as floats can tell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +59,12 @@ Grown = Covered | Divide | Hopeless | Exhausted
 
 @dataclass(slots=True)
 class BoxGrowth:
-    """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` says which of them are.
+    """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` says which can be divided.
 
-    In a ``coarse`` box parameters are divided until poses are seen, and then ways are cut off; in
-    others ways are cut off at once, as there may be poses for single parameters only.
-
-    Of the kept leaves: ``whole`` judges them with all parameters, ``middle`` a pose in each of
-    them with all parameters, ``sample`` that pose with parameters of the middle.
+    In a ``coarse`` box parameters are divided until poses are known, and then ways are blocked; in
+    others ways are blocked at once, since there may be poses for single parameters only. For each
+    kept leaf, ``whole`` judges it with all parameters, ``middle`` a pose in it with all parameters,
+    and ``sample`` that pose with the middle parameters.
     """
 
     demands: BoxConditions
@@ -101,7 +101,7 @@ class BoxGrowth:
     # --- judging --------------------------------------------------------------------------------
 
     def _judge(self, fresh: Numbers | None) -> None:
-        """Judge leaves that are new (None: all of them), and keep those that are open."""
+        """Judge new leaves (None: all of them), and keep those that are open."""
         low, high = self.cover.boxes()
         if fresh is not None:
             low, high = low[fresh], high[fresh]
@@ -131,7 +131,7 @@ class BoxGrowth:
         self.sample = _merged(self.sample, sample, order, new)
 
     def _judged(self, low: Array, high: Array, first: Array, last: Array) -> Judged:
-        """Boxes of coordinates (K, n) with the same parameters."""
+        """Judge boxes of coordinates (K, n), all with the same parameters."""
         shape = (len(low), len(first))
         return self.demands.judged(
             np.concatenate([low, np.broadcast_to(first, shape)], axis=1),
@@ -139,7 +139,7 @@ class BoxGrowth:
         )
 
     def _poses(self, low: Array, high: Array) -> Array:
-        """A pose (n,) of each box: the given start where it is in it, else the middle."""
+        """A pose (n,) in each box: the given start if the box contains it, otherwise the middle."""
         middle = (low + high) / 2
         given = self.demands.given
         if given is not None:
@@ -148,7 +148,7 @@ class BoxGrowth:
         return np.asarray(middle)
 
     def _open_passage(self) -> int | None:
-        """The first passage that a chain of leaves may be a way of."""
+        """The first passage for which a chain of leaves may be a way."""
         everywhere = np.ones(len(self.cover.node), dtype=bool)
         for passage in range(self.whole.start.shape[1]):
             start, goal = self.whole.start[:, passage], self.whole.goal[:, passage]
@@ -178,7 +178,7 @@ class BoxGrowth:
         return self._on_ways(passage)
 
     def _on_ways(self, passage: int) -> Numbers | Divide | Hopeless:
-        """Leaves on short ways, each of which is to be made impossible."""
+        """Leaves on short ways, to be halved so that each way becomes impossible."""
         allowed = np.ones(len(self.cover.node), dtype=bool)
         found: list[Numbers] = []
         for number, way in enumerate(self._ways(passage, allowed)):
@@ -200,7 +200,7 @@ class BoxGrowth:
         return self._halved(np.concatenate(found))
 
     def _ways(self, passage: int, allowed: Flags) -> Iterator[Numbers]:
-        """Short ways from goal to start through leaves that are allowed when it is asked."""
+        """Short ways from goal to start through leaves that are allowed at the time."""
         start, goal = self.whole.start[:, passage], self.whole.goal[:, passage]
         for _ in range(WAYS):
             way = self.cover.way(self.cover.distances(start, allowed), goal & allowed)
@@ -209,21 +209,21 @@ class BoxGrowth:
             yield way
 
     def _worth(self, way: Numbers, passage: int) -> Numbers:
-        """The leaves of a way that some pose of may not be on it."""
+        """The leaves of a way with some pose that may not be on a valid way."""
         worth = ~self.whole.free[way]
         worth[0] |= not self.middle.goal[way[0], passage]
         worth[-1] |= not self.middle.start[way[-1], passage]
         return np.asarray(way[worth])
 
     def _certain(self, leaves: Numbers, way: Numbers, passage: int) -> Flags:
-        """Whether the pose in each leaf may do, whatever smaller boxes of coordinates say."""
+        """Whether the pose in each leaf may be valid, for any smaller boxes of coordinates."""
         certain = self.middle.open[leaves].copy()
         certain[leaves == way[0]] &= self.middle.goal[way[0], passage]
         certain[leaves == way[-1]] &= self.middle.start[way[-1], passage]
         return np.asarray(certain)
 
     def _is_clear(self, way: Numbers, passage: int) -> bool:
-        """Whether all poses that are looked at on a way are clear, for the middle parameters."""
+        """Whether all checked poses on a way are clear, for the middle parameters."""
         ends = self.sample.goal[way[0], passage] and self.sample.start[way[-1], passage]
         if not ends or not self.sample.open[way].all():
             return False
@@ -232,7 +232,7 @@ class BoxGrowth:
         return bool(self._judged(poses, poses, centre, centre).open.all())
 
     def _polyline(self, way: Numbers) -> Array:
-        """Poses from leaf to touching leaf, through the middle of what they share."""
+        """Poses from leaf to touching leaf, through the middle of their common boundary."""
         low, high = (ends[way] for ends in self.cover.boxes())
         at = self._poses(low, high)
         first, last = np.maximum(low[:-1], low[1:]), np.minimum(high[:-1], high[1:])
@@ -248,20 +248,20 @@ class BoxGrowth:
     # --- dividing -------------------------------------------------------------------------------
 
     def _halved(self, leaves: Numbers) -> Numbers | Hopeless:
-        """The leaves that have a side that can be halved to some effect."""
+        """The leaves with a side that can be halved and has an effect."""
         count = self.demands.n
         useful = self.whole.effects[leaves, :count] > 0
         can = (useful & self.cover.divisible()[leaves]).any(axis=1)
         return np.asarray(leaves[can]) if can.any() else Hopeless()
 
     def _variables(self, leaves: Numbers) -> Numbers:
-        """The coordinate of most effect in each leaf."""
+        """The coordinate with the largest effect in each leaf."""
         effects = self.whole.effects[leaves, : self.demands.n]
         able = np.where(self.cover.divisible()[leaves], effects, -1.0)
         return np.asarray(np.argmax(able, axis=1), dtype=np.int64)
 
     def _finer(self, leaves: Numbers, part: float) -> Numbers | Divide | Hopeless:
-        """The leaves whose coordinates still matter beside the parameters, else a parameter."""
+        """The leaves whose coordinates matter compared with the parameters; else a parameter."""
         count = self.demands.n
         effects = self.whole.effects[leaves]
         most = effects[:, :count].max(axis=1, initial=0.0)
@@ -277,7 +277,7 @@ class BoxGrowth:
 
 
 def _merged(old: Judged, new: Judged, order: Numbers, place: Numbers) -> Judged:
-    """Rows of ``old`` at ``order``, but those of ``new`` where ``place`` is not negative."""
+    """Rows of ``old`` at ``order``, or of ``new`` at ``place`` where that is not negative."""
     fresh = place >= 0
 
     def rows(before: Array | Flags, after: Array | Flags) -> np.ndarray:

@@ -1,7 +1,7 @@
-"""Where the points of a robot are for all coordinates and parameters of a box, for many boxes.
+"""The positions of a robot's points over many boxes of coordinates and parameters.
 
 Two enclosures are intersected: the natural one, and the centred form f(c) + f'(box) (box - c),
-which is the better one for small boxes.  Floats: what is found guides a search.
+which is tighter for small boxes. Both are in floats and only guide a search.
 
 Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapter 6.
 """
@@ -32,8 +32,8 @@ from solvers.impossibility.coordinate_cover import Numbers
 class Placed:
     """m points in d dimensions for K boxes of v variables.
 
-    ``value`` is the natural enclosure (K, m, d), ``centre`` the points of the boxes' middles
-    (K, m, d); ``slopes`` (K, m, d, v) enclose the derivatives, ``radii`` are (K, v).
+    ``value`` is the natural enclosure (K, m, d), ``centre`` the points at the boxes' middles (K, m,
+    d); ``slopes`` (K, m, d, v) enclose the derivatives, ``radii`` are (K, v).
     """
 
     value: IntervalBatch
@@ -58,7 +58,7 @@ class Placed:
 
 
 class BoxPoints:
-    """Some points of a robot, numbered as in ``CornerPoints``, read over boxes of (q, theta).
+    """Some points of a robot, numbered as in ``CornerPoints``, over boxes of (q, theta).
 
     Raises:
         ValueError: the rules or their derivatives have no exact value.
@@ -77,7 +77,7 @@ class BoxPoints:
         slopes = ca.densify(ca.jacobian(value, ca.vertcat(q, theta)))
         inputs = [q, theta, k]
         self._value = tape(ca.Function("value", inputs, [ca.cse(value)]))
-        # Row by row: all derivatives of one entry together.
+        # Row by row: all derivatives of one entry are together.
         both = ca.vertcat(value, ca.vec(slopes.T))
         self._both = tape(ca.Function("both", inputs, [ca.cse(both)]))
 
@@ -125,7 +125,7 @@ def _combined(values: IntervalBatch, normals: Array) -> IntervalBatch:
 
 
 def ends(batch: IntervalBatch) -> tuple[Array, Array]:
-    """The lower and the upper ends, of the shape (...) of the batch."""
+    """The lower and upper ends, in the shape (...) of the batch."""
     return batch.low, batch.high
 
 

@@ -1,4 +1,4 @@
-"""The refutation of one robot by a covering: found in floats, claimed only once replayed."""
+"""Refute one robot by a covering: found in floats, claimed only after its replay in balls."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from solvers.impossibility.pose_search import PoseWitness
 from solvers.verifier.refutations.box_check import PRECISION, why_not
 
 WITH_PROOF = CoveringBudget(6_000, 2_000, 150)
-"""For robots that another proof refutes."""
+"""For robots that have another refutation."""
 WITHOUT_PROOF = CoveringBudget(12_000, 1_500, 400)
-"""For robots that nothing else refutes."""
+"""For robots that have no other refutation."""
 FOR_A_POSE = CoveringBudget(1_000, 1_000, 100)
 """For a given pose that seems to be impossible."""
 
 
 @dataclass(frozen=True, slots=True)
 class BoxRefutation:
-    """The file of a covering that the verifier accepts, and what it shows, in words."""
+    """The file of a covering that the verifier accepts, and its meaning in words."""
 
     boxes: str
     reason: str
@@ -47,7 +47,7 @@ def box_refutation(
     budget: CoveringBudget,
     cheaper: CheaperRobots | None = None,
 ) -> BoxRefutation | None:
-    """A covering that refutes a robot; None: none was found.
+    """A covering that refutes a robot; None if none was found.
 
     Args:
         model: the robot.
@@ -55,10 +55,10 @@ def box_refutation(
         workspace: the workspace, without maps.
         task: the task, without maps.
         budget: the limits of the search.
-        cheaper: the parameters that are to be refuted; None: all there are.
+        cheaper: the parameters that have to be refuted; None: all of them.
     """
     demands = motion_conditions(model, workspace, task)
-    # Ends of parameters are compared with amounts: just as the verifier does that.
+    # The ends of parameters are compared with amounts in the verifier's precision.
     with working_precision(PRECISION) if cheaper is not None else nullcontext():
         found = find_covering(demands, graph, budget, cheaper)
     if found is None:
@@ -78,7 +78,7 @@ def way_is_seen(
     witnesses: Sequence[PoseWitness | None],
     designs: Sequence[Array],
 ) -> bool:
-    """Whether there seems to be a way for every question, so that no covering will be found.
+    """Whether there seems to be a way for every question, so that no covering can be found.
 
     Args:
         model: the robot.
@@ -86,7 +86,7 @@ def way_is_seen(
         workspace: the workspace, without maps.
         task: the task, without maps.
         witnesses: poses that answer each question, or None.
-        designs: parameters (p,) to look at, besides those of the poses.
+        designs: parameters (p,) to try, in addition to those of the poses.
     """
     demands = motion_conditions(model, workspace, task)
     if coordinate_sides(model) is None:
@@ -114,7 +114,7 @@ def _seen(search: Search, witness: PoseWitness | None, designs: Sequence[Array])
 def start_is_excluded(
     model: RobotModel, graph: RobotGraph, workspace: ir.Workspace, task: ir.Task
 ) -> bool:
-    """Whether a pose that the task gives seems to be impossible, whatever the parameters."""
+    """Whether a start pose given by the task seems to be impossible for all parameters."""
     if not isinstance(task.start, ir.StartAt):
         return False
     demands = motion_conditions(model, workspace, task)

@@ -1,7 +1,7 @@
-"""Search for a covering that shows why a robot cannot do a task, whatever its parameters.
+"""Search for a covering that shows that a robot cannot do a task with any parameters.
 
-Depth first over boxes of parameters; for each of them a covering of the coordinates is grown.  What
-is found is a proof only once the verifier has read it again.
+The search is depth first over boxes of parameters, with a covering of the coordinates grown for
+each. The result is a proof only once the verifier has replayed it.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from solvers.impossibility.box_growth import BoxGrowth, Covered, Divide, Hopeles
 from solvers.impossibility.coordinate_cover import CoordinateCover, Flags, Side
 
 MOST_HALVINGS = 24
-"""Of a parameter."""
+"""The most halvings of a parameter."""
 COARSE = 3
-"""Boxes of parameters with less halvings of each, on average."""
+"""Boxes of parameters with fewer halvings per parameter, on average, are coarse."""
 
 
 @dataclass(frozen=True, slots=True)
 class CoveringBudget:
-    """Limits: of leaves in all and for one box of parameters, and of rounds in all."""
+    """Limits: leaves in total and for one box of parameters, and rounds in total."""
 
     leaves: int
     leaves_at_once: int
@@ -49,14 +49,14 @@ class CoveringBudget:
 
 
 FOR_A_WAY = CoveringBudget(800, 800, 40)
-"""For a way at given parameters, which there mostly is."""
+"""For a way at given parameters, which usually exists."""
 STRAIGHT = 41
-"""Poses on a line."""
+"""The number of poses that are checked on a line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Covering:
-    """A covering, and the number of the question that it says has no answer."""
+    """A covering, and the number of the question that it refutes."""
 
     tree: ParameterTree
     question: int
@@ -68,10 +68,10 @@ def find_covering(
     budget: CoveringBudget,
     cheaper: CheaperRobots | None = None,
 ) -> Covering | None:
-    """A covering of the boxes of a robot's parameters and coordinates; None: none was found.
+    """A covering of the boxes of a robot's parameters and coordinates; None if none was found.
 
-    ``graph`` is in the joints' own coordinates.  Parameters of ``cheaper`` robots alone have to be
-    covered; None: all.  The same arguments, the same answer.
+    ``graph`` is in the joints' own coordinates. Only parameters of ``cheaper`` robots have to be
+    covered; None: all parameters. The search is deterministic.
     """
     most = max(len(demands.model.dofs), len(demands.model.parameters))
     if coordinate_sides(demands.model) is None or most > MOST_VARIABLES:
@@ -82,7 +82,7 @@ def find_covering(
     for question, passages in enumerate(demands.passages):
         try:
             search = Search(demands, passages, graph)
-        except ValueError:  # rules, or derivatives of them, that cannot be read exactly
+        except ValueError:  # rules, or their derivatives, without an exact value
             return None
         found = search.tree(budget, cheaper)
         if found is not None:
@@ -114,7 +114,7 @@ class Search:
     def straight(self, start: Array | None, target: Array, theta: Array) -> bool:
         """Whether poses on the straight line to a goal are clear, at parameters (p,).
 
-        The poses are coordinates (n,) in rad or m; ``start`` None is the start that the task gives.
+        The poses are coordinates (n,) in rad or m; ``start`` None is the start given by the task.
         """
         start = self._demands.given if start is None else start
         if start is None:
@@ -125,7 +125,7 @@ class Search:
         return bool(judged.open.all() and judged.goal[-1].any())
 
     def start_excluded(self) -> bool:
-        """Whether the given start is out of a range, or breaks a demand for all parameters."""
+        """Whether the given start is out of range, or violates a demand for all parameters."""
         given = self._demands.given
         if given is None:
             return False
@@ -137,7 +137,7 @@ class Search:
         return not self._demands.judged(low[None], high[None]).open[0]
 
     def way_at(self, theta: Array) -> bool:
-        """Whether a way is seen at parameters (p,)."""
+        """Whether there appears to be a way at parameters (p,)."""
         fixed = np.zeros(len(theta), dtype=bool)
         at = FOR_A_WAY
         growth = BoxGrowth(
@@ -149,9 +149,9 @@ class Search:
     def tree(
         self, budget: CoveringBudget, cheaper: CheaperRobots | None = None
     ) -> ParameterTree | None:
-        """A covering without a way, of all parameters or those of ``cheaper`` robots.
+        """A covering without a way, for all parameters or those of ``cheaper`` robots.
 
-        None: none was found.
+        None if none was found.
         """
         nodes: list[int | ParameterLeaf] = []
         waiting: list[Parts] = [(Part(),) * len(self._parameters)]
@@ -180,9 +180,9 @@ class Search:
         return tuple(nodes)
 
     def _divided(self, box: Parts, cheaper: CheaperRobots) -> Divide | None:
-        """The parameter to divide where no way is seen at the middle of a box; None: one is.
+        """The parameter to divide if no way is known at the middle of a box; None if one is.
 
-        There is none of robots that are not cheaper.
+        A middle without cheaper robots counts as one without a way.
         """
         low, high, able = self._ends(box, cheaper)
         middle = (low + high) / 2
@@ -197,7 +197,7 @@ class Search:
         return Divide(min(np.flatnonzero(able).tolist(), key=lambda i: box[i].halvings))
 
     def _gain(self, box: Parts, place: int, cheaper: CheaperRobots) -> float:
-        """How much the least values of the halves of a parameter differ, of all objectives."""
+        """How much the least values of the halves of a parameter differ, over all objectives."""
         halves = [
             enclosures(self._parameters, (*box[:place], half, *box[place + 1 :]))
             for half in box[place].halves()
@@ -206,7 +206,7 @@ class Search:
         return float(sum(abs(a - b) for a, b in zip(*least, strict=True)))
 
     def even(self, box: Parts) -> EvenGrowth:
-        """A covering that is halved everywhere alike, for a box of parameters."""
+        """A covering with evenly halved leaves, for a box of parameters."""
         return EvenGrowth(self._demands, self._side, *self._ends(box))
 
     def _growth(
@@ -237,12 +237,12 @@ class Search:
         return np.array(found, dtype=bool)
 
 
-# --- A covering of the coordinates for one box of parameters that is halved everywhere alike ------
+# --- An evenly halved covering of the coordinates for one box of parameters -----------------------
 
 
 @dataclass(slots=True)
 class EvenGrowth:
-    """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` says which of them are."""
+    """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` ones can be divided."""
 
     demands: BoxConditions
     side: Side
@@ -257,7 +257,7 @@ class EvenGrowth:
         self._judge()
 
     def refined(self, size: int) -> CoordinateTree:
-        """A tree with at most so many leaves that are kept, and less than twice as many in all."""
+        """A tree with at most ``size`` kept leaves, and at most 2.5 times as many in total."""
         while 0 < 2 * len(self.cover.node) <= size and 2 * self.cover.leaves <= 4 * size:
             effects = self.judged.effects[:, : self.demands.n]
             able = np.where(self.cover.divisible(), effects, -1.0)
@@ -269,7 +269,7 @@ class EvenGrowth:
         return self.cover.tree()
 
     def parameter(self) -> Divide | None:
-        """The parameter of most effect, if one can be divided."""
+        """The parameter with the largest effect, if one can be divided."""
         effects = self.judged.effects[:, self.demands.n :].sum(axis=0)
         effects = np.where(self.divisible, effects, 0.0)
         return Divide(int(np.argmax(effects))) if np.any(effects > 0) else None

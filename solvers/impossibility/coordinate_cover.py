@@ -1,6 +1,7 @@
-"""A covering of one box of coordinates by leaves, as it grows: halving, neighbours, shortest ways.
+"""A growing covering of one box of coordinates by leaves: halving, neighbours, shortest ways.
 
-Sides are halved, so that a leaf is known by whole numbers, and whether two leaves touch is exact.
+Sides are halved, so leaves are given by integers, and the test of whether two leaves touch is
+exact.
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ Flags: TypeAlias = NDArray[np.bool_]
 Numbers: TypeAlias = NDArray[np.int64]
 
 MOST_HALVINGS = 30
-"""Of one side: 3e-9 of a turn."""
+"""The most halvings of one side: 3e-9 of a turn."""
 UNREACHED = -1
 REMEMBERED = 1_000
-"""Of so many leaves at most it is kept which pairs touch."""
+"""Touching pairs are stored for at most this many leaves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Side:
-    """The ranges (n,) of the coordinates; ``circle``: the ends of a range are one place."""
+    """The ranges (n,) of the coordinates; ``circle``: the two ends of a range coincide."""
 
     low: Array
     high: Array
@@ -35,10 +36,10 @@ class Side:
 
 
 class CoordinateCover:
-    """The tree, and its leaves that are kept: those that nothing speaks against so far.
+    """The tree, and its kept leaves: those that nothing excludes so far.
 
-    ``first`` (K, n) are the leaves' lower ends in parts of 2^-``MOST_HALVINGS`` of the range,
-    ``depth`` (K, n) counts the halvings, ``node`` (K,) is the place in the tree.
+    ``first`` (K, n) are the leaves' lower ends in units of 2^-``MOST_HALVINGS`` of the range,
+    ``depth`` (K, n) counts the halvings, ``node`` (K,) is the index in the tree.
     """
 
     def __init__(self, side: Side) -> None:
@@ -53,7 +54,7 @@ class CoordinateCover:
 
     @property
     def leaves(self) -> int:
-        """All leaves of the tree."""
+        """The number of all leaves of the tree."""
         return (len(self._split) + 1) // 2
 
     def boxes(self) -> tuple[Array, Array]:
@@ -63,7 +64,7 @@ class CoordinateCover:
         return low, low + (np.int64(1) << (MOST_HALVINGS - self.depth)) * width
 
     def keep(self, which: Flags) -> None:
-        """Keep some of the kept leaves, a mask (K,)."""
+        """Keep only some of the kept leaves, given by a mask (K,)."""
         self.first, self.depth = self.first[which], self.depth[which]
         self.node = self.node[which]
         self._pairs = None
@@ -72,7 +73,7 @@ class CoordinateCover:
         """Halve m kept leaves, ``where`` (m,), each at its variable (m,); both halves are kept.
 
         Returns:
-            where the halves are, (2 m,): ``where`` and as many places at the end.
+            the indices of the halves, (2 m,): ``where``, then the same number at the end.
         """
         rows = np.arange(len(where))
         deeper = self.depth[where]
@@ -108,7 +109,7 @@ class CoordinateCover:
         return tuple(found)
 
     def distances(self, sources: Flags, within: Flags) -> Numbers:
-        """The least number of steps from leaf to touching leaf, (K,); ``UNREACHED`` where none."""
+        """The least number of steps between touching leaves, (K,); ``UNREACHED`` if unreachable."""
         found = np.full(len(self.node), UNREACHED, dtype=np.int64)
         front, steps = np.flatnonzero(sources & within), 0
         found[front] = 0
@@ -147,7 +148,7 @@ class CoordinateCover:
     def way(self, distances: Numbers, goals: Flags) -> Numbers:
         """A shortest chain (length,) of leaves back from the nearest goal; empty if there is none.
 
-        ``distances`` (K,) are what ``distances`` gives, ``goals`` (K,) a mask.
+        ``distances`` (K,) are the result of ``distances``, ``goals`` (K,) a mask.
         """
         reached = np.flatnonzero(goals & (distances != UNREACHED))
         if not len(reached):

@@ -1,6 +1,6 @@
-"""Places that no effector can go between, found by cells without asking a solver.
+"""Find places that no effector can move between, from cells, without a solver.
 
-Nothing is assumed of robots, of their number of modules or of the horizon.
+Nothing is assumed about robots, their number of modules or the horizon.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from grammar_lang import ir
 from solvers.verifier.claims.certificate import SeparationClaim
 
 TRIALS = 100
-"""So often at most it is tried to do without some of the avoided regions."""
+"""How often, at most, it is tried to leave out some of the avoided regions."""
 NAMED = 5
-"""So many regions are named in a reason."""
+"""The most regions that a reason names."""
 
 
 def disconnected(
     program: ir.Program, task: ir.Task, abstraction: Abstraction
 ) -> SeparationClaim | None:
-    """Two places that no effector can go between, as evidence; None: none were found.
+    """Two places that no effector can move between, as evidence; None if none were found.
 
     Args:
         program: the program.
         task: the task.
-        abstraction: the cells of its workspace as ``abstract`` gives them, without cuts.
+        abstraction: the cells of its workspace from ``abstract``, without cuts.
     """
     cells = PassableCells(abstraction, program.workspaces[task.workspace])
     for one, other in combinations(stops(program, task), 2):
@@ -42,7 +42,7 @@ def disconnected(
 def _claimed(
     cells: PassableCells, one: Stop, other: Stop, avoided: Sequence[str]
 ) -> SeparationClaim | None:
-    """The evidence, with no avoided region that could be spared where few are needed."""
+    """The evidence, without avoided regions that are not needed."""
     needed = list(_needed(cells, one.region, other.region, avoided))
     free = cells.free(needed)
     reached = connected(cells.meeting(one.region) & free, cells.touching, free)
@@ -53,10 +53,10 @@ def _claimed(
 def _needed(
     cells: PassableCells, source: str, target: str, avoided: Sequence[str]
 ) -> Sequence[str]:
-    """Regions that suffice to cut off two others, found by leaving out ever smaller parts.
+    """Regions that suffice to separate two others, found by leaving out smaller and smaller parts.
 
-    None of them can be spared unless ``TRIALS`` run out.  Compare Zeller & Hildebrandt,
-    *Simplifying and isolating failure-inducing input* (2002).
+    Each of them is needed unless ``TRIALS`` runs out. Compare Zeller & Hildebrandt, *Simplifying
+    and isolating failure-inducing input* (2002).
     """
     needed, trials = list(avoided), TRIALS
     size = len(needed)

@@ -1,7 +1,7 @@
-"""Search for a covering on which the drives of a robot are shown to be too weak, or too slow.
+"""Search for a covering that shows that a robot's drives are too weak or too slow.
 
-Boxes of coordinates are halved evenly where the robot may be, and the verifier's own bound is asked
-at a few sizes; parameters are divided where that does not suffice.
+Boxes of coordinates are halved evenly where the robot may be, and the verifier's own bound is
+evaluated at a few sizes; parameters are divided if that does not suffice.
 """
 
 from __future__ import annotations
@@ -38,29 +38,29 @@ from solvers.verifier.refutations.box_check import PRECISION, why_not
 
 @dataclass(frozen=True, slots=True)
 class DriveEffort:
-    """The sizes of the coverings that are tried in turn, and how many boxes of parameters."""
+    """The sizes of the coverings to try in order, and the most boxes of parameters."""
 
     leaves: tuple[int, ...]
     boxes: int
 
 
 BEFORE_MOTIONS = DriveEffort((16,), 1)
-"""Before a motion is searched: only what is far out of reach."""
+"""Before the search for a motion: only targets far out of reach."""
 AFTER_MOTIONS = DriveEffort((16, 64, 256), 4)
 """After no motion was found."""
 INSTANTS = 8
-"""Of a straight motion at which its inputs are looked at."""
+"""The instants of a straight motion at which its inputs are checked."""
 MISSED = 1e-6
-"""Accelerations that inputs bring about are wrong by no more, relatively."""
+"""The relative error that accelerations caused by the inputs may have."""
 
 
 def drives_seem_able(
     numeric: NumericRobot, task: ir.Task, witnesses: Sequence[PoseWitness | None]
 ) -> bool:
-    """Whether the drives seem strong enough, so that no covering will show them too weak.
+    """Whether the drives seem strong enough, so that no covering can show the opposite.
 
-    The poses that answer each question are joined by straight motions in joint space, from rest to
-    rest over all of the horizon; obstacles are left to the search for a motion.
+    The poses that answer each question are connected by straight motions in joint space, from rest
+    to rest over the whole horizon; obstacles are left to the search for a motion.
     """
     with np.errstate(all="ignore"):
         return bool(witnesses) and all(
@@ -100,11 +100,11 @@ def drive_refutation(
     task: ir.Task,
     effort: DriveEffort,
 ) -> BoxRefutation | None:
-    """A covering that shows the drives to be too weak; None: none was found.
+    """A covering that shows that the drives are too weak; None if none was found.
 
     The arguments are those of ``box_refutation``.
     """
-    # What drives cannot do within a time, they may do in a later round.
+    # Drives that fail within the horizon may succeed in a later round.
     if (
         task.repeat
         or not model.dofs
@@ -123,7 +123,7 @@ def drive_refutation(
 
 
 class _DriveSearch:
-    """The search about one robot, at the verifier's precision."""
+    """The search for one robot, in the verifier's precision."""
 
     def __init__(
         self, model: RobotModel, graph: RobotGraph, workspace: ir.Workspace, task: ir.Task
@@ -134,7 +134,7 @@ class _DriveSearch:
         self._searches = [Search(demands, choices, graph) for choices in demands.passages]
 
     def covering(self, effort: DriveEffort) -> BoxRefutation | None:
-        """A covering with its reason."""
+        """A covering with its reason, or None."""
         nodes: list[int | ParameterLeaf] = []
         reasons: list[str] = []
         waiting: list[Parts] = [(Part(),) * len(self._poses.parameters)]
@@ -158,7 +158,7 @@ class _DriveSearch:
     def _refuted(
         self, box: Parts, sizes: tuple[int, ...]
     ) -> tuple[CoordinateTree, str] | Divide | None:
-        """A tree for which some question has no answer, and why; else what to divide."""
+        """A tree for which some question has no answer, with the reason; else what to divide."""
         divide: Divide | None = None
         for number, search in enumerate(self._searches):
             even = search.even(box)

@@ -1,8 +1,8 @@
-"""A start pose and a target pose of one robot by random starts and damped least squares.
+"""Search for a start and a target pose of a robot by random starts and damped least squares.
 
-Asked before the solver: a witness answers "the structure may do it" for nothing.  What is not
-found may still exist.  Source: Levenberg, *A Method for the Solution of Certain Non-Linear
-Problems in Least Squares*.
+The search precedes the solver: a witness cheaply shows that the structure may be able to do the
+task. Poses that are not found may still exist. Source: Levenberg, *A Method for the Solution of
+Certain Non-Linear Problems in Least Squares*.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ TURN = np.pi
 class PoseWitness:
     """Parameters (p,) and coordinates (n,) at both poses; ``effector`` (from 0) is in the target.
 
-    All are in SI units.  ``start`` is None where the task fixes the start pose, else
-    ``start_effector`` is in its region.
+    All are in SI units. ``start`` is None if the task fixes the start pose; otherwise
+    ``start_effector`` is in the start region.
     """
 
     theta: Array
@@ -59,23 +59,23 @@ class _Region:
     offsets: Array
 
     def excess(self, points: Array) -> Array:
-        """By how much points (K, d) violate each row (0: satisfied by INTERIOR), shape (K, m)."""
+        """How far points (K, d) violate each row (0: satisfied by INTERIOR), shape (K, m)."""
         return np.maximum(points @ self.normals.T - self.offsets + INTERIOR, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class _Pose:
-    """One pose that is sought: which point is to lie where."""
+    """One pose to be found: a point, and the region where it has to be."""
 
     point: int
     region: _Region
 
 
 def find_poses(numeric: NumericRobot, question: PoseQuestion, seed: int) -> PoseWitness | None:
-    """Poses that answer a question positively, for some effector; None: not found.
+    """Poses that answer a question positively, for some effector; None if none were found.
 
-    Honours joint limits and parameter ranges; both poses share the parameters.  The same
-    arguments give the same answer.
+    They respect joint limits and parameter ranges and share the parameters. The search is
+    deterministic.
     """
     for start, reach in effector_choices(numeric.graph.model, question):
         found = find_poses_of(numeric, question, (start, reach), seed)
@@ -87,7 +87,7 @@ def find_poses(numeric: NumericRobot, question: PoseQuestion, seed: int) -> Pose
 def find_poses_of(
     numeric: NumericRobot, question: PoseQuestion, effectors: tuple[int, int], seed: int
 ) -> PoseWitness | None:
-    """The same for one choice of the starting and the reaching effector."""
+    """Poses for one choice of the starting and the reaching effector; None if none were found."""
     poses = [_Pose(effectors[1], _region(question.target, question.bounds))]
     if question.start is not None:
         poses.insert(0, _Pose(effectors[0], _region(question.start, question.bounds)))
@@ -110,7 +110,7 @@ def _region(*parts: tuple[ir.HalfSpace, ...]) -> _Region:
     normals = np.array([[float(a) for a in row.normal] for row in rows])
     offsets = np.array([float(row.offset) for row in rows])
     length = np.linalg.norm(normals, axis=1)
-    length = np.where(length > 0, length, 1.0)  # a zero row says "everywhere"
+    length = np.where(length > 0, length, 1.0)  # a zero row holds everywhere
     return _Region(normals / length[:, None], offsets / length)
 
 
@@ -119,7 +119,7 @@ def _float(expression: ir.Expr) -> float:
 
 
 def _joint_box(numeric: NumericRobot, poses: list[_Pose]) -> tuple[Array, Array]:
-    """Limits of the coordinates (n,); unlimited ones get a range that loses nothing of use."""
+    """Limits of the coordinates (n,); unlimited ones get a range with all useful values."""
     reach = 2 * max(float(np.max(np.abs(pose.region.offsets))) for pose in poses)
     lower, upper = [], []
     for dof in numeric.graph.model.dofs:
@@ -130,9 +130,9 @@ def _joint_box(numeric: NumericRobot, poses: list[_Pose]) -> tuple[Array, Array]
 
 
 def _designs(numeric: NumericRobot, rng: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Parameters to start from, and the boxes they may move in, each (RESTARTS, p).
+    """Initial parameters, and the boxes in which they may change, each (RESTARTS, p).
 
-    Choices are drawn and stay.
+    Choices are drawn once and stay fixed.
     """
     space = parameter_space(numeric.graph.model)
     lower, upper = (np.tile(end, (RESTARTS, 1)) for end in (space.lower, space.upper))
@@ -176,7 +176,7 @@ def _descend(
 ) -> tuple[Array, Array] | None:
     """Levenberg-Marquardt on coordinates and parameters together, clipped to their boxes.
 
-    All designs descend at once; the answer is that of the first one that arrives, or None.
+    All designs descend in parallel; the result is that of the first one that arrives, or None.
     """
     count, width = len(q), numeric.n * len(poses)
     low = np.concatenate([np.tile(box[0], (count, len(poses))), limits[0]], axis=1)
@@ -203,7 +203,7 @@ def _descend(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Residual:
-    """Violations (R, m) of R designs, their Jacobians (R, m, w), and which lie inside (R,)."""
+    """Violations (R, m) of R designs, their Jacobians (R, m, w), and which are inside (R,)."""
 
     value: Array
     jacobian: Array
@@ -215,7 +215,7 @@ class _Residual:
         return np.asarray(np.sum(self.value**2, axis=1))
 
     def replaced(self, other: _Residual, where: NDArray[np.bool_]) -> _Residual:
-        """With the other's entries for some designs."""
+        """The residual with the other's entries for some designs."""
         return _Residual(
             np.where(where[:, None], other.value, self.value),
             np.where(where[:, None, None], other.jacobian, self.jacobian),
@@ -226,7 +226,7 @@ class _Residual:
 def _step(x: Array, at: _Residual, box: tuple[Array, Array], damping: Array) -> Array:
     """The damped least-squares steps, (R, w).
 
-    A variable at its bound that would leave it is held, else the step would be cut short.
+    A variable at its bound that would leave it is held; otherwise the step would be cut short.
     """
     gradient = np.einsum("rmw,rm->rw", at.jacobian, at.value)
     free = ~(((x <= box[0]) & (gradient > 0)) | ((x >= box[1]) & (gradient < 0)))
@@ -257,19 +257,19 @@ def _residual(numeric: NumericRobot, poses: list[_Pose], x: Array) -> _Residual:
     return _Residual(np.concatenate(values, axis=1), np.concatenate(rows, axis=1), inside)
 
 
-# --- Poses of the whole body, clear of all obstacles, by sampling: the questions they answer ------
+# --- Poses of the whole body, clear of all obstacles, by sampling ---------------------------------
 #
-# What is found answers a script "possible" for nothing.  What is not found may still exist.
+# Poses that are found answer a script cheaply with "possible". Others may still exist.
 
 
 DESIGNS = 24
-"""Parameters that are drawn."""
+"""The number of parameter vectors that are drawn."""
 ATTEMPTS = 4
 """How often poses are drawn for a robot without free parameters."""
 POSES = 48
-"""Poses that are looked at for each of them and each region."""
+"""The poses that are checked for each of them and each region."""
 STRICT = 1e-6
-"""Metres by which a witness is clear, so that rounding does not matter."""
+"""The clearance of a witness in metres, so that rounding does not matter."""
 
 
 def clear_poses(
@@ -279,7 +279,7 @@ def clear_poses(
     question: PoseQuestion,
     seed: int,
 ) -> frozenset[Poses]:
-    """The scripts of a question that poses were found for; the same arguments, the same answer."""
+    """The scripts of a question for which poses were found; the search is deterministic."""
     search = _Search(numeric, workspace, task, question)
     rng = np.random.default_rng(seed)
     found: set[Poses] = set()
@@ -291,7 +291,7 @@ def clear_poses(
 
 
 class _Search:
-    """What stays the same for all parameters."""
+    """The part of a search that does not depend on the parameters."""
 
     def __init__(
         self, numeric: NumericRobot, workspace: ir.Workspace, task: ir.Task, question: PoseQuestion
@@ -308,7 +308,7 @@ class _Search:
         self.regions = {pose: convex_set(part) for pose, part in parts.items() if not part.is_empty}
 
     def answered(self, theta: Array, rng: np.random.Generator) -> set[Poses]:
-        """The scripts that poses at these parameters answer."""
+        """The scripts that poses with these parameters answer."""
         found: set[Poses] = set()
         drawn = pool(self.numeric, theta, self.box, self._reach(), rng)
         seen: dict[tuple[Pose, int], bool] = {}
@@ -338,7 +338,7 @@ class _Search:
         return bool(np.any((beyond <= 0) & (self.clearance.of(positions) > STRICT)))
 
     def _reach(self) -> float:
-        """How far the regions are from the world's origin, in metres."""
+        """The distance of the regions from the world's origin, in metres."""
         ends = [np.abs(region.vertices) for region in self.regions.values()]
         return max((float(np.max(end)) for end in ends), default=0.0)
 

@@ -1,9 +1,9 @@
 """The kinematic refutation of one structure: sample poses first, then ask the solver, then boxes.
 
-Where the task binds bodies, the same again with the whole body clear of the obstacles.  Poses
-found by inverse kinematics answer a question "possible" for nothing; a script answered
-``unsat`` proves that no parameters whatever let the structure do the task.  What neither poses nor
-scripts answer is asked a covering by boxes, which sees ways between poses and weak drives too.
+If the task constrains bodies, this is repeated with the whole body clear of the obstacles. Poses
+found by inverse kinematics cheaply answer a question with "possible"; a script answered ``unsat``
+proves that the structure cannot do the task with any parameters. If neither poses nor scripts
+decide, a covering by boxes is tried, which also detects blocked ways between poses and weak drives.
 """
 
 from __future__ import annotations
@@ -45,22 +45,21 @@ from solvers.verifier.refutations.solver_process import DisagreementError, agree
 
 REFUTED = 1.0
 SECONDS = 60.0
-"""After so long a solver that was asked for by its name is ended."""
+"""A solver that the user named is ended after this time."""
 FEW_DOFS = 2
-"""With as few coordinates a covering is tried although poses were found."""
+"""With at most this many coordinates a covering is tried even if poses were found."""
 DESIGNS = 6
-"""So many parameters are looked at for a way before a covering is tried."""
+"""The number of parameter vectors with which a way is looked for before a covering is tried."""
 BOTH_POSES = 400_000
-"""z3's resources for two poses of the body with common parameters: those are hard to find."""
+"""z3's resources for two poses of the body with common parameters, which are hard to find."""
 
 
 @dataclass(frozen=True, slots=True)
 class Refutation:
-    """The answer for a structure: a refuting ``script`` or ``boxes``, or the effector of poses.
+    """The result for a structure: a refuting ``script`` or ``boxes``, or the effector of poses.
 
-    ``effector`` (from 0) is one that may start and reach, by the poses found for the first
-    question; None where none were found.  ``unanswered``: why a solver that was asked for by its
-    name has not answered a script.
+    ``effector`` (from 0) is one that may start and reach, by the poses for the first question; None
+    if none were found. ``unanswered``: why a solver that the user named has not answered a script.
     """
 
     reason: str
@@ -83,7 +82,7 @@ def refute_structure(
     task: ir.Task,
     context: RunContext,
 ) -> Refutation:
-    """Try to prove that a structure cannot bring effectors from the start to where they must be."""
+    """Try to prove that a structure cannot move effectors from the start to where they must be."""
     asked = _Asked(model, numeric, program.workspaces[task.workspace], task, context)
     for question in pose_questions(asked.workspace, task):
         refuted = asked.poses(question) or asked.bodies(question)
@@ -103,7 +102,7 @@ def refute_structure(
 
 @dataclass(slots=True)
 class _Asked:
-    """What was asked about a robot so far; ``witnesses`` has the poses found for each question."""
+    """The questions asked about a robot; ``witnesses`` has the poses found for each of them."""
 
     model: RobotModel
     numeric: NumericRobot
@@ -144,7 +143,7 @@ class _Asked:
         return None
 
     def refutes(self, script: str, resources: int) -> bool:
-        """Whether the solver, or each of several, answers ``unsat``; the journal is asked first."""
+        """Whether the solver, or each of several, answers ``unsat``; the journal is read first."""
         key = f"smt|{script}"
         known = self.context.journal.recall(key)
         if known is None:
@@ -158,13 +157,13 @@ class _Asked:
         return known == REFUTED
 
     def answer(self, script: str, resources: int) -> Answer[None, None]:
-        """What z3 says as a library, or the solvers that were asked for by their names."""
+        """The answer of z3 as a library, or of the solvers that the user named."""
         if not self.context.smt:
             return solve_script(script, resources=resources)
         name = "a refutation script"
         answer = agreed(script, name, self.context.smt, seconds=SECONDS)
         if isinstance(answer, Fails):
-            # What excludes a robot is not one program's word, if another one contradicts it.
+            # A robot is not excluded on one program's word if another contradicts it.
             library = solve_script(script, resources=resources)
             if isinstance(library, Holds):
                 said = {solver.name: "unsat" for solver in self.context.smt}
@@ -172,7 +171,7 @@ class _Asked:
         return answer
 
     def boxes(self) -> BoxRefutation | None:
-        """A covering, where there is hope of one."""
+        """A covering, if there is a prospect of one."""
         robot = self.model, self.numeric.graph, self.workspace, self.task
         if start_is_excluded(*robot):
             return box_refutation(*robot, FOR_A_POSE)
@@ -186,7 +185,7 @@ class _Asked:
         return box_refutation(*robot, WITHOUT_PROOF)
 
     def drives(self) -> BoxRefutation | None:
-        """A covering that shows the drives to be far too weak, where there is hope of one."""
+        """A covering that shows that the drives are far too weak, if there is a prospect of one."""
         if drives_seem_able(self.numeric, self.task, self.witnesses):
             return None
         robot = self.model, self.numeric.graph, self.workspace, self.task
@@ -210,7 +209,7 @@ def _body_reason(question: PoseQuestion, poses: Poses) -> str:
 
 
 def _recorded(task: ir.Task, witness: PoseWitness | None) -> int | None:
-    """Of the poses of the first question: the effector that reaches, else the one that starts."""
+    """The effector that reaches in the poses of the first question, else the one that starts."""
     if witness is None:
         return None
     return witness.effector if task.reach is not None else witness.start_effector

@@ -1,4 +1,4 @@
-"""What a refuted robot teaches of variants: fewer joints, parts that change no pose, weights."""
+"""Lemmas from a refuted robot about variants: fewer joints, parts that change no pose, weights."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from solvers.impossibility.drive_search import BEFORE_MOTIONS, DriveEffort, driv
 from solvers.lemma import VariantLemma, WeightsLemma
 
 MOST_SYMBOLS = 60
-"""Longer words are not generalised: their expressions help nobody."""
+"""Longer words are not generalised: their expressions would help nobody."""
 
 
 def variant_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> VariantLemma | None:
-    """The lemma about all variants of a structure that poses alone refute; None: none was found."""
+    """The lemma about all variants of a structure that poses alone refute; None if not found."""
     neutral = neutral_in_task(family, task)
     if neutral.none or len(base.word) > MOST_SYMBOLS:
         return None
@@ -35,13 +35,13 @@ def variant_lemma(family: RobotFamily, task: ir.Task, base: Derivation) -> Varia
 
 
 MOST_WEIGHTS = 4
-"""So many of each module are asked about where nothing bounds their number."""
+"""The number of weights of each kind that is tried if nothing bounds it."""
 
 
 def weights_lemma(
     family: RobotFamily, task: ir.Task, base: Derivation, effort: DriveEffort = BEFORE_MOTIONS
 ) -> WeightsLemma | None:
-    """The lemma about a robot with weights anywhere, of one that its drives are too weak for."""
+    """The lemma about a robot with weights anywhere, if the robot's drives are too weak for it."""
     kinds = weights(family, task)
     if not kinds or len(base.word) > MOST_SYMBOLS:
         return None
@@ -81,12 +81,12 @@ class _Words:
         self._added = [productions[number] for number in sorted(neutral.transparent)]
 
     def expression(self) -> ir.Regex:
-        """That of the whole word."""
+        """The expression for the whole word."""
         parts = list(self._merged(self._of(0)))
         return parts[0] if len(parts) == 1 else ir.RSequence(tuple(parts))
 
     def _of(self, place: int) -> Iterator[ir.Regex]:
-        """That of what a node derives, with what may be put in at it."""
+        """The expressions for what a node derives, with the parts that may be added there."""
         node = self._base.nodes[place]
         before = self._may_be_added(node.production.left, before=True)
         after = self._may_be_added(node.production.left, before=False)
@@ -125,7 +125,7 @@ class _Words:
         return [ir.RRepeat(part, "*")]
 
     def _merged(self, parts: Iterator[ir.Regex]) -> Iterator[ir.Regex]:
-        """Without a repetition right behind itself."""
+        """The expressions, with each repetition only once in a row."""
         last: ir.Regex | None = None
         for part in parts:
             if part != last or not isinstance(part, ir.RRepeat) or part.mark != "*":

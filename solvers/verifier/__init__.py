@@ -1,1 +1,1 @@
-"""The independent verifier: what decides whether a verdict is believed; it loads no searcher."""
+"""The independent verifier, which decides whether a verdict holds. It imports no searcher."""

@@ -11,7 +11,7 @@ from solvers.verifier.verification import Outcome, verify_directory
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Verify the one folder that is named; 0 valid, 1 refuted, 4 undecided, 2 for other usage."""
+    """Verify the given folder; return 0 if valid, 1 if refuted, 4 otherwise, 2 on wrong usage."""
     if len(arguments) != 1 or arguments[0].startswith("-"):
         sys.stderr.write("usage: python -m solvers.verifier DIR\n")
         return 2

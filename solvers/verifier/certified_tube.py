@@ -1,6 +1,6 @@
-"""The tube that a certificate rests on, for those who want to see it or to compare with it.
+"""The tube behind a certificate, to display it or to compare measurements with it.
 
-It is computed as ``srgc verify`` computes it (decision 36); bounds are rounded outwards to floats.
+It is computed as ``srgc verify`` computes it (decision 36). Bounds are rounded outwards to floats.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from solvers.verifier.proofs.zonotope import Zonotope, zonotope
 from solvers.verifier.report import Outcome, Refused
 
 FLOAT_BITS = 53
-"""Bounds at an instant are floats: more bits do not make them narrower than that."""
+"""Bounds at an instant are returned as floats, so more bits would not make them narrower."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CertifiedTube:
-    """An enclosure of the motion of a found robot, under its stated inputs, at every instant.
+    """An enclosure, at every instant, of the motion of a found robot under its stated inputs.
 
     Attributes:
         times: (m + 1,) the ends of its m segments, in seconds.
@@ -42,10 +42,10 @@ class CertifiedTube:
         rates: (m, n, 2) bounds of their rates.
         points: (m, p, d, 2) bounds of the positions of all points in m; effectors come first.
         samples: (k + 1, 2 n, 2) bounds of coordinates and rates at the ends of the task's steps.
-        sample_points: (k + 1, p, d, 2) bounds of the positions of all points there.
+        sample_points: (k + 1, p, d, 2) bounds of the positions of all points at those times.
         commanded: (k, inputs, 2) bounds of the inputs that are commanded in each step.
-        disturbed: whether it holds all disturbed motions of a task with ``robust``, or all rounds
-            of motions that go on for ever.
+        disturbed: whether the tube holds all disturbed motions of a task with ``robust``, or all
+            rounds of a motion that goes on for ever.
         segments: the solutions themselves, as polynomials in the coordinates of the equations.
         point_map: how positions follow from the coordinates of the equations.
         rows: (n, n) the integer matrix D that gives the joints' coordinates, q = D y.
@@ -67,7 +67,7 @@ class CertifiedTube:
         """Bounds (2 n, 2) of coordinates and rates at an instant of the motion, in seconds.
 
         Raises:
-            ValueError: the motion has ended, or has not begun.
+            ValueError: the instant is before the start or after the end of the motion.
         """
         with working_precision(FLOAT_BITS):
             return _bounds(_joint_states(self.rows, self._state(time)))
@@ -76,7 +76,7 @@ class CertifiedTube:
         """Bounds (p, d, 2) of the positions of all points at an instant, in m.
 
         Raises:
-            ValueError: the motion has ended, or has not begun.
+            ValueError: the instant is before the start or after the end of the motion.
         """
         with working_precision(FLOAT_BITS):
             return _places(self.point_map, self._state(time))
@@ -89,14 +89,15 @@ class CertifiedTube:
         return segment.at(arb(time) - segment.start)
 
     def distances(self, times: Array, states: Array) -> tuple[Array, Array]:
-        """How far states are outside the tube, and from its middle.
+        """How far states are outside the tube, and how far from its middle.
 
         Args:
             times: (k,) in seconds.
             states: (k, 2 n) coordinates, then rates.
 
         Returns:
-            Two arrays (k, 2 n): the distance to the nearer bound, 0 inside; and to the middle.
+            Two arrays (k, 2 n): the distance to the nearer bound (0 inside the tube), and the
+                distance to the middle.
         """
         bounds = np.array([self.at(float(time)) for time in times]).reshape(*states.shape, 2)
         lower, upper = bounds[..., 0], bounds[..., 1]
@@ -105,12 +106,14 @@ class CertifiedTube:
 
 
 def certified_tube(folder: Path) -> CertifiedTube:
-    """The tube of the robot in a result folder; that it does the task is shown by ``verify``.
+    """The tube of the robot in a result folder.
+
+    This function does not prove that the robot does the task; ``srgc verify`` does.
 
     Raises:
-        CertificateError: the certificate is none.
-        Refused: it is false before anything is integrated, or holds no robot.
-        EnclosureFailure: no enclosure gets to the end of the motion.
+        CertificateError: the certificate is malformed.
+        Refused: the claim is refuted before anything is integrated, or it has no robot.
+        EnclosureFailure: no enclosure reaches the end of the motion.
         OSError, UnicodeDecodeError: the folder cannot be read.
     """
     claimed = claimed_task(folder, read_claim(folder))
@@ -124,14 +127,14 @@ def certified_tube(folder: Path) -> CertifiedTube:
             try:
                 return _enclosed(driven_robot(scene, robot.motion, disturbed=disturbed), accuracy)
             except EnclosureFailure:
-                # A disturbed set grows whatever the accuracy.
+                # More accuracy does not help a disturbed set: it grows anyway.
                 if accuracy is ACCURACIES[-1] or disturbed:
                     raise
     raise AssertionError(ACCURACIES)
 
 
 def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
-    """The tube at an accuracy; from all disturbed starts where the task names disturbances."""
+    """The tube at an accuracy; if the task names disturbances, from all disturbed starts."""
     task = robot.scene.task
     several = task.robust is not None or task.repeat
     initial = disturbed_start(robot.scene, robot.state)
@@ -140,7 +143,7 @@ def _enclosed(robot: DrivenRobot, accuracy: Accuracy) -> CertifiedTube:
     segments, states, points = list[TubeSegment](), list[Array](), list[Array]()
     sets, commanded = list[Zonotope](), list[Array]()
     for start, steps in legs(robot, initial):
-        # A round begins from all of its set, which holds what the prefix leads to.
+        # A round begins from its whole set, which contains the states that the prefix leads to.
         sets[steps.start :] = [zonotope(start)]
         for segment in tube(
             robot.field, start, robot.inputs, ball(task.step), accuracy, error, robot.law, steps
@@ -169,7 +172,7 @@ SIGNED = arb(0, 1)
 
 
 def _joint_states(rows: Sequence[Sequence[int]], state: Sequence[arb]) -> list[arb]:
-    """The joints' coordinates and rates of a state in the coordinates of the equations."""
+    """The joints' coordinates and rates, from a state in the coordinates of the equations."""
     n = len(rows)
     parts = (state[:n], state[n : 2 * n])
     return [
@@ -182,7 +185,7 @@ def _joint_states(rows: Sequence[Sequence[int]], state: Sequence[arb]) -> list[a
 def _sample(rows: Sequence[Sequence[int]], states: Zonotope) -> Array:
     """Bounds (2 n, 2) of the joints' coordinates and rates in a set of states.
 
-    They are closer than those of its box, of whose corners most are far from the set.
+    They are tighter than the bounds from its box, most of whose corners are far from the set.
     """
     n, size = len(rows), len(states.middle)
     turned = [
@@ -204,7 +207,7 @@ def _places(point_map: PointMap, state: Sequence[arb]) -> Array:
 
 
 def _bounds(balls: Sequence[arb]) -> Array:
-    """Floats (k, 2) that no value of the balls lies outside of."""
+    """Floats (k, 2), rounded outwards, that bound the values of the balls."""
     return np.array(
         [
             (

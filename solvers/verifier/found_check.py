@@ -1,4 +1,4 @@
-"""The check of *found*: this robot, so started and so driven, does the task."""
+"""Check a claim of *found*: this robot, with this start and these inputs, does the task."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from solvers.verifier.report import Outcome, Refused, Report, concluded
 
 @dataclass(frozen=True, slots=True)
 class ClaimedRobot:
-    """The robot of a claim and what is claimed to drive it, rebuilt from the spec."""
+    """The robot of a claim, rebuilt from the spec, and the motion claimed for it."""
 
     derivation: Derivation
     model: RobotModel
@@ -44,11 +44,12 @@ class ClaimedRobot:
 
 
 def claimed_robot(claim: FoundClaim, program: ir.Program, task: ir.Task) -> ClaimedRobot:
-    """The robot of a claim, which is one of the task's.
+    """The robot of a claim, once it is shown to be a robot of the task.
 
     Raises:
-        CertificateError: the parameters are not the robot's, or a number of the claim is none.
-        Refused: it is none, or the numbers of the claim do not fit it.
+        CertificateError: the parameters are not the robot's, or the claim has a malformed number.
+        Refused: the derivation gives no robot of the task, or the numbers of the claim do not fit
+            it.
     """
     family = family_of(program, task)
     derivation = _derivation(claim, family)
@@ -67,17 +68,17 @@ def check_found(
     cells: Abstraction,
     watch: Watch,
 ) -> tuple[RobotModel, Report]:
-    """The robot of a claim, and the report on what is claimed of it.
+    """The robot of a claim, and the report on the claim about it.
 
-    ``cells`` are those of the workspace after the cuts of the claim.
+    ``cells`` are the cells of the workspace after the cuts of the claim.
 
     Raises:
-        CertificateError, Refused: the claim is false before anything is integrated.
+        CertificateError, Refused: the claim is refuted before anything is integrated.
     """
     claimed = claimed_robot(claim, program, task)
     model, motion = claimed.model, claimed.motion
     conditions = unknown_claims(claim.claims)
-    # What is unknown may be a law, with which other inputs are commanded than those stated.
+    # An unknown claim may be a control law, which commands other inputs than those stated.
     if motion.law is None and not conditions:
         conditions += check_efforts(claim, model, motion, task)
     _claimed_path(claim, model, task)
@@ -92,14 +93,14 @@ def check_found(
 
 
 def _derivation(claim: FoundClaim, family: RobotFamily) -> Derivation:
-    """The claimed derivation, of the claimed word, which is accepted."""
+    """The claimed derivation, checked to derive the claimed word, and the word to be accepted."""
     try:
         derivation = family.replay(claim.derivation)
     except BadDerivation as error:
         raise Refused(f"the derivation is not one of the grammar: {error}") from None
     if derivation.word != claim.word:
         raise Refused("the derivation does not derive the word")
-    # Replaying has shown that the grammar derives the word; the condition remains.
+    # Replaying has shown that the grammar derives the word. The ``accept`` condition is still open.
     if not family.language.accept.accepts(claim.word):
         raise Refused(f"the word is not accepted: {' '.join(claim.word)}")
     return derivation
@@ -112,7 +113,7 @@ def _modules(derivation: Derivation, program: ir.Program, task: ir.Task) -> None
 
 
 def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
-    """The claim's numbers, exact, of the right shapes, with every parameter in its domain."""
+    """The claimed motion: exact numbers of the right shapes, every parameter in its domain."""
     n, m = len(model.dofs), len(robot_inputs(model))
     if claim.steps != task.steps or exact(claim.step) != task.step:
         raise Refused("the horizon is not the task's")
@@ -140,9 +141,9 @@ def _motion(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Motion:
 
 
 def _law(claim: FoundClaim, n: int, m: int, task: ir.Task) -> ControlLaw | None:
-    """The claimed law, of the right shapes."""
+    """The claimed control law, with its shapes checked; None without a controller."""
     controller = claim.controller
-    # Where nothing is driven, there is nothing to control; what is unknown may be a law.
+    # Without inputs there is nothing to control. An unknown claim may be a control law.
     asked = task.control if m and not unknown_claims(claim.claims) else None
     if asked is not None and asked != control_of(claim):
         raise Refused(f"the task asks for {asked}, the claim is {control_of(claim)}")
@@ -167,7 +168,7 @@ def _law(claim: FoundClaim, n: int, m: int, task: ir.Task) -> ControlLaw | None:
 
 
 def _loop(claim: FoundClaim, model: RobotModel, task: ir.Task) -> Loop | None:
-    """The claimed loop, of the right shape, of a task whose motion goes on for ever."""
+    """The claimed loop, with its shape checked; None for a motion that ends."""
     if (claim.loop is not None) is not task.repeat and not unknown_claims(claim.claims):
         said = "goes on for ever" if task.repeat else "ends"
         raise Refused(f"the motion of the task {said}, the claim is about another one")
@@ -202,7 +203,7 @@ def _claimed_path(claim: FoundClaim, model: RobotModel, task: ir.Task) -> None:
 
 
 def _path_avoids(claim: FoundClaim, task: ir.Task, cells: Abstraction) -> None:
-    """The path starts and ends where the task says and keeps out of what effectors avoid."""
+    """Check that the path starts and ends where the task says and stays out of avoided regions."""
     known = {cell.name: index for index, cell in enumerate(cells.cells)}
     forbidden = cells.within(
         name for avoid in task.avoid if avoid.subject == "effector" for name in avoid.regions
@@ -225,7 +226,7 @@ def _path_avoids(claim: FoundClaim, task: ir.Task, cells: Abstraction) -> None:
 
 
 def _start_cells(task: ir.Task, cells: Abstraction, effector: int) -> Sequence[int]:
-    """The cells in which an effector may start; all where its pose or another one is given."""
+    """The cells in which an effector may start: all, unless the task gives its start region."""
     start = task.start
     if isinstance(start, ir.StartIn) and start.effector in (None, effector + 1):
         return cells.within([start.region])

@@ -1,4 +1,4 @@
-"""What the verifier answers, and why."""
+"""The verifier's answer and its reasons."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from enum import Enum
 from solvers.verifier.proofs.checked_condition import CheckedCondition, decisive
 from solvers.verifier.proofs.tube_checks import Status
 
-# --- The answers of the verifier, and how a claim is turned down ----------------------------------
+# --- The answers of the verifier, and how a claim is rejected -------------------------------------
 
 
 class Outcome(Enum):
     """The verifier's answer.
 
-    ``UNCHECKED``: what is left are scripts that no solver was asked to run.  ``UNEXPECTED``: the
-    certificate is about another task or verdict than was asked for, and was not judged.
-    ``DISAGREEMENT``: two solvers that were to be believed contradict each other.
+    ``UNCHECKED``: part of the evidence is scripts, and no solver was asked to run them.
+    ``UNEXPECTED``: the certificate is about another task or verdict than was asked for, and was not
+    judged. ``DISAGREEMENT``: two trusted solvers contradict each other.
     """
 
     VALID = "valid"
@@ -36,16 +36,16 @@ class Refused(Exception):
         self.outcome = outcome
 
 
-# --- What the verifier answers, and why -----------------------------------------------------------
+# --- The report -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What was checked and found; ``level`` is that of the weakest evidence.
+    """The result of a check; ``level`` is the level of the weakest evidence.
 
     ``task``, ``spec`` (its main file) and ``spec_sha256`` (of all its files) are those that the
-    certificate names; None where it cannot be read.  ``control`` is what drives the robot of a
-    claim: "open loop" or "feedback"; None where there is no such robot, or nothing drives it.
+    certificate names; None if it cannot be read. ``control`` is what drives the claimed robot:
+    "open loop" or "feedback"; None if there is no robot or nothing drives it.
     """
 
     outcome: Outcome
@@ -60,7 +60,7 @@ class Report:
 
 
 def concluded(conditions: Sequence[CheckedCondition]) -> Report:
-    """One violated condition refutes, one open condition leaves open."""
+    """The report on a found robot: violated conditions refute it, open ones leave it undecided."""
     due = decisive(conditions)
     if due is None:
         return Report(Outcome.VALID, "found", "validated", None, tuple(conditions))

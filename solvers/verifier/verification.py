@@ -1,6 +1,6 @@
-"""The independent verifier: re-reads the spec, recomputes everything, believes no searcher.
+"""The independent verifier: it reads the spec again, recomputes everything and trusts no searcher.
 
-It shares the compiler and the validated integration with the searchers, and nothing else.
+It shares only the compiler and the validated integration with the searchers.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ __all__ = ["Expected", "Outcome", "Report", "verify_directory"]
 
 @dataclass(frozen=True, slots=True)
 class Expected:
-    """What a certificate has to be about; None: anything."""
+    """What a certificate has to be about; None stands for anything."""
 
     task: str | None = None
     verdict: Claimed | None = None
 
     def differs(self, claim: Claim) -> str | None:
-        """What the claim is about instead, or None."""
+        """How the claim differs from what was expected, or None."""
         if self.task not in (None, claim.task):
             return f"the certificate is about task `{claim.task}`, not `{self.task}`"
         verdict = verdict_of(claim)
@@ -66,11 +66,12 @@ def verify_directory(
 
     Args:
         folder: a folder written by ``srgc synth``.
-        spec: a spec file the result must be about, besides its own copy.
-        trust: names of SMT solvers, with commas: refutation scripts are run again by each, in a
-            process of its own, and ``unsat`` is believed if all of them say so.
-        watch: told of the steps of the motion, or of the structures, that are done.
-        expected: what the certificate must be about; one about anything else is not judged.
+        spec: a spec file that the result must be about, in addition to the folder's own copy.
+        trust: names of SMT solvers, separated by commas. Each runs every refutation script again,
+            in a process of its own; ``unsat`` is accepted if all of them answer it.
+        watch: receives progress: the steps of the motion, or the structures, that are done.
+        expected: what the certificate must be about; a certificate about anything else is not
+            judged.
     """
     if not (folder / "certificate.json").is_file():
         return Report(
@@ -104,7 +105,7 @@ def verify_directory(
 
 
 def _control(claim: Claim) -> str | None:
-    """What drives the robot of a claim; None where nothing does."""
+    """What drives the robot of a claim; None if nothing does."""
     return control_of(claim) if isinstance(claim, FoundClaim) and any(claim.inputs) else None
 
 
@@ -116,7 +117,7 @@ def _as_expected(
     watch: Watch,
     expected: Expected,
 ) -> Report:
-    """The report on a claim, if it is about what was asked."""
+    """The report on a claim, or an ``UNEXPECTED`` one if the claim is not about what was asked."""
     other = expected.differs(claim)
     if other is not None:
         return Report(Outcome.UNEXPECTED, None, None, other)
@@ -124,7 +125,7 @@ def _as_expected(
 
 
 def _judged(folder: Path, claimed: ClaimedTask, trust: str | None, watch: Watch) -> Report:
-    """The report on a claim; then whether ``design.json`` says the same."""
+    """The report on a claim; unless it is refuted, ``design.json`` has to agree with the claim."""
     claim, program, task, cells = claimed.claim, claimed.program, claimed.task, claimed.cells
     if isinstance(claim, FoundClaim):
         model, report = check_found(claim, program, task, cells, watch)
@@ -154,10 +155,10 @@ def _of_all_robots(
     report: Report,
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
-    """What a claim of a robot, which is valid, says besides of all others."""
+    """The conditions that a valid claim of a robot states about all robots: a bound, objectives."""
     if model is None or (claim.bound is None and claim.objectives is None):
         return ()
-    # Not for others, whose check should not wait for it.
+    # Imported here, since other claims do not need it and should not wait for it.
     from solvers.verifier.refutations.further_check import further_conditions
 
     margins = claimed_margins(claim, model, task, report.conditions)
@@ -174,7 +175,7 @@ def _impossible(
     trust: str | None,
     watch: Watch,
 ) -> Report:
-    # Not for `found`, whose check should not wait for it.
+    # Imported here, since `found` does not need them and should not wait for them.
     from solvers.verifier.refutations.impossibility_check import check_impossible
     from solvers.verifier.refutations.structure_evidence import trusted_text
 

@@ -1,1 +1,1 @@
-"""What a verdict claims, as data, and the checks of it that integrate nothing."""
+"""The claims of a verdict, as data, and those checks of them that need no integration."""

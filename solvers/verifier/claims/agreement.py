@@ -1,4 +1,4 @@
-"""Claims of a certificate that need no integration."""
+"""Check that ``design.json`` agrees with the certificate; nothing is integrated."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from solvers.verifier.claims.spec_copy import bounded_bytes
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 
 # --------------------------------------------------------------------------------------------------
-# Whether ``design.json``, which people read, says what the certificate, which is proved, says.
+# The certificate is proved, but people read ``design.json``: both have to say the same.
 
 
 def disagreement(
@@ -40,18 +40,18 @@ def disagreement(
     cells: Abstraction,
     model: RobotModel | None,
 ) -> str | None:
-    """Why the folder's ``design.json`` contradicts a claim, or None; its absence does not.
+    """Why the folder's ``design.json`` contradicts a claim; None if it does not or is missing.
 
     Args:
         folder: the result folder.
         claim: the claim of its certificate.
         program: the spec.
-        task: the task of the claim, one of it.
+        task: the task of the claim, one of the spec's.
         cells: the cells of the task's workspace.
         model: the robot of a found claim.
 
     Raises:
-        CertificateError: a number of the claim is none.
+        CertificateError: a number of the claim is malformed.
     """
     path = folder / "design.json"
     if not path.is_file():
@@ -76,7 +76,7 @@ def disagreement(
 
 
 def _further(claim: FoundClaim, design: Mapping[str, Any], task: ir.Task) -> dict[str, Any]:
-    """What a claim determines of fields that not every ``design.json`` has."""
+    """The values that a claim determines for fields that not every ``design.json`` has."""
     found: dict[str, Any] = {}
     if "control" in design:
         found["control"] = control_of(claim)
@@ -91,14 +91,14 @@ def _further(claim: FoundClaim, design: Mapping[str, Any], task: ir.Task) -> dic
 
 
 def _objectives(claim: ObjectivesClaim | None, task: ir.Task) -> list[dict[str, Any]] | None:
-    """What ``design.json`` says of the objectives that a claim states."""
+    """The entry of ``design.json`` for the objectives that a claim states."""
     if claim is None:
         return None
     return objective_entries(claim.values, [objective_unit(each) for each in task.minimize])
 
 
 def _without_counts(stated: object) -> object:
-    """What it says without how many robots are undecided, which no certificate claims."""
+    """The objectives without their counts of undecided robots, which no certificate claims."""
     if not isinstance(stated, list) or not all(isinstance(each, dict) for each in stated):
         return stated
     counts = ("undecided", "all_tried")
@@ -106,9 +106,10 @@ def _without_counts(stated: object) -> object:
 
 
 def _says(stated: object, meant: object) -> bool:
-    """Whether a JSON value is the one meant: 2 may stand for 2.0, neither 2.0 nor true for 2 or 1.
+    """Whether a JSON value is the one meant.
 
-    Readers of other languages take 2.0 for no index.
+    2 may stand for 2.0, but neither 2.0 nor true for an integer: readers in other languages reject
+    2.0 as an index.
     """
     if isinstance(meant, dict):
         return (
@@ -179,7 +180,7 @@ def _claimed(claim: ImpossibleClaim) -> list[list[Any]]:
 
 
 def _tried(design: Mapping[str, Any]) -> list[list[Any]]:
-    """The structures that no lemma is about, numbered among themselves."""
+    """The structures that were refuted without a lemma, renumbered among themselves."""
     tried = design.get("structures_tried")
     if not isinstance(tried, list):
         return []
@@ -195,19 +196,20 @@ def _tried(design: Mapping[str, Any]) -> list[list[Any]]:
     return found
 
 
-# --- What ``design.json`` says of the formulas of a found robot's task ----------------------------
+# --- The formulas of a found robot's task in ``design.json`` --------------------------------------
 
 
 CLOSELY = 1e-9
-"""How far a stated robustness may be from the proved one, in metres: balls depend on libraries."""
+"""How far a stated robustness may be from the proved one, in m: balls depend on library
+versions."""
 
 
 def satisfied_formulas(
     task: ir.Task, conditions: Sequence[CheckedCondition]
 ) -> list[dict[str, Any]]:
-    """Per ``satisfy`` its text and a lower bound of its robustness in metres.
+    """The text of each ``satisfy`` and a lower bound of its robustness in metres.
 
-    The bound is None where the formula holds wherever the effectors are.
+    The bound is None if the formula holds wherever the effectors are.
     """
     bounds = {condition.clause: condition.margin for condition in conditions}
     return [
@@ -225,9 +227,9 @@ def misstated_formula(
     """Why the folder's ``design.json`` misstates a proved formula, or None.
 
     Args:
-        folder: the result folder, whose ``design.json``, if there is one, is a JSON object.
+        folder: the result folder; its ``design.json``, if it has one, is a JSON object.
         task: the task.
-        conditions: the proof of the claim, which holds.
+        conditions: the proof of the claim, all of whose conditions hold.
     """
     path = folder / "design.json"
     if not path.is_file():

@@ -1,6 +1,6 @@
-"""What a certificate of *found* claims of all robots: none has inputs with a larger share to spare.
+"""The claim, in a certificate of *found*, that no robot's inputs can spare a larger share.
 
-The evidence is that of an impossibility: of the task with narrower bounds on its inputs.
+Its evidence is that of an impossibility: the task with tighter input bounds cannot be done.
 """
 
 from __future__ import annotations
@@ -18,11 +18,12 @@ from solvers.verifier.claims.structure_claims import StructureClaim, structure_c
 
 @dataclass(frozen=True, slots=True)
 class BoundClaim:
-    """No robot with at most ``modules`` modules (None: none at all) keeps more than ``share``.
+    """No robot with at most ``modules`` modules (None: of any size) keeps more than ``share``.
 
-    ``share``, a decimal, is that of what inputs can keep from their bounds at most.  ``structures``
-    and ``lemmas`` are as those of an ``ImpossibleClaim``, about the task with bounds that leave out
-    this share; all are refuted by coverings, so that no solver has to be believed.
+    ``share`` is a decimal: the distance of the inputs from their bounds, relative to the largest
+    possible one. ``structures`` and ``lemmas`` are as in an ``ImpossibleClaim``, about the task
+    with bounds that are tighter by this share. All structures are refuted by coverings, so no
+    solver has to be trusted.
     """
 
     share: str
@@ -36,7 +37,7 @@ def bound_claim(item: dict[str, Any]) -> BoundClaim:
     """The bound of a JSON object.
 
     Raises:
-        TypeError, KeyError, ValueError: it is malformed.
+        TypeError, KeyError, ValueError: the object is malformed.
     """
     (fields,) = objects([item], BoundClaim)
     if not 0 <= exact_number(text(fields["share"])) < 1:
@@ -58,16 +59,16 @@ def bound_text(claim: BoundClaim) -> str:
 
 
 def share_text(share: Fraction, modules: int | None) -> str:
-    """The same of a share and a bound on modules."""
+    """A bound in words, from its share and its number of modules."""
     percent = exact_text(100 * share)
     which = "of the family" if modules is None else f"of at most {modules} modules"
     return f"no robot {which} has more than {percent} %"
 
 
 def gap_above(bound: Fraction, share: float | None) -> Fraction | None:
-    """By which part of the share of a design the bound is above it; None where that is not known.
+    """The relative gap between a bound and the share of a design; None if the share is unknown.
 
-    Exact for the share as it is stated.
+    It is exact for the share as stated.
     """
     if share is None or not 0 < share < inf:
         return None
@@ -75,7 +76,7 @@ def gap_above(bound: Fraction, share: float | None) -> Fraction | None:
 
 
 def bound_entry(claim: BoundClaim, share: object) -> dict[str, Any]:
-    """What ``design.json`` says of a bound, and of its gap above the ``share`` of the design."""
+    """The entry of ``design.json`` for a bound and its gap above the ``share`` of the design."""
     bound = exact_number(claim.share)
     gap = gap_above(bound, share if isinstance(share, float) else None)
     return {

@@ -1,8 +1,8 @@
-"""Certificates: what a verdict claims, as plain data with a digest of its canonical content.
+"""Certificates: the claim of a verdict, as plain data with a digest of its canonical content.
 
-Numbers that a proof depends on are decimal strings, read as the exact rationals they denote.
-The digest guards against accidents and careless edits, not against malice: with a new digest an
-altered certificate is judged as a claim like any other.
+Numbers that a proof depends on are decimal strings, read as the exact rationals they denote. The
+digest guards against accidents and careless edits, not against malice: an altered certificate with
+a new digest is judged like any other claim.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ from solvers.verifier.claims.objective_claims import ObjectivesClaim
 from solvers.verifier.claims.structure_claims import StructureClaim, structure_claims
 
 FORMAT, WITH_CLAIMS = 3, 4
-"""2: cuts of cells, and tasks whose places are cut off from each other; 3: coverings by boxes; 4: a
-list of further claims, such as a controller.  Verdicts without any are written in format 3."""
+"""Format 2 added cuts of cells and separated regions; 3, coverings by boxes; 4, a list of further
+claims, such as a controller. Verdicts without further claims are written in format 3."""
 
 
 class CertificateError(ValueError):
-    """A file that is no certificate, or one whose digest does not match its content."""
+    """The file is not a certificate, or its digest does not match its content."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,16 +58,16 @@ class ParameterClaim:
 
 
 CutClaim: TypeAlias = tuple[int, tuple[str, ...], str]
-"""A number of a cell, and the normal and the offset of the half-space that cuts it."""
+"""The number of a cell, and the normal and offset of the half-space that cuts it."""
 
 
 @dataclass(frozen=True, slots=True)
 class FoundClaim:
-    """This robot, started so and driven so, does the task.
+    """This robot, with this start and these inputs, does the task.
 
     ``start`` holds the coordinates, then the rates; ``inputs`` one row per step; ``path`` the cell
     of every effector at every sample; ``effector`` (from 0) is the one that starts and reaches;
-    ``cuts`` are made in turn of the cells of the workspace to get those of ``path``.  With a
+    ``cuts``, made in this order, turn the cells of the workspace into those of ``path``. With a
     controller among the ``claims``, ``inputs`` are those of the motion without deviations.
     """
 
@@ -96,29 +96,30 @@ class FoundClaim:
 
     @property
     def loop(self) -> LoopClaim | None:
-        """The loop of a motion that goes on for ever; None for one that ends."""
+        """The loop of a motion that goes on for ever; None for a motion that ends."""
         found = [claim for claim in self.claims if isinstance(claim, LoopClaim)]
         return found[0] if found else None
 
     @property
     def bound(self) -> BoundClaim | None:
-        """What no robot of the family exceeds; None where nothing is claimed."""
+        """The claimed bound that no robot of the family exceeds; None if there is no such claim."""
         found = [claim for claim in self.claims if isinstance(claim, BoundClaim)]
         return found[0] if found else None
 
     @property
     def objectives(self) -> ObjectivesClaim | None:
-        """What it has of the objectives of its task; None where nothing is claimed."""
+        """The claimed values of the task's objectives; None if there is no such claim."""
         found = [claim for claim in self.claims if isinstance(claim, ObjectivesClaim)]
         return found[0] if found else None
 
 
 @dataclass(frozen=True, slots=True)
 class SeparationClaim:
-    """Two regions that one effector has to visit are cut off by regions that it never enters.
+    """Two regions that one effector has to visit are separated by regions that it never enters.
 
-    ``effector`` is its number from 1, None for the recorded one that the task does not name;
-    ``cells`` are those, not ``avoided``, that chains of touching cells from ``source`` lead to.
+    ``effector`` is its number from 1, None for the recorded effector if the task names none;
+    ``cells`` are the cells, none of them ``avoided``, that chains of touching cells from ``source``
+    reach.
     """
 
     effector: int | None
@@ -130,9 +131,9 @@ class SeparationClaim:
 
 @dataclass(frozen=True, slots=True)
 class ImpossibleClaim:
-    """No structure with at most ``modules`` modules (None: none at all) can do the task.
+    """No structure with at most ``modules`` modules (None: of any size) can do the task.
 
-    With a ``separation``, no robot whatever can, and no structures are listed.  Structures whose
+    With a ``separation``, no robot at all can do it, and no structures are listed. Structures whose
     words satisfy a lemma among the ``claims`` are not listed.
     """
 
@@ -146,7 +147,7 @@ class ImpossibleClaim:
 
     @property
     def lemmas(self) -> tuple[LemmaClaim, ...]:
-        """The lemmas, in their order."""
+        """The lemmas, in order."""
         return tuple(
             claim
             for claim in self.claims
@@ -158,17 +159,17 @@ Claim = FoundClaim | ImpossibleClaim
 
 
 def control_of(claim: FoundClaim) -> Literal["open loop", "feedback"]:
-    """Whether a controller corrects the inputs on the way."""
+    """Whether the inputs are fixed ("open loop") or corrected by a controller ("feedback")."""
     return "open loop" if claim.controller is None else "feedback"
 
 
 def verdict_of(claim: Claim) -> Claimed:
-    """What a claim says of its task."""
+    """The verdict that a claim states."""
     return "found" if isinstance(claim, FoundClaim) else "impossible"
 
 
 def parameter_claims(values: Iterable[ParameterValue]) -> tuple[ParameterClaim, ...]:
-    """What a certificate states of the parameters of a robot."""
+    """The claims that a certificate makes for the parameters of a robot."""
     return tuple(
         ParameterClaim(value.parameter.symbol, value.parameter.name, value.text) for value in values
     )
@@ -178,7 +179,7 @@ def claimed_values(claim: FoundClaim, model: RobotModel) -> tuple[ParameterValue
     """The values that a claim states for the parameters of a robot.
 
     Raises:
-        CertificateError: they are not the robot's parameters, or one is no number of its domain.
+        CertificateError: the parameters are not the robot's, or a value is outside its domain.
     """
     expected = [(parameter.symbol, parameter.name) for parameter in model.parameters]
     if [(claimed.symbol, claimed.name) for claimed in claim.parameters] != expected:
@@ -199,7 +200,7 @@ def exact(text: str) -> Fraction:
     """The rational that a decimal or a quotient of whole numbers denotes.
 
     Raises:
-        CertificateError: the text is neither, or the quotient's denominator is zero.
+        CertificateError: the text is neither of them, or the quotient's denominator is zero.
     """
     try:
         return exact_number(text)
@@ -216,7 +217,7 @@ def exact_cuts(cuts: Sequence[CutClaim]) -> tuple[tuple[int, ir.HalfSpace], ...]
     """The cuts of a claim: numbers of cells, and exact half-spaces.
 
     Raises:
-        CertificateError: a number is none.
+        CertificateError: a number is malformed.
     """
     return tuple(
         (cell, ir.HalfSpace(tuple(exact(a) for a in normal), exact(offset)))
@@ -225,7 +226,7 @@ def exact_cuts(cuts: Sequence[CutClaim]) -> tuple[tuple[int, ir.HalfSpace], ...]
 
 
 def spec_digest(files: Mapping[str, bytes]) -> str:
-    """SHA-256 over the sorted relative paths and bytes of a spec and what it includes."""
+    """SHA-256 over the sorted relative paths and the bytes of a spec and all files it includes."""
     digest = hashlib.sha256()
     for name in sorted(files):
         path, content = name.encode("utf-8", "surrogateescape"), files[name]
@@ -238,8 +239,8 @@ def spec_files(folder: Path) -> dict[str, bytes]:
     """The files below a folder, by their relative paths.
 
     Raises:
-        CertificateError: a link, which may lead anywhere, what is neither a file nor a folder, or
-            more bytes than the texts and images of a spec may have.
+        CertificateError: the folder holds a link, which may lead anywhere, something that is
+            neither a file nor a folder, or more bytes than the texts and images of a spec may have.
         OSError: a file cannot be read.
     """
     files: dict[str, bytes] = {}
@@ -273,7 +274,7 @@ def to_text(claim: Claim) -> str:
 
 
 def digest_of(content: Mapping[str, Any]) -> str:
-    """SHA-256 of the canonical form: sorted keys, no blanks, without the digest itself."""
+    """SHA-256 of the canonical form: sorted keys, no whitespace, the digest itself left out."""
     bare = {key: value for key, value in content.items() if key != "digest"}
     canonical = json.dumps(bare, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
@@ -283,7 +284,8 @@ def from_text(text: str) -> Claim:
     """Read a certificate.
 
     Raises:
-        CertificateError: not a certificate of this format, or altered since it was written.
+        CertificateError: the text is not a certificate of a known format, or was altered since it
+            was written.
     """
     content = checked_object(text)
     form = content.get("format")
@@ -307,7 +309,7 @@ def checked_object(text: str) -> dict[str, Any]:
     """The JSON object of a certificate whose digest matches its content.
 
     Raises:
-        CertificateError: it is none.
+        CertificateError: the text is not such an object.
     """
     try:
         content = json.loads(text, object_pairs_hook=_once, parse_constant=_no_constant)
@@ -317,7 +319,7 @@ def checked_object(text: str) -> dict[str, Any]:
     except CertificateError:
         raise
     except (ValueError, RecursionError) as error:
-        # Not JSON; or a whole number or a surrogate that Python reads and cannot write.
+        # Not JSON, or an integer or a surrogate that Python reads but cannot write.
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise CertificateError(f"the certificate is not JSON: {reason}") from None
     if content["digest"] != digest:
@@ -328,7 +330,7 @@ def checked_object(text: str) -> dict[str, Any]:
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A JSON object none of whose keys is repeated: readers differ in which one they believe."""
+    """A JSON object without repeated keys: readers differ in which of the values they use."""
     content = dict(pairs)
     if len(content) != len(pairs):
         raise ValueError("a key is repeated")
@@ -381,7 +383,7 @@ def _impossible(fields: dict[str, Any]) -> ImpossibleClaim:
 
 
 def separation_claim(content: object) -> SeparationClaim | None:
-    """The separation of a JSON object, None of null; errors as of ``objects``."""
+    """The separation of a JSON object, None for null; raises what ``objects`` raises."""
     if content is None:
         return None
     (fields,) = objects([content], SeparationClaim)

@@ -1,7 +1,7 @@
-"""Whether the inputs of a claim keep their bounds, and whether what is said of them is true.
+"""Whether the claimed inputs keep their bounds, and whether the stated peak and margins are true.
 
-Exact arithmetic on the decimals of an open loop's inputs; of a closed loop, what its proof shows.
-Nothing is integrated.
+For an open loop this is exact arithmetic on the decimals of the inputs; for a closed loop it uses
+the proof of the motion. Nothing is integrated here.
 """
 
 from __future__ import annotations
@@ -33,9 +33,10 @@ from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome, Refused
 
 NOT_A_DECIMAL = Fraction(1, 10**9)
-"""How closely a claim must state a value that no finite decimal states."""
+"""The tolerance for a stated value where the true one is not a finite decimal."""
 CLOSELY = 1e-9
-"""How far a number may be from the proved one, relative to 1: balls depend on libraries."""
+"""The tolerance, relative to 1, between a stated number and the proved one: balls depend on library
+versions."""
 
 
 SHARE, BY_UNIT = "robustness_share", "robustness_by_unit"
@@ -45,7 +46,7 @@ SHARE, BY_UNIT = "robustness_share", "robustness_by_unit"
 def check_efforts(
     claim: FoundClaim, model: RobotModel, motion: Motion, task: ir.Task
 ) -> list[CheckedCondition]:
-    """Every input is within its bound, exactly; the claimed peak and robustness are true.
+    """Check exactly that every input is within its bound, and that peak and robustness are true.
 
     Raises:
         Refused: the task leaves an effort unbounded, or the claim misstates its peak or robustness.
@@ -79,7 +80,7 @@ def stated_efforts(
 ) -> tuple[Fraction, Fraction, bool]:
     """The largest effort and the least margin of inputs, and whether both are exact.
 
-    Each margin counts in its own unit.
+    Margins of different units are compared by their numbers.
     """
     held = held_bounds(model, task, inputs)
     peaks = [each.largest for bound, each in held if bound.effort]
@@ -91,11 +92,11 @@ def stated_efforts(
 def check_planned_efforts(
     claim: FoundClaim, model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
 ) -> None:
-    """The claimed peak and robustness are those proved of the planned motion of a closed loop.
+    """Check the claimed peak and robustness against the proved planned motion of a closed loop.
 
     Raises:
-        Refused: one of them is not, undecided where the proof's bounds leave open whether it is; or
-            the task leaves a free input without a bound.
+        Refused: one of them is wrong, or (undecided) the bounds of the proof leave it open; or the
+            task leaves a free input without a bound.
     """
     _all_bounded(model, task)
     names = "effort_peak", "robustness"
@@ -118,9 +119,9 @@ def check_planned_efforts(
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """How inputs keep a bound: the least margin, at which step, and the largest size.
+    """How inputs keep a bound: the least margin and its step, and the largest size.
 
-    ``exact`` says that both are exact, not roots rounded up.
+    ``exact`` says that both values are exact, not roots that were rounded up.
     """
 
     holds: bool
@@ -133,7 +134,7 @@ class Held:
 def held_bounds(
     model: RobotModel, task: ir.Task, inputs: Sequence[Sequence[Fraction]]
 ) -> list[tuple[InputBound, Held]]:
-    """Every bound on the inputs of a robot, and how inputs, a row (m,) per step, keep it."""
+    """Every bound on the inputs of a robot, and how inputs with a row (m,) per step keep it."""
     return [(bound, _held(bound, inputs)) for bound in input_bounds(model, task)]
 
 
@@ -151,7 +152,7 @@ def _held(bound: InputBound, inputs: Sequence[Sequence[Fraction]]) -> Held:
 
 
 def _states(stated: Fraction, true: Fraction, *, exactly: bool) -> bool:
-    """Whether a decimal states a value: exactly if the value is a decimal, else closely."""
+    """Whether a number states a value: exactly if the value is a decimal, otherwise closely."""
     try:
         exact_decimal(true)
     except ValueError:
@@ -160,7 +161,7 @@ def _states(stated: Fraction, true: Fraction, *, exactly: bool) -> bool:
 
 
 def _square_root(value: Fraction) -> Fraction:
-    """The square root, exact where rational, else rounded up far below any margin."""
+    """The square root: exact if rational, otherwise rounded up by far less than any margin."""
     scale = 10**60
     return Fraction(
         _isqrt_up(value.numerator * value.denominator * scale**2), value.denominator * scale
@@ -172,7 +173,7 @@ def _isqrt_up(value: int) -> int:
     return root if root * root == value else root + 1
 
 
-# --- The robustness as ``design.json`` has it: a share, and per unit of the inputs ----------------
+# --- The robustness in ``design.json``: a share, and a margin per unit of the inputs --------------
 
 
 def input_margins(
@@ -181,7 +182,7 @@ def input_margins(
     inputs: Sequence[Sequence[Fraction]] | None,
     conditions: Sequence[CheckedCondition],
 ) -> list[Margin]:
-    """What an open loop's inputs keep from each bound, or those planned of a closed loop (None)."""
+    """The margin of inputs to each bound; for a closed loop (``inputs`` None), the planned one."""
     if inputs is None:
         return planned_margins(model, task, conditions)
     held = held_bounds(model, task, inputs)
@@ -191,7 +192,7 @@ def input_margins(
 def claimed_margins(
     claim: FoundClaim, model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
 ) -> list[Margin]:
-    """What the inputs of a claim keep from each of their bounds, ``conditions`` being its proof."""
+    """The margin of the claimed inputs to each bound; ``conditions`` is the proof of the claim."""
     rows = None
     if claim.controller is None:
         rows = [[exact(item) for item in row] for row in claim.inputs]
@@ -199,9 +200,9 @@ def claimed_margins(
 
 
 def robustness_entry(margins: Sequence[Margin]) -> dict[str, Any]:
-    """The least margin as a share of what it can be at most, and the least ones by their units.
+    """The least margin as a share of the largest possible one, and the least margin per unit.
 
-    Inputs that have one value only are left out; without any others the share is None.
+    Inputs that can have only one value are left out; if there are no others, the share is None.
     """
     by_unit = dict[str, float]()
     counted = [each for each in margins if each.widest > 0]
@@ -214,9 +215,9 @@ def robustness_entry(margins: Sequence[Margin]) -> dict[str, Any]:
 
 
 def misstated_robustness(folder: Path, margins: Sequence[Margin]) -> str | None:
-    """Why the folder's ``design.json`` misstates the robustness as a share or by units, or None.
+    """Why the folder's ``design.json`` misstates the share or a margin of the robustness, or None.
 
-    ``design.json``, if there is one, is a JSON object; older ones say nothing of it.
+    ``design.json``, if there is one, is a JSON object; older ones do not state them.
     """
     path = folder / "design.json"
     design = json.loads(bounded_bytes(path)) if path.is_file() else {}
@@ -233,7 +234,7 @@ def misstated_robustness(folder: Path, margins: Sequence[Margin]) -> str | None:
 
 
 def _units(design: Mapping[str, Any]) -> list[object]:
-    """The units of the margins, in their order; what is not a list of these has none."""
+    """The units of the margins, in order; anything that is not a list of margins has none."""
     listed = design.get(BY_UNIT)
     if not isinstance(listed, list):
         return [None]

@@ -1,4 +1,4 @@
-"""What a certificate of format 4 claims besides: controllers, loops, lemmas, bounds, objectives."""
+"""The further claims of format 4: controllers, loops, lemmas, bounds and objectives."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from solvers.verifier.proofs.tube_checks import Status
 
 @dataclass(frozen=True, slots=True)
 class ControllerClaim:
-    """At sample k the inputs are those stated less gains times what the state is off a reference.
+    """At sample k the inputs are the stated ones minus gains times the deviation from a reference.
 
     ``reference`` holds coordinates, then rates, a row per step; ``gains`` a row per input and step.
-    ``rounding`` has one allowance per input: so far may the inputs that are held be from that law,
-    as a computer that evaluates it rounds.  None: not at all.
+    ``rounding`` has one tolerance per input: how far the inputs may be from this law because a
+    computer that evaluates it rounds. None: no tolerance.
     """
 
     reference: tuple[tuple[str, ...], ...]
@@ -34,12 +34,12 @@ class ControllerClaim:
 
 @dataclass(frozen=True, slots=True)
 class LoopClaim:
-    """The motion goes on for ever: behind the last step comes that of the sample ``first`` again.
+    """The motion goes on for ever: the last step is followed by the step of the sample ``first``.
 
     ``centre`` and the rows of ``generators`` state the set of states at that sample: coordinates
-    and rates of the joints, then the modules' own states.  ``turns`` has one whole number per
-    joint: so many turns farther it is after a round, and the next is counted from there.  None: it
-    comes back without turns.
+    and rates of the joints, then the modules' own states. ``turns`` has one integer per joint: the
+    full turns by which the joint is farther after a round; the next round is counted from there.
+    None: every joint comes back without turns.
     """
 
     first: int
@@ -51,17 +51,17 @@ class LoopClaim:
 
 @dataclass(frozen=True, slots=True)
 class UnknownClaim:
-    """A claim of a kind that is not known here: what rests on it is not decided."""
+    """A claim of a kind that this verifier does not know; what depends on it stays undecided."""
 
     kind: str
     content: Mapping[str, Any]
 
 
 def exact_law(claim: ControllerClaim) -> ControlLaw:
-    """The law that a claim states.
+    """The control law that a claim states.
 
     Raises:
-        ValueError: a number is none.
+        ValueError: a number is malformed.
     """
     return ControlLaw(
         tuple(tuple(exact_number(x) for x in row) for row in claim.reference),
@@ -74,7 +74,7 @@ def exact_loop(claim: LoopClaim) -> Loop:
     """The loop that a claim states.
 
     Raises:
-        ValueError: a number is none, the shapes do not agree, or the generators are dependent.
+        ValueError: a number is malformed, the shapes do not agree, or the generators are dependent.
     """
     return Loop(
         claim.first,
@@ -90,10 +90,10 @@ FurtherClaim: TypeAlias = (
 
 
 def further_claims(items: object) -> tuple[FurtherClaim, ...]:
-    """Further claims; of each known kind one at most, but as many lemmas as are needed.
+    """Further claims: any number of lemmas, and at most one claim of each other known kind.
 
     Raises:
-        TypeError, KeyError, ValueError: they are malformed.
+        TypeError, KeyError, ValueError: the claims are malformed.
     """
     if not isinstance(items, (list, tuple)) or not all(isinstance(item, dict) for item in items):
         raise TypeError("a list of claims is due")
@@ -149,7 +149,7 @@ def claim_content(claim: FurtherClaim) -> dict[str, Any]:
 
 
 def unknown_claims(claims: Sequence[FurtherClaim]) -> list[CheckedCondition]:
-    """An open condition for each claim of a kind that is not known."""
+    """An open condition for each claim of an unknown kind."""
     return [
         CheckedCondition(
             f"claim `{claim.kind}`", Status.UNDECIDED, -NO_MARGIN, "",

@@ -1,4 +1,4 @@
-"""The parts of a certificate's JSON: each is of the kind that is due, or an error says what is."""
+"""Read the parts of a certificate's JSON; an error says what was expected."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 
 def expect_keys(fields: Mapping[str, Any], kind: type) -> None:
-    """Exactly the fields of a dataclass.
+    """Check that the keys are exactly the fields of a dataclass.
 
     Raises:
-        KeyError: one is missing or unknown.
+        KeyError: a field is missing or unknown.
     """
     names = {item.name for item in dataclass_fields(kind)}
     for key in sorted(names - fields.keys()):
@@ -25,7 +25,7 @@ def texts(items: object) -> tuple[str, ...]:
     """A list of strings.
 
     Raises:
-        TypeError: it is something else.
+        TypeError: the value is something else.
     """
     if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
         raise TypeError("a list of strings is due")
@@ -33,10 +33,10 @@ def texts(items: object) -> tuple[str, ...]:
 
 
 def number(value: object) -> int:
-    """A whole number; JSON's true and false are none.
+    """An integer; JSON's true and false do not count as integers.
 
     Raises:
-        TypeError: it is something else.
+        TypeError: the value is something else.
     """
     if not isinstance(value, int) or isinstance(value, bool):
         raise TypeError("a whole number is due")
@@ -47,7 +47,7 @@ def text(value: object) -> str:
     """A string.
 
     Raises:
-        TypeError: it is something else.
+        TypeError: the value is something else.
     """
     if not isinstance(value, str):
         raise TypeError("a string is due")
@@ -58,7 +58,7 @@ def objects(items: object, kind: type) -> list[dict[str, Any]]:
     """A list of JSON objects with exactly the fields of a dataclass.
 
     Raises:
-        TypeError: it is something else.
+        TypeError: the value is something else.
         KeyError: a field is missing or unknown.
     """
     if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
@@ -72,7 +72,7 @@ def rows(items: object) -> tuple[tuple[str, ...], ...]:
     """A list of lists of strings.
 
     Raises:
-        TypeError: it is something else.
+        TypeError: the value is something else.
     """
     if not isinstance(items, list):
         raise TypeError("a list of lists of strings is due")

@@ -1,4 +1,4 @@
-"""What a certificate of *impossible* claims of all words of a condition at once: a lemma.
+"""Lemmas: claims of a certificate of *impossible* about all words that satisfy a condition.
 
 ``condition`` is in the syntax of ``accept``; numbers are decimals or quotients, in SI units.
 """
@@ -21,9 +21,9 @@ TOO_FAR, TOO_NEAR, VARIANTS, WEIGHTS = "too far", "too near", "variants", "weigh
 class DistanceClaim:
     """No robot of the family whose word satisfies the ``condition`` has an effector in ``region``.
 
-    ``argument`` is "too far": no effector is farther than ``bound`` along ``vector``, and all of
-    the region is; or "too near": none is nearer than ``bound`` to the point ``vector``, and all of
-    the region is.
+    ``argument`` is "too far": no effector is farther than ``bound`` along ``vector``, but the whole
+    region is; or "too near": no effector is nearer than ``bound`` to the point ``vector``, but the
+    whole region is.
     """
 
     argument: str
@@ -36,11 +36,10 @@ class DistanceClaim:
 
 @dataclass(frozen=True, slots=True)
 class VariantClaim:
-    """All robots of the words with the ``condition`` are variants of one that is refuted.
+    """All robots of the words with the ``condition`` are variants of one robot, which is refuted.
 
-    That one is given by its ``word`` and its ``derivation``, and refuted by a script
-    (``evidence``), by a covering (``boxes``), or by both: paths of files.  ``argument`` is
-    "variants".
+    This robot is given by its ``word`` and ``derivation``, and refuted by a script (``evidence``),
+    by a covering (``boxes``), or by both; these are paths of files. ``argument`` is "variants".
     """
 
     argument: str
@@ -54,11 +53,11 @@ class VariantClaim:
 
 @dataclass(frozen=True, slots=True)
 class WeightsClaim:
-    """All robots of the words with the ``condition`` are one with up to ``most`` of each weight.
+    """All robots of words with the ``condition`` are one robot with up to ``most`` of each weight.
 
-    The drives of that one, given by its ``word`` and its ``derivation``, are too weak whatever of
-    these weights it has where: ``boxes``, the path of a covering of all of it.  ``argument`` is
-    "weights".
+    This robot is given by its ``word`` and ``derivation``. Its drives are too weak, however many of
+    these weights it has and wherever they are: ``boxes`` is the path of a covering that shows it.
+    ``argument`` is "weights".
     """
 
     argument: str
@@ -77,7 +76,7 @@ def lemma_claim(item: dict[str, Any]) -> LemmaClaim:
     """The lemma of a JSON object.
 
     Raises:
-        TypeError, KeyError, ValueError: it is malformed.
+        TypeError, KeyError, ValueError: the object is malformed.
     """
     argument = text(item.get("argument"))
     if argument == VARIANTS:
@@ -118,10 +117,10 @@ def lemma_text(claim: LemmaClaim) -> str:
 
 
 def effector_bound(claim: DistanceClaim) -> EffectorBound:
-    """The bound that a lemma states of effectors.
+    """The bound on the positions of effectors that a lemma states.
 
     Raises:
-        ValueError: a number is none.
+        ValueError: a number is malformed.
     """
     vector = tuple(exact_number(x) for x in claim.vector)
     bound = exact_number(claim.bound)

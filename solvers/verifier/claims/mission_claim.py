@@ -1,7 +1,7 @@
-"""What ``mission.json`` claims: designs for all tasks of a mission and their cost, or that none do.
+"""The claim of ``mission.json``: designs for all tasks and their cost, or that no designs exist.
 
-The designs are results of their own, below ``tasks``.  Evidence about robots that do not do a task
-stands with the task: structures and lemmas as in a certificate of *impossible*, and boxes of the
+The designs are results of their own, below ``tasks``. Evidence about robots that cannot do a task
+is stored with the task: structures and lemmas as in a certificate of *impossible*, and boxes of the
 parameters of single structures.
 """
 
@@ -28,14 +28,14 @@ from solvers.verifier.claims.structure_claims import StructureClaim, structure_c
 
 FORMAT = 1
 MOST_DEPTH = 100
-"""Boxes are cut at most so many times in turn; trees that are deeper cost stack to walk through."""
+"""The most cuts in turn of a box; walking through a deeper tree would need too much stack."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExistingClaim:
-    """The robot that there is before the first task, with those of its parameters that are known.
+    """The robot that exists before the first task, with the parameters that are known of it.
 
-    ``source`` says where it comes from: ``from`` of the first task, or a folder with a result.
+    ``source`` says where it comes from: ``from`` of the first task, or a result folder.
     """
 
     word: tuple[str, ...]
@@ -45,7 +45,7 @@ class ExistingClaim:
 
 @dataclass(frozen=True, slots=True)
 class PosedClaim:
-    """One step from a robot that there is: what changes cost, what is free, what they may cost.
+    """One step from an existing robot: the prices of changes, the free parameters, the price limit.
 
     ``free`` holds names of modules and of their parameters.
     """
@@ -59,7 +59,7 @@ class PosedClaim:
 
 @dataclass(frozen=True, slots=True)
 class LeafClaim:
-    """Boxes (a file) refute the robots of a leaf in the task of that number, from 0."""
+    """Boxes (a file) refute the robots of a leaf in the task with this number, from 0."""
 
     task: int
     boxes: str
@@ -67,7 +67,7 @@ class LeafClaim:
 
 @dataclass(frozen=True, slots=True)
 class CutClaim:
-    """A box is cut: of an interval ``at`` a decimal, of choices behind so many of them."""
+    """A cut of a box: an interval at the decimal ``at``, or choices after the first ``at``."""
 
     parameter: int
     at: str | int
@@ -75,12 +75,12 @@ class CutClaim:
 
 
 TreeClaim: TypeAlias = "LeafClaim | CutClaim | None"
-"""None: of a leaf that is left."""
+"""None stands for a leaf whose robots are not refuted."""
 
 
 @dataclass(frozen=True, slots=True)
 class BoxesClaim:
-    """The boxes of the parameters of a structure; ``task``: in one task alone, None: in all."""
+    """The boxes of a structure's parameters, for the task ``task``, or (None) for all tasks."""
 
     task: int | None
     word: tuple[str, ...]
@@ -90,7 +90,7 @@ class BoxesClaim:
 
 @dataclass(frozen=True, slots=True)
 class TaskClaim:
-    """What is refuted in a task whatever its parameters are; files are below ``proofs/TASK``."""
+    """What is refuted in a task for all parameters; the files are below ``proofs/TASK``."""
 
     task: str
     structures: tuple[StructureClaim, ...]
@@ -100,7 +100,7 @@ class TaskClaim:
 
 @dataclass(frozen=True, slots=True)
 class LeastClaim:
-    """An objective as it is written, what the robot has of it, and what none has less of."""
+    """An objective as written, the robot's value of it, and the lower bound for all robots."""
 
     objective: str
     value: str
@@ -109,12 +109,11 @@ class LeastClaim:
 
 @dataclass(frozen=True, slots=True)
 class MissionClaim:
-    """The claim about a ``mission`` of the spec, or about its task that a step is ``posed`` for.
+    """The claim about a ``mission`` of the spec, or about one task for which a step is ``posed``.
 
-    ``cost`` is what all changes cost, ``least`` what no robots cost less than.
-
-    Both are None where one robot does all tasks.  ``modules`` bounds the robots that it is about,
-    None: all of the family.
+    ``cost`` is the price of all changes, ``least`` the lower bound of it for any robots. Both are
+    None if one robot does all tasks. ``modules`` bounds the robots that the claim is about; None:
+    the whole family.
     """
 
     kind: Claimed
@@ -154,7 +153,8 @@ def mission_from_text(content: str) -> MissionClaim:
     """Read a claim.
 
     Raises:
-        CertificateError: it is none of this format, or was altered since it was written.
+        CertificateError: the text is not a claim of this format, or was altered since it was
+            written.
     """
     found = checked_object(content)
     if found.get("format") != FORMAT or isinstance(found.get("format"), bool):

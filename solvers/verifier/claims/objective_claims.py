@@ -1,7 +1,7 @@
-"""What a certificate of *found* claims of the objectives of its task.
+"""The claims of a certificate of *found* about the objectives of its task.
 
-Each has a value, and a least that no robot goes below that has of the objectives before what these
-leave.  The evidence is that all structures that might are refuted.
+Each objective has a value and a lower bound: no robot that keeps the limits set by the objectives
+before it has less. The evidence is that all structures that might have less are refuted.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from solvers.verifier.claims.structure_claims import StructureClaim, structure_c
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveValue:
-    """What a design has of an ``objective``, written as in the task, and the ``least`` of robots.
+    """The design's value of an ``objective``, written as in the task, and the ``least`` of robots.
 
-    Both are exact numbers in SI units, of ``effort`` a share.
+    Both are exact numbers in SI units; for ``effort`` they are shares.
     """
 
     objective: str
@@ -30,10 +30,10 @@ class ObjectiveValue:
 
 @dataclass(frozen=True, slots=True)
 class TimeClaim:
-    """No robot with at most ``modules`` modules does the task in at most so many ``steps``.
+    """No robot with at most ``modules`` modules does the task in ``steps`` steps or fewer.
 
-    ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, about the task with so
-    many steps at most; all are refuted by coverings.
+    ``structures`` and ``lemmas`` are as in an ``ImpossibleClaim``, about the task with at most this
+    many steps; all structures are refuted by coverings.
     """
 
     steps: int
@@ -44,12 +44,11 @@ class TimeClaim:
 
 @dataclass(frozen=True, slots=True)
 class ObjectivesClaim:
-    """The objectives of a task, in their order, and what their least values rest on.
+    """The objectives of a task, in order, and the evidence for their least values.
 
-    The robots that they are about have at most ``modules`` modules; None: any number.
-    ``structures`` and ``lemmas`` are as those of an ``ImpossibleClaim``, all with coverings; of the
-    words that are ``dearer`` no robot has less, whatever its parameters are.  What is claimed of
-    the least ``time`` has evidence of its own.
+    It is about robots with at most ``modules`` modules; None: any number. ``structures`` and
+    ``lemmas`` are as in an ``ImpossibleClaim``, all with coverings; robots of the ``dearer`` words
+    do not have less for any parameters. The least ``time`` has evidence of its own.
     """
 
     values: tuple[ObjectiveValue, ...]
@@ -65,7 +64,7 @@ def objectives_claim(item: dict[str, Any]) -> ObjectivesClaim:
     """The objectives of a JSON object.
 
     Raises:
-        TypeError, KeyError, ValueError: it is malformed.
+        TypeError, KeyError, ValueError: the object is malformed.
     """
     (fields,) = objects([item], ObjectivesClaim)
     dearer, time = fields["dearer"], fields["time"]
@@ -107,7 +106,7 @@ def _value(fields: dict[str, Any]) -> ObjectiveValue:
 def objective_entries(
     values: Sequence[ObjectiveValue], units: Sequence[str]
 ) -> list[dict[str, Any]]:
-    """What ``design.json`` says of objectives whose values have these units."""
+    """The entries of ``design.json`` for objectives whose values have these units."""
     return [
         {
             "objective": each.objective,

@@ -1,4 +1,4 @@
-"""The files of a result folder, plain and of a bounded size; and its copy of the spec."""
+"""Read the files of a result folder, of bounded size, and its copy of the spec."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from solvers.verifier.claims.certificate import (
 )
 from solvers.verifier.report import Outcome, Refused
 
-# --- One file of a result folder, which anybody may have written: plain, and of a bounded size ----
+# --- One file of a result folder; anybody may have written it, so its size is bounded -------------
 
 
 MOST_BYTES = 2**28
-"""Far more than any result has; what is larger would only fill the memory."""
+"""Far more than any result has; a larger file would only fill the memory."""
 
 
 def bounded_bytes(path: Path) -> bytes:
     """The bytes of a file.
 
     Raises:
-        OSError: it cannot be read, or is larger than any result.
+        OSError: the file cannot be read, or is larger than any result.
     """
     try:
         return read_file(path, MOST_BYTES)
@@ -47,20 +47,20 @@ def bounded_bytes(path: Path) -> bytes:
 
 
 def bounded_text(path: Path) -> str:
-    """The same as text.
+    """The text of a file.
 
     Raises:
-        OSError: as of :func:`bounded_bytes`.
-        UnicodeDecodeError: it is not UTF-8.
+        OSError: as for :func:`bounded_bytes`.
+        UnicodeDecodeError: the file is not UTF-8.
     """
     return bounded_bytes(path).decode("utf-8")
 
 
 def evidence_bytes(folder: Path, name: str) -> bytes:
-    """A file below a folder by the name that a certificate, which may say anything, gives it.
+    """The bytes of a file below a folder, by the name that an untrusted certificate gives it.
 
     Raises:
-        OSError: the name is none of a file in the folder, or it cannot be read.
+        OSError: the name is not that of a file in the folder, or the file cannot be read.
     """
     try:
         inside = (folder / name).resolve().is_relative_to(folder.resolve())
@@ -71,10 +71,9 @@ def evidence_bytes(folder: Path, name: str) -> bytes:
     return bounded_bytes(folder / name)
 
 
-# --- The copy of a spec in a result folder: the file, what it includes, maps and their images -----
-#
-# A claim is about all of these files, byte for byte, under the paths that they have below the
-# folder of the main file.
+# --- The copy of a spec in a result folder: main file, included files, maps, images ---------------
+# A claim is about all of these files, byte for byte, under their paths below the folder of the main
+# file.
 
 
 def files_of(sources: Iterable[Source]) -> dict[str, bytes]:
@@ -88,10 +87,10 @@ def read_copy(folder: Path, spec: str, digest: str) -> tuple[ir.Program, dict[st
     Args:
         folder: the folder.
         spec: the path of the main file in it.
-        digest: that of all files.
+        digest: the digest of all files.
 
     Raises:
-        CertificateError: a file is missing, altered or one too many, or the program has errors.
+        CertificateError: a file is missing, altered or superfluous, or the program has errors.
         OSError: a file cannot be read.
     """
     files = spec_files(folder)
@@ -111,9 +110,9 @@ def read_copy(folder: Path, spec: str, digest: str) -> tuple[ir.Program, dict[st
 
 
 def difference_from(files: Mapping[str, bytes], spec: str, other: Path) -> str | None:
-    """Where a copy and another file with all that it includes differ: a path, or None.
+    """The first path at which a copy differs from another spec and its included files, or None.
 
-    How the other main file is called does not matter; what it includes, it includes by name.
+    The name of the other main file does not matter; included files are compared by name.
 
     Raises:
         OSError: the other file cannot be read.
@@ -127,20 +126,20 @@ def difference_from(files: Mapping[str, bytes], spec: str, other: Path) -> str |
 
 
 def difference(files: Mapping[str, bytes], others: Mapping[str, bytes]) -> str | None:
-    """The first path at which not both hold the same bytes."""
+    """The first path at which the two do not hold the same bytes, or None."""
     paths = sorted(files.keys() | others.keys())
     return next((path for path in paths if files.get(path) != others.get(path)), None)
 
 
-# --- What a claim is about: the folder's own copy of the spec, its task, its cells ----------------
+# --- The subject of a claim: the folder's own copy of the spec, its task, its cells ---------------
 
 
 @dataclass(frozen=True, slots=True)
 class ClaimedTask:
-    """A claim with the program and the task that it is about; ``cells`` are cut as it says.
+    """A claim with its program and task; ``cells`` are cut as it says.
 
-    ``task`` is that of the motion that a robot is claimed with, of its number of steps; ``asked``
-    is the task as it is stated.
+    ``task`` is the task with the number of steps of the claimed motion; ``asked`` is the task as
+    stated.
     """
 
     claim: Claim
@@ -151,26 +150,26 @@ class ClaimedTask:
 
 
 def read_claim(folder: Path) -> Claim:
-    """What the certificate of a result folder claims.
+    """The claim of the certificate in a result folder.
 
     Raises:
-        CertificateError: the certificate is none.
+        CertificateError: the file is not a certificate.
         OSError, UnicodeDecodeError: it cannot be read.
     """
     return from_text(bounded_text(folder / "certificate.json"))
 
 
 def claimed_task(folder: Path, claim: Claim, spec: Path | None = None) -> ClaimedTask:
-    """A claim with what it is about.
+    """A claim with its program, task and cells.
 
     Args:
-        folder: the result folder that it is from.
+        folder: the result folder of the claim.
         claim: the claim.
-        spec: a spec file it must be about, besides the folder's own copy.
+        spec: a spec file that the claim must be about, in addition to the folder's own copy.
 
     Raises:
         CertificateError: the copy of the spec is not the one that is claimed.
-        Refused: it is about another spec, or cannot be judged.
+        Refused: the claim is about another spec, or cannot be judged.
         OSError: the copy cannot be read.
     """
     program = spec_of(folder, claim.spec, claim.spec_sha256, spec)
@@ -189,10 +188,10 @@ def claimed_task(folder: Path, claim: Claim, spec: Path | None = None) -> Claime
 
 
 def task_of_motion(claim: FoundClaim, task: ir.Task) -> ir.Task:
-    """The task of motions of as many steps as a claim has, where the task leaves their number open.
+    """The task with the number of steps of the claim, if the task leaves this number open.
 
     Raises:
-        Refused: they are too many, or none.
+        Refused: the claim has too many or too few steps.
     """
     if not task.at_most:
         return task
@@ -208,12 +207,12 @@ def spec_of(folder: Path, spec: str, digest: str, other: Path | None) -> ir.Prog
     Args:
         folder: the result folder.
         spec: the main file that a claim names.
-        digest: that of all files, which it names, too.
-        other: a file that the claim must be about, besides the copy.
+        digest: the digest of all files that the claim names.
+        other: a file that the claim must be about, in addition to the copy.
 
     Raises:
-        CertificateError: the copy is another one.
-        Refused: the other file is.
+        CertificateError: the copy is not the one that is claimed.
+        Refused: the other file differs from the copy.
         OSError: the copy cannot be read.
     """
     program, files = read_copy(folder / "spec", spec, digest)
@@ -229,7 +228,7 @@ def spec_of(folder: Path, spec: str, digest: str, other: Path | None) -> ir.Prog
 
 
 def _cells(workspace: ir.Workspace) -> Abstraction:
-    """The cells of the spec's workspace, which has errors where it has none."""
+    """The cells of the spec's workspace; a spec without them has errors."""
     try:
         return abstract(workspace)
     except ValueError as error:
@@ -237,7 +236,7 @@ def _cells(workspace: ir.Workspace) -> Abstraction:
 
 
 def _cut(cells: Abstraction, claim: FoundClaim) -> Abstraction:
-    """The cells after the cuts of a claim, which are made in turn."""
+    """The cells after the cuts of a claim, made in order."""
     cuts = [Cut(cell, half_space) for cell, half_space in exact_cuts(claim.cuts)]
     if any(len(cut.half_space.normal) != cells.dimension for cut in cuts):
         raise Refused(f"a cut of a cell is not given by {cells.dimension} coordinates")

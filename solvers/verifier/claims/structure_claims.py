@@ -1,4 +1,4 @@
-"""What a certificate claims of one structure that is refuted on its own."""
+"""The claim of a certificate about one structure that is refuted on its own."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from solvers.verifier.claims.json_fields import number, objects, text, texts
 class StructureClaim:
     """One structure, refuted by a script (``evidence``), by a covering (``boxes``), or by both.
 
-    Paths of files; those of a structure that is the same robot as an earlier one are its.
+    Both are paths of files. A structure that is the same robot as an earlier one shares its files.
     """
 
     word: tuple[str, ...]
@@ -25,7 +25,7 @@ def structure_claims(items: object) -> tuple[StructureClaim, ...]:
     """The structures of a list of JSON objects.
 
     Raises:
-        TypeError, KeyError: it is malformed.
+        TypeError, KeyError: the list is malformed.
     """
     return tuple(
         StructureClaim(

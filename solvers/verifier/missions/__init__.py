@@ -1,1 +1,1 @@
-"""The check of missions: designs that belong together, and robots that cannot do their tasks."""
+"""Check missions: designs that belong together, and robots that cannot do their tasks."""

@@ -1,7 +1,7 @@
-"""The check of a mission: every design on its own, what they have in common, and what is least.
+"""Check a mission: each design on its own, then one robot or the costs, then lower bounds.
 
-Nothing of the search is used.  The designs are verified as results of their own; that they are one
-robot, or what rebuilding them costs, is computed from their certificates.
+No code of the search is used. The designs are verified as results of their own. Whether they are
+one robot, and otherwise what rebuilding costs, is computed from their certificates.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ TASKS = "tasks"
 
 @dataclass(frozen=True, slots=True)
 class MissionReport:
-    """What was checked of a ``mission``; ``tasks`` has the reports on its designs."""
+    """The result of checking a ``mission``; ``tasks`` has the reports on its designs."""
 
     report: Report
     tasks: tuple[tuple[str, Report], ...] = ()
@@ -60,15 +60,15 @@ def verify_mission(
     mission: str | None = None,
     verdict: Claimed | None = None,
 ) -> MissionReport:
-    """Check the claim of a result folder of a mission.
+    """Check the claim of a mission's result folder.
 
     Args:
         folder: a folder written by ``srgc synth --mission`` or ``srgc evolve``.
-        spec: a spec file the result must be about, besides its own copy.
-        trust: names of SMT solvers whose ``unsat`` is believed, as for a task.
-        watch: told of what is done.
-        mission: the claim must be about this mission.
-        verdict: it must have this verdict.
+        spec: a spec file that the result must be about, in addition to the folder's own copy.
+        trust: names of SMT solvers whose ``unsat`` is trusted, as for a task.
+        watch: receives progress.
+        mission: the mission that the claim must be about.
+        verdict: the verdict that the claim must have.
     """
     claim: MissionClaim | None = None
     try:
@@ -139,7 +139,7 @@ def _judged(
 
 
 def _mission(claim: MissionClaim, program: ir.Program) -> ir.Mission:
-    """The mission of the claim: one of the file, or one step from a robot that there is."""
+    """The mission of the claim: one of the file, or one step from an existing robot."""
     if claim.posed is None:
         mission = program.missions.get(claim.mission)
         if mission is None:
@@ -197,7 +197,7 @@ def _impossible(
 
 
 def _check_bound(claim: MissionClaim, program: ir.Program, mission: ir.Mission) -> None:
-    """The claim is about all robots up to the least bound on modules of the tasks."""
+    """Check that the claim is about all robots up to the tasks' least bound on modules."""
     bounds = [program.tasks[name].modules for name in mission.tasks]
     most = min((bound for bound in bounds if bound is not None), default=None)
     if claim.modules != most:

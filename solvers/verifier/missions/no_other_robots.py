@@ -1,8 +1,8 @@
-"""What follows from the evidence of a mission: that no robots do it, or none for less.
+"""The conclusions from a mission's evidence: that no robots do it, or that none do it for less.
 
-One robot: every word is one of a lemma or listed, and all derivations of those that are listed are
-refuted in some task, whole or box by box.  Robots that are rebuilt: the cheapest chain of those
-that are left is a bound on what any robots cost.
+One robot: every word satisfies a lemma or is listed, and each derivation of a listed word is
+refuted in some task, as a whole or box by box. Rebuilt robots: the cheapest chain of robots that
+are not refuted is a lower bound on the cost of any robots.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from solvers.verifier.refutations.word_coverage import (
 )
 
 MOST_ROBOTS = 1000
-"""As in the search: so many structures are compared with each other."""
+"""The most structures that are compared with each other, as in the search."""
 
 
 # --- One robot ------------------------------------------------------------------------------------
@@ -46,17 +46,17 @@ def no_one_robot(
     limits: Sequence[tuple[Amount, Fraction]] = (),
     less: tuple[Amount, Fraction] | None = None,
 ) -> None:
-    """No robot does all tasks, of those within limits and with less of an amount than is said.
+    """Check that no robot does all tasks, within the limits and with less of an amount.
 
     Args:
         claim: the claim.
         robots: what is refuted in each task.
-        modules: a bound on the modules of robots; None: there is none.
-        limits: amounts, and what robots have of each at most.
-        less: an amount, and what they have less of; None: all robots are meant.
+        modules: a bound on the modules of robots; None for no bound.
+        limits: amounts, and the most that robots may have of each.
+        less: an amount and a value; robots have less than this value. None: all robots.
 
     Raises:
-        FalseClaim: that is not proved.
+        FalseClaim: this is not proved.
     """
     family = robots[0].family
     trees = {
@@ -98,7 +98,7 @@ def _check_word(
     robots: Sequence[RefutedRobots],
     trees: dict[Labels, BoxTree],
 ) -> None:
-    """All derivations of a word are refuted in some task."""
+    """Check that each derivation of a word is refuted in some task."""
     for derivation in structures_of(family.language, [word]):
         tree = trees.get(derivation.labels)
         if tree is not None and tree.is_refuted:
@@ -112,7 +112,7 @@ def _check_word(
 
 @dataclass(frozen=True, slots=True)
 class LeftRobots:
-    """The cheapest robots that are left, by the modules of each, and what they cost at least."""
+    """The modules of each robot in the cheapest chain that is not refuted, and its least cost."""
 
     cost: Fraction
     robots: tuple[tuple[str, ...], ...]
@@ -125,10 +125,10 @@ def least_cost(
     existing: Built | None,
     modules: int | None,
 ) -> Fraction | None:
-    """What no chain of robots that are left costs less than; None: no chain is left.
+    """A lower bound on the cost of any chain of robots not refuted; None if there is no such chain.
 
     Raises:
-        FalseClaim: the robots are too many, or infinitely many, to be compared.
+        FalseClaim: there are too many structures, or infinitely many, to compare them.
     """
     left = cheapest_left(mission, prices, robots, existing, modules)
     return None if left is None else left.cost
@@ -141,10 +141,10 @@ def cheapest_left(
     existing: Built | None,
     modules: int | None,
 ) -> LeftRobots | None:
-    """The cheapest chain of robots that are left; None: there is none.
+    """The cheapest chain of robots that are not refuted; None if there is no such chain.
 
     Raises:
-        FalseClaim: the robots are too many, or infinitely many, to be compared.
+        FalseClaim: there are too many structures, or infinitely many, to compare them.
     """
     first = robots[0]
     language, bounds = first.family.language, [each.task.modules for each in robots]

@@ -1,4 +1,4 @@
-"""What the evidence of a mission refutes: structures, words of lemmas, and boxes of parameters."""
+"""The robots that a mission's evidence refutes: structures, words of lemmas, parameter boxes."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ Labels = tuple[str, ...]
 
 @dataclass(slots=True)
 class RefutedRobots:
-    """What is refuted in one task; ``task`` is one of ``program``, both without maps.
+    """What is refuted in one task; ``task`` is a task of ``program``, both without maps.
 
-    ``by_boxes`` says of each piece of evidence whether no solver has to be believed for it.
+    ``by_boxes`` says of each piece of evidence whether it is a covering, which needs no solver.
     """
 
     program: ir.Program
@@ -53,15 +53,15 @@ class RefutedRobots:
     separated: bool = False
 
     def is_refuted(self, derivation: Derivation) -> bool:
-        """Whether a structure is refuted, whatever its parameters are."""
+        """Whether a structure is refuted for all its parameters."""
         return derivation.labels in self.structures or self.has_lemma(derivation.word)
 
     def has_lemma(self, word: Sequence[str]) -> bool:
-        """Whether a lemma is about a word."""
+        """Whether a lemma covers a word."""
         return any(_accepts(each, word) for each in self.readers)
 
     def model(self, derivation: Derivation) -> RobotModel | None:
-        """The robot of a structure; None where it is none."""
+        """The robot of a structure; None if the structure is not a robot."""
         try:
             return robot_in_task(self.family, self.task.origin, derivation)
         except SemanticsError:
@@ -83,10 +83,10 @@ def refuted_robots(
     trust: tuple[SmtSolver, ...],
     watch: Watch,
 ) -> list[RefutedRobots]:
-    """What the evidence of all tasks refutes, in their order; of the boxes of one task, there.
+    """What the evidence refutes in each task, in order; the boxes of one task count in that task.
 
     Raises:
-        FalseClaim: a piece of evidence does not show what it is to show.
+        FalseClaim: a piece of evidence does not prove what it claims.
     """
     if [each.task for each in claim.tasks] != list(tasks):
         raise FalseClaim("the evidence is not that of the tasks of the mission")
@@ -133,7 +133,7 @@ def _of_task(
 
 
 def _listed(own: TaskClaim, family: RobotFamily, task: ir.Task) -> Iterator[Candidate]:
-    """The structures that are listed, as the family has them."""
+    """The listed structures, rebuilt from the family."""
     for number, each in enumerate(own.structures):
         derivation = replayed(family, each.derivation)
         try:
@@ -146,7 +146,7 @@ def replayed(family: RobotFamily, labels: Labels) -> Derivation:
     """The derivation with these labels.
 
     Raises:
-        FalseClaim: there is none.
+        FalseClaim: there is no such derivation.
     """
     try:
         return family.replay(labels)
@@ -158,10 +158,10 @@ def replayed(family: RobotFamily, labels: Labels) -> Derivation:
 
 
 def tree_of(claim: BoxesClaim, tasks: Sequence[RefutedRobots]) -> BoxTree:
-    """The boxes of a structure, of which those are refuted that a covering refutes.
+    """The boxes of a structure's parameters, with those marked that a covering refutes.
 
     Raises:
-        FalseClaim: a covering does not, or the boxes are none.
+        FalseClaim: a covering does not refute its box, or the boxes are malformed.
     """
     first = tasks[claim.task or 0]
     derivation = replayed(first.family, claim.derivation)

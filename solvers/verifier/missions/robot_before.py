@@ -1,8 +1,8 @@
-"""The robot that there is before the first task of a mission, and where it comes from.
+"""The robot that exists before the first task of a mission, and where it comes from.
 
-Of a mission of the spec that is the robot of a `from`.  Of one step it is the robot of a result in
-the history of the folder, which is verified like any other; prices and what is free are those that
-the claim states.
+For a mission of the spec it is the robot of a ``from``. For a single step it is the robot of a
+result in the history of the folder, which is verified like any other result; the prices and the
+free parameters are those that the claim states.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ _SOURCE = re.compile(r"history/[0-9]{1,6}(/tasks/[A-Za-z_][A-Za-z0-9_]*)?")
 
 @dataclass(frozen=True, slots=True)
 class RobotBefore:
-    """The robot that there is, None without one; ``said`` tells of it where a step begins so."""
+    """The existing robot, None without one; for a single step, ``said`` describes it."""
 
     robot: Built | None
     said: tuple[CheckedCondition, ...] = ()
 
 
 def posed_mission(task: str, posed: PosedClaim, program: ir.Program) -> ir.Mission:
-    """A mission of one task, for a robot that there is.
+    """A mission of one task that starts from an existing robot.
 
     Raises:
-        CertificateError: a price is none, or there is no such parameter.
+        CertificateError: a price is malformed, or a free parameter does not exist.
     """
     prices = [exact(text) for text in (posed.add, posed.remove, posed.change)]
     most = None if posed.most is None else exact(posed.most)
@@ -65,11 +65,11 @@ def robot_before(
     trust: str | None,
     watch: Watch,
 ) -> RobotBefore:
-    """The robot that there is before the first task, as the claim has it, where that is true.
+    """The robot before the first task, after checking what the claim says about it.
 
     Raises:
-        Refused: it is another one, or the result that it comes from is not valid.
-        CertificateError, OSError: that cannot be read.
+        Refused: it is another robot, or the result that it comes from is not valid.
+        CertificateError, OSError: the result cannot be read.
     """
     origin, stated = program.tasks[mission.tasks[0]].origin, claim.existing
     if claim.posed is None:
@@ -95,7 +95,7 @@ def robot_before(
 
 
 def _posed_text(stated: ExistingClaim, posed: PosedClaim) -> str:
-    """From which robot a step begins, and what may change at which price."""
+    """The existing robot in words, with the prices and the parameters that may change."""
     text = f"from {' '.join(stated.word)} of {stated.source}: add {posed.add}, "
     text += f"remove {posed.remove}"
     if posed.free:
@@ -107,7 +107,7 @@ def _posed_text(stated: ExistingClaim, posed: PosedClaim) -> str:
 def _check_source(
     folder: Path, stated: ExistingClaim, program: ir.Program, trust: str | None, watch: Watch
 ) -> None:
-    """The robot that there is before is that of the result that it comes from, which is valid."""
+    """Check that the result that the robot comes from is valid and has this robot."""
     if not _SOURCE.fullmatch(stated.source):
         raise Refused("the robot before is of no result in the history")
     source = folder / stated.source
@@ -127,7 +127,7 @@ def _check_source(
 
 
 def _check_module(name: str, earlier: ir.Program, program: ir.Program) -> None:
-    """The spec has a module of the existing robot, with the same parameters."""
+    """Check that the spec has a module of the existing robot, with the same parameters."""
     if name not in program.modules:
         raise Refused(f"the robot before has a module `{name}` that the spec does not know")
     if parameter_names(earlier.modules[name]) != parameter_names(program.modules[name]):

@@ -1,4 +1,4 @@
-"""What the designs of a mission have in common: one robot, or what rebuilding them costs."""
+"""Check a mission's designs together: they are one robot, or rebuilding has its stated cost."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def conditions_together(
     claims: Sequence[FoundClaim],
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
-    """What holds of all designs together.
+    """Check all designs together and return the conditions that hold.
 
     Raises:
         Refused, FalseClaim: the claim is false.
@@ -92,7 +92,7 @@ def _check_least(
 
 
 def _built(claims: Sequence[FoundClaim], program: ir.Program) -> list[Built]:
-    """The robots of some designs."""
+    """The robots of the designs."""
     return [built(each.word, program.modules, _values(each.parameters)) for each in claims]
 
 
@@ -128,7 +128,7 @@ def _objectives(
     found: FoundClaim,
     watch: Watch,
 ) -> list[CheckedCondition]:
-    """What is claimed of objectives of the robot, which holds."""
+    """Check the claimed objectives of the robot and return the conditions that they state."""
     task = program.tasks[mission.tasks[0]]
     known = [
         each
@@ -170,6 +170,6 @@ def _objectives(
 
 
 def _close(bounds: tuple[Fraction, Fraction]) -> Fraction:
-    """By how much more may be stated than bounds say; nothing where the value is rational."""
+    """How far above the bounds a stated value may be; zero if the value is rational."""
     low, high = bounds
     return Fraction(0) if low == high else Fraction(1, 10**9) * max(Fraction(1), abs(high))

@@ -1,1 +1,1 @@
-"""Validated integration, and what is proved along the tube."""
+"""Validated integration, and the proofs along the resulting tube."""

@@ -1,4 +1,4 @@
-"""A box that no solution leaves."""
+"""A priori enclosures: a box that no solution leaves during a step."""
 
 from __future__ import annotations
 
@@ -21,57 +21,57 @@ from solvers.verifier.proofs.linearisation import InertiaMatrix, Linearisation
 from solvers.verifier.proofs.path import Path
 from solvers.verifier.proofs.vector_field import VectorField
 
-# --- A box that no solution leaves, by the comparison of deviations -------------------------------
+# --- A box that no solution leaves, by comparison of deviations -----------------------------------
 #
-# Let p be a path with defect rho, and x a solution for inputs u + d(t), d measurable with
-# |d(t)| <= delta, from x(0) = p(0) + e(0), |e(0)| <= r.  By the mean value theorem along the
-# homotopy (p + h e, u + h d), 0 <= h <= 1 (Clarke's generalised Jacobian at kinks),
+# Let p be a path with defect rho, and x a solution for inputs u + d(t), d measurable with |d(t)| <=
+# delta, from x(0) = p(0) + e(0), |e(0)| <= r.  By the mean value theorem along the homotopy
+# (p + h e, u + h d), 0 <= h <= 1 (Clarke's generalised Jacobian at kinks),
 #
 # .. math::
 #     \dot e_q = e_v, \qquad N(x)\,\dot e_w = R\,e + B\,d + \rho,
 #
 # where R and B lie in the hulls of the derivatives of (b - M a, d) in the state, at a = p_v', and
-# in u, over all that lies between.  As long as |e| <= E this is e' = A(t) e + c(t) with A, c
+# in u, over the whole homotopy. As long as |e| <= E this is e' = A(t) e + c(t) with A, c
 # measurable, |A| <= J, |c| <= k entry by entry, J and k non-negative bounds over p([0, H]) + E.
 # Hence |e(t)| <= y(t) with y' = J y + k, y(0) = r: a linear cooperative comparison system (Walter,
 # *Differential and integral inequalities*, 1970; Kapela & Zgliczynski, *A Lohner-type algorithm for
-# control systems and ordinary differential inclusions*, 2009, theorem 4.1).  If y(H) < E then e
-# never reaches the boundary of E: were t the first time that it does, |e(t)| <= y(t) <= y(H) < E.
-# So the solution exists on [0, H] and stays in p + E.
+# control systems and ordinary differential inclusions*, 2009, theorem 4.1). If y(H) < E then e
+# never reaches the boundary of E: if t were the first time that it does, then |e(t)| <= y(t) <=
+# y(H) < E. So the solution exists on [0, H] and stays in p + E.
 
 
 MOST_TRIALS = 6
 COMPARISON_TERMS = 8
 MOST_RATIO = 0.5
-"""Terms of a series that is cut off get smaller by this factor at least."""
+"""The terms of a series must shrink by at least this factor for it to be cut off."""
 LEAST_WEIGHT, WEIGHT_ROUNDS = arb(2) ** -60, 3
 FIRST_INFLATION, FURTHER_INFLATION = arb(1.25), arb(1.125)
 DEFECT_INFLATION = 16
 LEAST_INFLATION = arb(2) ** -200
-"""A box needs an interior, even where nothing deviates."""
+"""A box needs an interior, even if nothing deviates."""
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """The stated inputs of a step, and how far those in force may differ from them."""
+    """The stated inputs of a step, and how far the actual inputs may differ from them."""
 
     stated: list[arb]
     disturbance: list[arb]
 
     @property
     def is_disturbed(self) -> bool:
-        """Whether they may differ at all."""
+        """Whether the inputs may differ at all."""
         return not all(item == 0 for item in self.disturbance)
 
     @property
     def all(self) -> list[arb]:
-        """Balls that hold all inputs in force."""
+        """Balls that hold all possible inputs."""
         return [u + SIGNS * d for u, d in zip(self.stated, self.disturbance, strict=True)]
 
 
 @dataclass(frozen=True, slots=True)
 class NearPath:
-    """A path, bounds of its defect and of |e(0)|, and what drives those near it."""
+    """A path, bounds of its defect and of |e(0)|, and the inputs of solutions near it."""
 
     path: Path
     defect: list[arb]
@@ -81,9 +81,9 @@ class NearPath:
 
 @dataclass(frozen=True, slots=True)
 class LinearPart:
-    """What deviations within a box obey, |e| <= E, but for what pushes them.
+    """The linear part of the equation for deviations within a box, |e| <= E.
 
-    ``rates`` is the bound J of |A|, shape (size, size), ``lower`` encloses A but for its first
+    ``rates`` is the bound J of |A|, shape (size, size); ``lower`` encloses A without its first
     rows; ``inertia`` solves with N(x) for every x in the box; ``middle`` and ``over`` enclose N and
     R as series.
     """
@@ -99,9 +99,9 @@ class LinearPart:
 class Steady:
     """What disturbed inputs add on [0, H].
 
-    At H it is ``columns`` r (size, 3 m), all |r_j| <= 1, plus what ``rest`` pushes; ``reach``
-    bounds the former at every instant.  Of disturbances that stay at their bounds it is
-    ``constant``.
+    At H it is ``columns`` r (size, 3 m), all |r_j| <= 1, plus the response to ``rest``; ``reach``
+    bounds the first part at every instant. For disturbances that stay at their bounds the first
+    part is ``constant``.
     """
 
     columns: arb_mat
@@ -114,8 +114,9 @@ class Steady:
 class Deviation:
     """How solutions deviate from a path on [0, H].
 
-    ``radii`` is E, ``push`` the bound k, of which ``residue`` is the defect's part (without the
-    coordinates' zeros).  ``steady`` is what disturbed inputs add, None without disturbances.
+    ``radii`` is E; ``push`` is the bound k, and ``residue`` the part of it due to the defect
+    (without the zeros of the coordinates). ``steady`` is what disturbed inputs add, None without
+    disturbances.
     """
 
     radii: list[arb]
@@ -126,11 +127,11 @@ class Deviation:
 
 
 def comparison(rates: arb_mat, push: Sequence[arb], start: Sequence[arb], time: arb) -> list[arb]:
-    """Bounds of y(time), y' = J y + k, y(0) = start, all entries being non-negative.
+    """Bounds of y(time), y' = J y + k, y(0) = start, with all entries non-negative.
 
-    The Taylor terms y_j of y obey y_{j+1} = J y_j / (j + 1) from the second on; the tail of the
-    series is at most the geometric one in the norm max |y_i| / w_i, whatever w > 0: w = 1, or where
-    entries differ by orders of magnitude, as those of a shoulder and a wrist, about y itself.
+    The Taylor terms y_j of y obey y_{j+1} = J y_j / (j + 1) from the second on. The tail of the
+    series is at most the geometric one in the norm max |y_i| / w_i, for any w > 0: w = 1 or, if
+    entries differ by orders of magnitude, as those of a shoulder and a wrist do, w near y itself.
 
     Raises:
         ZeroDivisionError: J time is too large for the series to be cut off.
@@ -154,14 +155,14 @@ def comparison(rates: arb_mat, push: Sequence[arb], start: Sequence[arb], time: 
 
 
 def _growth(scaled: arb_mat, weights: Sequence[arb]) -> arb:
-    """By how much the term after the last one may be larger, in the norm with these weights."""
+    """The factor by which the next term may exceed the last, in the norm with these weights."""
     moved = scaled * column(weights)
     ratios = [x / w for x, w in zip(moved.entries(), weights, strict=True)]
     return _largest(ratios) / (COMPARISON_TERMS + 1)
 
 
 def _weights(scaled: arb_mat, total: arb_mat) -> list[arb]:
-    """Weights in which what a matrix adds to an entry is no larger than that by orders."""
+    """Weights near ``total``: what the matrix adds to an entry is at most of its order."""
     least = _largest(total.entries()) * LEAST_WEIGHT
     weights = column([item.upper().max(least) for item in total.entries()])
     for _ in range(WEIGHT_ROUNDS):
@@ -177,12 +178,12 @@ def _largest(values: Sequence[arb]) -> arb:
 
 
 def deviation(field: VectorField, near: NearPath, degree: int) -> Deviation | None:
-    """A validated box of deviations, or None.
+    """A validated box of deviations, or None if none was found.
 
-    ``degree`` is that of the series by which N and R are enclosed, 0 for plain ranges.
+    ``degree`` is the degree of the series that enclose N and R, 0 for plain ranges.
 
     Raises:
-        ZeroDivisionError: M may be singular on the box, or it grows too fast.
+        ZeroDivisionError: M may be singular on the box, or the comparison system grows too fast.
         UncertainSignError: an absolute value is not smooth enough for this degree.
     """
     radii = [
@@ -201,7 +202,7 @@ def deviation(field: VectorField, near: NearPath, degree: int) -> Deviation | No
 
 
 def _guess(near: NearPath) -> list[arb]:
-    """What the defect may add at most, of a robot of ordinary inertia."""
+    """A first guess of what the defect may add, for a robot of ordinary inertia."""
     time = near.path.length
     worst = arb(0)
     for item in near.defect:
@@ -212,7 +213,7 @@ def _guess(near: NearPath) -> list[arb]:
 
 
 def narrowed(field: VectorField, near: NearPath, radii: Sequence[arb], degree: int) -> Deviation:
-    """J and k for a box; that it holds all deviations is not validated here.
+    """J and k for a box; this does not validate that the box holds all deviations.
 
     Raises:
         ZeroDivisionError: M may be singular on the box.
@@ -244,7 +245,7 @@ def steady_part(
     linear: LinearPart,
     residue: arb_mat,
 ) -> Steady:
-    """What disturbed inputs add, by the two first moments of when they differ, and the rest.
+    """What disturbed inputs add, split into two first moments of the disturbance and a rest.
 
     Let G be ``slopes``, d the disturbance, |d| <= ``bounds``, G' the midpoint of G, T near A G', w
     the integral of d, and W that of w.  Then z = e - G' w - T W obeys
@@ -252,10 +253,10 @@ def steady_part(
         z' = A z + (A G' - T) w + A T W + defect + (G - G') d,
 
     |w(t)| <= ``bounds`` t and |W(t)| <= ``bounds`` t^2 / 2.  The means of these bounds are enough:
-    weights exp(J (H - t)) fall where they rise (Chebyshev's integral inequality).  So e(H) is what
-    z gets to, plus an image of a set, in which coordinates and rates go together, where a bound of
-    |e| is a box: with |d| <= 1 and x = w(H) / H, W(H) = H w(H) / 2 + m H^2, |m| <= (1 - x^2) / 4,
-    which is at most (1 - |x|) / 4 + 1 / 16.
+    weights exp(J (H - t)) fall where they rise (Chebyshev's integral inequality).  So e(H) is z(H)
+    plus the image of a set that couples coordinates and rates, which a box around |e| would not:
+    with |d| <= 1 and x = w(H) / H, W(H) = H w(H) / 2 + m H^2, |m| <= (1 - x^2) / 4, which is at
+    most (1 - |x|) / 4 + 1 / 16.
     """
     size = column(bounds)
     dofs = linear.rates.nrows() - slopes.nrows()

@@ -1,7 +1,7 @@
-"""A body, or an effector, that stays away from a convex obstacle.
+"""Constraints that a body or an effector stays away from a convex obstacle.
 
-Two convex sets are apart by as much as the direction between their nearest points shows.  That one
-is found in floats; what it shows is computed in balls.
+A lower bound of the distance of two convex sets follows from the direction between their nearest
+points. The direction is found in floats; the bound that it gives is computed in balls.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from solvers.verifier.proofs.tube_checks import Constraint, Row
 Point: TypeAlias = Sequence[arb]
 
 RIM_ROUNDS = 3
-"""So often the points of rims that are lowest in a direction are added, and it is found anew."""
+"""How often the lowest points of rims are added and the direction is computed again."""
 LOWEST = 8
-"""In so many directions the corners of hulls are looked at that may be around zero."""
+"""The number of directions in which corners of hulls that may surround zero are looked for."""
 GLANCE = 0.5
-"""A direction is renewed where it shows less than this part of what it did."""
+"""A direction is renewed if it shows less than this fraction of its earlier distance."""
 
 
 @dataclass(slots=True)
 class Apart(Constraint):
     """The hull of some points stays away from a convex obstacle by more than a distance.
 
-    What ``extensions`` add to every point counts with it.
-    ``vertices`` is empty for an unbounded obstacle, whose own facets are then the only candidates.
-    The direction that separated them last is tried first: it mostly does so again.
+    The ``extensions`` are added to every point. ``vertices`` is empty for an unbounded obstacle;
+    its own facets are then the only candidate directions. The direction that separated the two last
+    is tried first, since it usually does so again.
     """
 
     rows: tuple[Row, ...] = ()
@@ -44,19 +44,19 @@ class Apart(Constraint):
     distance: arb = field(default_factory=lambda: arb(0))
     last: Row | None = None
     shown: float = 0.0
-    """By how much they were apart in the last direction when that was the best one."""
+    """The distance in the last direction when that was the best one."""
 
     def glance(self, over: Slice) -> float:
-        """The distance in the last direction, unless that may have become a bad one."""
+        """The distance in the last direction, or -inf if that direction may be a bad one by now."""
         if self.last is None:
             return float("-inf")
         lower = _lower(self._along(self.last, over))
         return lower if lower >= min(self.hope, GLANCE * self.shown) else float("-inf")
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
-        """The distance along the best separating direction, less what is asked.
+        """The distance along the best separating direction, minus the required distance.
 
-        Where the last direction shows as much as is known of the motion before, no other is tried.
+        If the last direction shows as much as is known of the motion before, no other is tried.
         """
         best = arb("-inf"), arb("-inf")
         if self.last is not None:
@@ -71,7 +71,7 @@ class Apart(Constraint):
         return best
 
     def _along(self, row: Row, over: Slice) -> tuple[arb, arb]:
-        """The distance in one direction less what is asked: over the slice, and at its middle."""
+        """The distance in a direction minus the required one: over the slice, and at its middle."""
         lower, centre = arb("inf"), arb("inf")
         for value, at in lowest(over, row.normal, self.points, self.extensions):
             lower, centre = lower.min(value), centre.min(at)
@@ -81,7 +81,7 @@ class Apart(Constraint):
         )
 
     def _between(self, over: Slice) -> list[Row]:
-        """The half-space of the obstacle whose normal leads from it to the points."""
+        """The half-space around the obstacle whose normal points from it to the points."""
         if not self.vertices:
             return []
         normal = tuple(arb(x) for x in self._nearest(over)[1].difference)
@@ -96,7 +96,7 @@ class Apart(Constraint):
     def _nearest(self, over: Slice) -> tuple[list[Corner], Nearest]:
         """Corners at the middle of a slice, and where their hull is nearest to the obstacle.
 
-        Those of discs that are lowest in the direction found are added, a few times.
+        The lowest rim points of discs in the direction found are added, a few times.
         """
         obstacle = [[float(x) for x in vertex] for vertex in self.vertices]
         rims = [list[Rim]() for _ in self.extensions]
@@ -167,9 +167,9 @@ class Apart(Constraint):
 class BodiesApart(Apart):
     """Two bodies stay apart: the hull of their points' differences stays away from zero.
 
-    The differences are the ``points``, those with the first point of the first body in front, and
-    the ``extensions`` are of the first body, then of the second.  ``body`` are the points of the
-    first body itself, and ``shape`` what it adds to them, of which ``place`` tells.
+    The differences are the ``points``, ordered by the point of the first body; the ``extensions``
+    are those of the first body, then of the second. ``body`` are the points of the first body
+    itself, and ``shape`` its extensions; ``where`` uses both.
     """
 
     body: tuple[int, ...] = ()
@@ -185,7 +185,7 @@ class BodiesApart(Apart):
         return _nearer(nearest, [arb(0)] * len(nearest), self.distance)
 
     def _around(self, over: Slice, places: list[list[arb]]) -> list[list[arb]]:
-        """Corners that may surround zero: of hulls those that are lowest all around."""
+        """Corners that may surround zero; for hulls, the lowest ones in several directions."""
         if not has_hull(self.extensions):
             return places
         rims = [()] * len(self.extensions)
@@ -215,7 +215,7 @@ class BodiesApart(Apart):
 def _nearest_of_many(
     many: ManyCorners, obstacle: Sequence[Sequence[float]]
 ) -> tuple[list[Corner], Nearest]:
-    """The corners that the nearest point is between, and where it is."""
+    """The corners with a positive weight in the nearest point, and where it is."""
     found = nearest_points(many.places, obstacle)
     counted = [number for number, share in enumerate(found.left) if share > 0]
     left = tuple(found.left[number] for number in counted)
@@ -223,7 +223,7 @@ def _nearest_of_many(
 
 
 def _place(shares: Sequence[float], over: Slice, found: Sequence[Corner]) -> tuple[float, ...]:
-    """About the point of the hull of corners in which each counts its share."""
+    """The approximate point of the hull of corners that has these weights."""
     counted = [(max(0.0, share), corner) for share, corner in zip(shares, found, strict=True)]
     total, place = sum(share for share, _ in counted), np.zeros(len(over.points[0]))
     for share, corner in counted:
@@ -233,7 +233,7 @@ def _place(shares: Sequence[float], over: Slice, found: Sequence[Corner]) -> tup
 
 
 def _surround_zero(places: Sequence[Point]) -> bool:
-    """Whether zero certainly lies in a triangle of some points of the plane."""
+    """Whether zero certainly lies in a triangle of three of some points of the plane."""
     return any(
         all(bool(side > 0) for side in sides) or all(bool(side < 0) for side in sides)
         for a, b, c in combinations(places, 3)
@@ -253,7 +253,7 @@ def _excess(row: Row, p: Point) -> arb:
 
 
 def _mixed(weights: Sequence[float], points: Sequence[Point]) -> list[arb]:
-    """A point of the hull of some points: the weights count in proportion, none is negative."""
+    """The point of a hull with these weights, normalised; negative ones count as zero."""
     shares = [arb(max(0.0, weight)) for weight in weights]
     total = sum(shares, arb(0))
     return [_product(shares, axis) / total for axis in zip(*points, strict=True)]
@@ -278,7 +278,7 @@ def _lower(bound: tuple[arb, arb]) -> float:
 
 MOST_STEPS = 60
 CLOSELY = 1e-13
-"""Relative to the largest square: a step that gains less is none."""
+"""A step whose gain, relative to the largest square, is less than this ends the search."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,7 +293,7 @@ class Nearest:
 def nearest_points(
     left: Sequence[Sequence[float]] | Array, right: Sequence[Sequence[float]]
 ) -> Nearest:
-    """The point of the hull of ``left`` nearest to that of ``right``, less the latter's.
+    """The nearest points of two hulls; the vector points from ``right`` to ``left``.
 
     The points are (d,) each, and the algorithm is Wolfe's (1976).
     """
@@ -317,7 +317,7 @@ class _Search:
     point: Array = field(default_factory=lambda: np.zeros(0))
 
     def weights(self) -> Array:
-        """What every point counts in it, shape (n,)."""
+        """The weight of each point in the point of least norm, shape (n,)."""
         squares = np.einsum("ij,ij->i", self.points, self.points)
         least_gain = CLOSELY * float(squares.max())
         self.corral = [int(squares.argmin())]
@@ -335,7 +335,7 @@ class _Search:
         return found
 
     def _settle(self) -> None:
-        """Go to the point of least norm of the affine hull, or as far as the hull goes."""
+        """Move to the point of least norm of the affine hull, or to the boundary on the way."""
         while True:
             aim = self._affine()
             if bool((aim > 0).all()):

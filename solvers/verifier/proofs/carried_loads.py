@@ -1,8 +1,9 @@
-"""What a ``carry`` clause asks of a motion, or of all disturbed ones.
+"""The conditions of ``carry`` clauses on a motion, or on all disturbed motions.
 
-The inputs say from which sample on a load is there, and up to which one.  At the first its effector
-is in the one region and at the second in the other, with all rates of the joints below a bound.
-Rates go on there as they were: nothing is lost or gained where a load is taken up or put down.
+The inputs state the sample at which a load is taken up and the one at which it is put down. The
+effector has to be in the source region at the first and in the target region at the second, with
+all joint rates below a bound. The rates do not jump at these samples: taking up or putting down a
+load changes no rate.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ from solvers.verifier.proofs.zonotope import Zonotope
 
 
 def load_name(task: ir.Task, number: int) -> str:
-    """What a load, from 0, is called: where there are several, by its effector."""
+    """The name of a load, numbered from 0; if there are several, it contains the effector."""
     return "load" if len(task.carries) == 1 else f"load {task.carries[number].effector or 1}"
 
 
 def transfer_names(task: ir.Task) -> frozenset[str]:
-    """The names of all conditions on where loads are taken up and put down."""
+    """The names of all conditions on the samples at which loads are taken up and put down."""
     pairs = [_names(task, number, taken=taken) for number, taken in _events(task)]
     return frozenset(name for pair in pairs for name in pair)
 
@@ -38,16 +39,16 @@ def _events(task: ir.Task) -> list[tuple[int, bool]]:
 
 
 def _names(task: ir.Task, number: int, *, taken: bool) -> tuple[str, str]:
-    """What the conditions on the place and on the rates are called."""
+    """The names of the conditions on the place and on the rates."""
     carry, name = task.carries[number], load_name(task, number)
     what = f"{name} taken up" if taken else f"{name} put down"
     return f"{what} in {carry.source if taken else carry.target}", f"rates, {what}"
 
 
 def transfers(motion: Motion, task: ir.Task) -> list[tuple[int, int] | None]:
-    """Per load the samples at which it is taken up and put down; None where inputs do not say it.
+    """For each load, the samples at which it is taken up and put down; None for invalid inputs.
 
-    Loads are the last inputs.
+    The loads are the last inputs.
     """
     first = len(motion.inputs[0]) - len(task.carries)
     columns = zip(*(row[first:] for row in motion.inputs), strict=True)
@@ -55,7 +56,10 @@ def transfers(motion: Motion, task: ir.Task) -> list[tuple[int, int] | None]:
 
 
 def load_conditions(scene: Scene, motion: Motion) -> list[CheckedCondition]:
-    """What fails where a load is not there from a sample to a later one, whatever is measured."""
+    """A failing condition for each load that the inputs do not carry between two fixed samples.
+
+    The inputs of a load must not depend on measurements either.
+    """
     found, law, task = list[CheckedCondition](), motion.law, scene.task
     first = len(motion.inputs[0]) - len(task.carries)
     for number, samples in enumerate(transfers(motion, task)):
@@ -72,7 +76,7 @@ def load_conditions(scene: Scene, motion: Motion) -> list[CheckedCondition]:
 
 @dataclass(slots=True)
 class TransferConditions:
-    """The clauses ``carry`` along a tube; ``sets`` are the states at the samples that matter."""
+    """The ``carry`` clauses along a tube; ``sets`` holds the states at the samples that matter."""
 
     scene: Scene
     motion: Motion
@@ -91,7 +95,7 @@ class TransferConditions:
     def conditions(
         self, point_map: PointMap, samples: Sequence[Sequence[arb]]
     ) -> Iterator[CheckedCondition]:
-        """What a complete tube shows; ``samples`` are boxes of the states at all samples."""
+        """The conditions for a complete tube; ``samples`` are boxes of states at all samples."""
         task, workspace = self.scene.task, self.scene.workspace
         for number, transfer in enumerate(transfers(self.motion, task)):
             carry = task.carries[number]

@@ -1,4 +1,4 @@
-"""What the proof of a motion finds out about one condition."""
+"""The result of checking one condition in the proof of a motion."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.tube_checks import Status, rows_of
 
 NO_MARGIN = float("inf")
-"""Of a condition that holds or fails without more or less."""
+"""The margin of a condition that has no measure of how well it holds."""
 
 
 @dataclass(frozen=True, slots=True)
 class CheckedCondition:
-    """One proved, disproved or undecided condition, with its margin and where it is attained.
+    """A proved, disproved or undecided condition, with its margin and where it is attained.
 
-    ``margin`` is in ``unit``, ``time`` in seconds, ``place`` in metres.  One that is not proved
-    says instead where that is seen first; its margin is not positive.
+    ``margin`` is in ``unit``, ``time`` in seconds, ``place`` in metres. If the condition is not
+    proved, ``time`` and ``place`` say where this is first seen, and the margin is not positive.
     """
 
     name: str
@@ -31,23 +31,23 @@ class CheckedCondition:
     time: float | None = None
     place: tuple[float, ...] = ()
     clause: int | None = None
-    """Of a formula: the number of its ``satisfy`` in the task, from 0."""
+    """For a formula: the number of its ``satisfy`` in the task, from 0."""
     loose: bool = False
     """Whether a narrower tube may show a larger margin."""
     exact: bool = False
-    """Whether it rests on rational numbers alone, not on balls."""
+    """Whether the result rests on rational numbers alone, not on balls."""
     why: str = ""
-    """Why it does not hold, where more is to be said than that."""
+    """Why the condition does not hold, if its name does not say enough."""
     most: float = NO_MARGIN
-    """An upper bound of the margin, where one is known."""
+    """An upper bound of the margin, if one is known."""
 
     def least(self, digits: int) -> float:
-        """The margin in so many digits, which say no more than was proved."""
+        """The margin rounded down to ``digits`` digits, so that no more is stated than proved."""
         return float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(repr(self.margin)))
 
     @property
     def level(self) -> str:
-        """How it is known."""
+        """The level of the evidence."""
         return "exact" if self.exact else "validated"
 
     @property
@@ -59,7 +59,7 @@ class CheckedCondition:
 
 
 def decisive(conditions: Sequence[CheckedCondition]) -> CheckedCondition | None:
-    """The first violation, else what is open earliest; None where all hold."""
+    """The first violated condition, else the earliest undecided one; None if all hold."""
     failed = next((f for f in conditions if f.status is Status.FAILS), None)
     if failed is not None:
         return failed
@@ -68,7 +68,7 @@ def decisive(conditions: Sequence[CheckedCondition]) -> CheckedCondition | None:
 
 
 def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> CheckedCondition:
-    """A point (d,) lies strictly inside a polytope at an instant in seconds; the margin is in m."""
+    """Whether a point (d,) is strictly inside a polytope at an instant in s; the margin is in m."""
     gaps = [
         (r.offset - sum((a * x for a, x in zip(r.normal, point, strict=True)), arb(0))) / r.length
         for r in rows_of(polytope)
@@ -79,7 +79,7 @@ def inside(name: str, polytope: Polytope, point: Sequence[arb], time: float) -> 
 def least(
     name: str, gaps: Sequence[arb], unit: str, time: float, place: tuple[float, ...] = ()
 ) -> CheckedCondition:
-    """All gaps are positive; the margin is a lower bound of the least."""
+    """Whether all gaps are positive; the margin is a lower bound of the least gap."""
     if any(bool(gap < 0) for gap in gaps):
         worst = min(float(gap.mid()) for gap in gaps)
         return CheckedCondition(name, Status.FAILS, worst, unit, time, place)

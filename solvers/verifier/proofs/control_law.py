@@ -1,13 +1,13 @@
-r"""The law that holds inputs from sample to sample, and what it makes of a set of states.
+r"""The law that holds inputs from sample to sample, and its effect on a set of states.
 
 At sample k the controller reads :math:`\hat x = x(t_k) + \nu`, coordinates and rates of the joints
-with an error that is within bounds, and holds
+with a bounded error, and holds
 
 .. math:: u_k = u^*_k - K_k (\hat x - x^*_k)
 
-until the next, up to what a computer rounds.  Between samples the inputs are constant, so that the
-set of (x, u) at a sample is an affine image of the set of x and of the errors: a zonotope goes to a
-zonotope.
+until the next sample, up to the rounding of a computer. Between samples the inputs are constant, so
+the set of (x, u) at a sample is an affine image of the set of x and the errors: a zonotope is
+mapped to a zonotope.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class ControlLaw:
 
     Attributes:
         reference: the planned coordinates and rates of the joints, (k, 2n), in SI units.
-        gains: the inputs that a deviation of these takes away, (k, m, 2n), in SI units.
-        rounding: how far what is held may be from that, (m,), in SI units; empty: not at all.
-        turns: whole turns by which planned coordinates are farther than in ``reference``, (k, n);
-            empty: by none.
+        gains: how much the inputs decrease per deviation from the reference, (k, m, 2n), in SI
+            units.
+        rounding: the tolerance of the held inputs around the law, (m,), in SI units; empty: none.
+        turns: the full turns to add to the coordinates of ``reference``, (k, n); empty: none.
     """
 
     reference: tuple[tuple[Fraction, ...], ...]
@@ -41,19 +41,19 @@ class ControlLaw:
     turns: tuple[tuple[int, ...], ...] = ()
 
     def turned(self, step: int) -> tuple[int, ...]:
-        """The whole turns of a step, (n,), or none."""
+        """The full turns of a step, (n,), or an empty tuple."""
         return self.turns[step] if self.turns else ()
 
 
 def open_loop(inputs: Sequence[Sequence[Fraction]], size: int) -> ControlLaw:
-    """The law that holds the stated inputs (k, m) whatever it reads of the ``size`` entries."""
+    """The law that holds the stated inputs (k, m), whatever the ``size`` measured entries are."""
     none = (Fraction(0),) * size
     return ControlLaw(tuple(none for _ in inputs), tuple((none,) * len(row) for row in inputs))
 
 
 @dataclass(frozen=True, slots=True)
 class InputError:
-    """How far inputs may be from what is commanded, at every instant: |d| <= part |u| + most.
+    """How far inputs may be from the commanded ones at every instant: |d| <= part |u| + most.
 
     Both have one value per input (m,), ``most`` in its unit.
     """
@@ -70,11 +70,11 @@ class InputError:
 
 
 class HoldingLaw(Protocol):
-    """What holds inputs from sample to sample, in balls, as states behind those of a robot."""
+    """Sets the inputs that are held between samples, in balls, as entries of the state."""
 
     @property
     def place(self) -> int:
-        """The number of the states before the held inputs."""
+        """The index of the first held input, after the robot's own states."""
         ...
 
     def held(self, step: int, states: Zonotope) -> Zonotope:
@@ -84,14 +84,14 @@ class HoldingLaw(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SampledLaw:
-    """A law in balls, for states in the coordinates of a graph, with the held inputs behind them.
+    """A law in balls, for states in the coordinates of a graph, followed by the held inputs.
 
     Attributes:
         inputs: the planned inputs u*, (k, m).
         gains: K in the coordinates of the graph, (m, 2n) each.
         offsets: K x*, (m,) each.
-        noise: the columns of a set, per step: K times each error of a measurement at its bound,
-            and what each input is rounded by.
+        noise: the columns of a set, per step: K times each measurement error at its bound, and the
+            rounding of each input.
         place: the number of states before the held inputs.
     """
 
@@ -130,11 +130,11 @@ def sampled_law(
     """A law in the working precision.
 
     Args:
-        law: reference and gains, of the joints' own coordinates.
+        law: reference and gains, for the joints' own coordinates.
         inputs: the planned inputs, (k, m).
-        rows: D of q = D y, the joints' coordinates by those of the graph.
-        noise: bounds of the errors of what is measured, (2n,); empty: there are none.
-        rounding: how far inputs that are held may be from the law, (m,); empty: not at all.
+        rows: D of q = D y, from the graph's coordinates y to those of the joints.
+        noise: bounds of the measurement errors, (2n,); empty: no errors.
+        rounding: the tolerance of the held inputs around the law, (m,); empty: none.
         own: the number of the modules' own states.
     """
     n = len(rows)
@@ -168,7 +168,7 @@ def sampled_law(
 
 
 def _product(row: Sequence[Fraction], reference: Sequence[Fraction], turns: Sequence[int]) -> arb:
-    """A row of K times x*, the first entries of which are whole turns farther."""
+    """A row of K times x*, with the full turns added to the first entries of x*."""
     planned = sum((k * x for k, x in zip(row, reference, strict=True)), Fraction(0))
     farther = sum((k * turn for k, turn in zip(row, turns, strict=False)), Fraction(0))
     return ball(planned) + 2 * arb.pi() * ball(farther) if farther else ball(planned)

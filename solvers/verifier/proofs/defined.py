@@ -1,4 +1,4 @@
-"""Whether the equations of motion have a value, as written, at every instant of a tube."""
+"""Check that the equations of motion, as written, have a value at every instant of a tube."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from solvers.verifier.proofs.tube_checks import MOST_SPLITS, Status
 
 @dataclass(slots=True)
 class Defined:
-    """Divisors that are not zero, then radicands that are not negative; the worst answer so far.
+    """Checks that divisors are not zero and radicands not negative; keeps the worst answer so far.
 
-    ``tape`` maps (q, w, u, theta, k) to the ``divisors`` first and the radicands behind them;
-    ``tail`` holds the balls of theta and k.
+    ``tape`` maps (q, w, u, theta, k) to the ``divisors`` first and then the radicands; ``tail``
+    holds the balls of theta and k.
     """
 
     tape: Tape
@@ -33,7 +33,7 @@ class Defined:
         return self.tape.outputs > 0
 
     def check(self, segment: TubeSegment, u: Sequence[arb]) -> None:
-        """Hold the conditions against one segment of a tube, halving it where they are open."""
+        """Check the conditions over one segment of a tube, halving it where they are undecided."""
         half = segment.length / 2
         pending = [(half, half, 0)]
         while pending and self.status is not Status.FAILS:

@@ -1,17 +1,17 @@
-r"""How deviations from a path develop: a matrix polynomial near the fundamental matrix.
+r"""How deviations from a path evolve: a matrix polynomial near the fundamental matrix.
 
-Deviations obey e' = A(t) e + c(t) with A = [[0, 1, 0], [N^{-1} R]] (``a_priori.py``).  Let V be
-the fundamental matrix, V' = A V, V(0) = 1.  Any matrix polynomial P will do; here it is the
-rounded Taylor polynomial about the middle of [0, H] of the midpoints of N and R, times a constant
-matrix that makes P(0) nearly 1.  With D = A P - P', Z = V - P solves Z' = A Z + D, so that
+Deviations obey e' = A(t) e + c(t) with A = [[0, 1, 0], [N^{-1} R]] (``a_priori.py``).  Let V be the
+fundamental matrix, V' = A V, V(0) = 1.  Any matrix polynomial P may be used; here it is the rounded
+Taylor polynomial about the middle of [0, H] of the midpoints of N and R, times a constant matrix
+that makes P(0) nearly 1.  With D = A P - P', Z = V - P solves Z' = A Z + D, so that
 
 .. math:: |Z(t)|\,r \le y(t), \qquad \dot y = J y + |D|\,r, \qquad y(0) = |P(0) - 1|\,r .
 
 For each fixed e, h the matrices N(p(t) + e), R(p(t) + h e) are smooth functions of t, whose Taylor
-polynomials of degree K - 1 with Lagrange's remainder hold; at time t the values e = e(t) and h
-are among them.  So series with E added to the constant coefficient of p enclose N(t) and R(t),
-and N D_w = R P - N P_w' is bounded by its coefficients about the middle (those below K) and about
-all of [0, H] (the K-th), as the path's own defect is.
+polynomials of degree K - 1 with Lagrange's remainder hold; at time t the values e = e(t) and h are
+among them.  So series with E added to the constant coefficient of p enclose N(t) and R(t), and N
+D_w = R P - N P_w' is bounded by its coefficients about the middle (those below K) and about all of
+[0, H] (the K-th), just as the path's own defect is.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from solvers.verifier.proofs.vector_field import VectorField
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """P by its coefficients about the middle, and the bounds |D| and |P(0) - 1|."""
+    """The coefficients of P about the middle, and the bounds |D| and |P(0) - 1|."""
 
     powers: list[arb_mat]
     half: arb
@@ -50,9 +50,9 @@ class Flow:
         return _horner(self.powers, time - self.half)
 
     def added(self, radii: Sequence[arb], push: Sequence[arb]) -> list[arb]:
-        """Bounds of |Z(t)| r and what ``push`` adds, at every t in [0, H].
+        """Bounds of |Z(t)| r plus the response to ``push``, at every t in [0, H].
 
-        Both obey the same comparison system, whose solutions may be added.
+        Both obey the same comparison system, so their bounds are added.
         """
         reach = column(radii)
         more = (self.defect * reach + column(push)).entries()
@@ -60,7 +60,7 @@ class Flow:
 
 
 def flow(field: VectorField, half: arb, linear: LinearPart) -> Flow:
-    """P of the degree of the series in ``linear``, but at least 1.
+    """P, with the degree of the series in ``linear``, but at least 1.
 
     Raises:
         ZeroDivisionError: P is singular.
@@ -71,7 +71,7 @@ def flow(field: VectorField, half: arb, linear: LinearPart) -> Flow:
 
 
 def _powers(field: VectorField, linear: Linearisation, half: arb) -> list[arb_mat]:
-    """Exact coefficients of P about the middle, one more than those of N and R."""
+    """Exact coefficients of P about the middle, one more than N and R have."""
     n, degree = field.dofs, len(linear.slopes)
     inertia = [item.mid() for item in linear.inertia]
     slopes = [item.mid() for item in linear.slopes]
@@ -90,7 +90,7 @@ def _powers(field: VectorField, linear: Linearisation, half: arb) -> list[arb_ma
 
 
 def _checked(field: VectorField, powers: list[arb_mat], half: arb, linear: LinearPart) -> Flow:
-    """The bounds of a P."""
+    """A polynomial P with its bounds."""
     middle, over = linear.middle, linear.over
     n, degree, last = field.dofs, len(powers) - 1, len(over.slopes) - 1
     lower = absolute(_residual(field, over, _over_interval(powers, half), last)) * half**last

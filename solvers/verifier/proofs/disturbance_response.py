@@ -1,4 +1,4 @@
-r"""What disturbances add along a path within a segment, by moments of when they differ.
+r"""The response to disturbances along a path within a segment, by moments of the disturbance.
 
 Deviations obey N(t) e_w' = R(t) e + C d + c along the path, or e' = A e + G d + ..., G = N^{-1} C.
 With w the integral of d, W that of w and V that of W, and any T, U,
@@ -8,8 +8,8 @@ With w the integral of d, W that of w and V that of W, and any T, U,
     \quad\text{obeys}\quad
     \dot z = A z + (A G - \dot G - T)\,w + (A T - \dot T - U)\,W + A U\,V + \dots,
 
-so that with T near A G - G' and U near A T - T' what is left is of the third order in the length of
-the segment.  For it, bounds are enough:
+so that with T near A G - G' and U near A T - T' the remainder is of third order in the length of
+the segment.  Bounds are enough for it:
 
 .. math:: |w| \le \bar d\,t, \quad |W| \le \bar d\,t^2 / 2, \quad |V| \le \bar d\,t^3 / 6 .
 """
@@ -35,15 +35,15 @@ from solvers.verifier.proofs.a_priori import LinearPart, Steady, steady_part
 from solvers.verifier.proofs.linearisation import InertiaMatrix
 
 THIRD = 31
-"""d(u) on 0 <= u <= 1, |d| <= 1, times (v^2 - 1/12) / 2 for v = 1/2 - u has no integral beyond
-1 / (18 sqrt 3), which is less than one part in so many."""
+"""For |d(u)| <= 1 on 0 <= u <= 1, the integral of d(u) times (v^2 - 1/12) / 2, v = 1/2 - u, is at
+most 1 / (18 sqrt 3), which is less than 1 / 31."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinearSlice:
-    """N, and A but for its first rows, at all times of a part of a segment.
+    """N, and A without its first rows, at all times of a part of a segment.
 
-    ``since`` are the times since the middle of the segment.
+    ``since`` holds the times since the middle of the segment.
     """
 
     since: arb
@@ -54,7 +54,7 @@ class LinearSlice:
 def linear_slices(linear: LinearPart, half: arb, count: int) -> list[LinearSlice]:
     """The equation of deviations about a path on equal parts of a segment of length 2 ``half``.
 
-    Where there are no series of its coefficients, they are those of all of the segment.
+    If there are no series of its coefficients, those of the whole segment are used.
 
     Raises:
         ZeroDivisionError: N may be singular.
@@ -85,7 +85,7 @@ def _value(powers: Sequence[arb_mat], last: arb_mat, since: arb) -> arb_mat:
 
 
 def _derivative(powers: Sequence[arb_mat], last: arb_mat, since: arb) -> arb_mat:
-    """Its coefficients are j times those of the series, the remainder's too."""
+    """The derivative: its coefficients are j times those of the series, the remainder's too."""
     total = last * (len(powers) * since ** (len(powers) - 1))
     for j, power in enumerate(powers[1:], 1):
         total = total + power * (j * since ** (j - 1))
@@ -95,7 +95,7 @@ def _derivative(powers: Sequence[arb_mat], last: arb_mat, since: arb) -> arb_mat
 def _direct_and_turned(
     linear: LinearPart, part: LinearSlice, columns: arb_mat
 ) -> tuple[arb_mat, arb_mat]:
-    """G below zeros, and A G - G', at all times of a slice."""
+    """G with rows of zeros above, and A G - G', at all times of a slice."""
     dofs = linear.rates.nrows() - columns.nrows()
     none = arb_mat(dofs, columns.ncols(), [arb(0)] * (dofs * columns.ncols()))
     found = part.inertia.solve(columns)
@@ -125,11 +125,11 @@ def response(
 
     Args:
         columns: C (n + r, c), at all times of the segment.
-        bounds: of |d|.
+        bounds: the bounds of |d|.
         length: H, in seconds.
         linear: the equation of deviations.
-        parts: the same on slices of the segment, in order.
-        residue: a bound (n + r, 1) of what else pushes, in the rows below the first.
+        parts: the same equation on slices of the segment, in order.
+        residue: a bound (n + r, 1) of all other terms, in the rows after the coordinates'.
 
     Raises:
         ZeroDivisionError: N may be singular.

@@ -1,8 +1,8 @@
-"""The proof that a robot does its task whatever the disturbances that the task names.
+"""The proof that a robot does its task under all disturbances that the task names.
 
-One tube holds the motions from every start within the radii, under all inputs that differ at any
-instant from what is stated by no more than their part.  Where motions go on for ever, another tube
-holds all that begin a round in the set of the loop.
+One tube holds the motions from every start within the radii, under all inputs that differ from the
+stated ones at any instant by no more than the allowed part. If the motion goes on for ever, another
+tube holds all motions that begin a round in the set of the loop.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from solvers.verifier.proofs.zonotope import InitialSet
 
 @dataclass(frozen=True, slots=True)
 class DisturbedFindings:
-    """What is known of all disturbed motions; ``ended`` is the time of a tube that ends early."""
+    """The conditions on all disturbed motions; ``ended`` is the time at which a tube ends early."""
 
     told: tuple[CheckedCondition, ...]
     ended: float | None
@@ -42,19 +42,19 @@ class DisturbedFindings:
     def about(
         self, task: ir.Task, planned: Sequence[CheckedCondition]
     ) -> tuple[CheckedCondition, ...]:
-        """The conditions on the planned motion, replaced by those on all disturbed ones.
+        """The conditions on the planned motion, replaced by those on all disturbed motions.
 
-        Where the tube ends early, what has to hold until the end is not decided.
+        If the tube ends early, conditions that have to hold until the end are undecided.
         """
         told = self.told if self.ended is None else _cut_short(task, planned, self.told, self.ended)
-        # Two conditions may have the same name: all of either kind go together.
+        # Two conditions may have the same name; then all of them are replaced together.
         names = {each.name for each in told}
         return (*(each for each in planned if each.name not in names), *told)
 
 
 @dataclass(frozen=True, slots=True)
 class DisturbedMotions:
-    """The question about all disturbed motions; another process is not watched."""
+    """The question about all disturbed motions; when sent to another process, it has no watch."""
 
     scene: Scene
     motion: Motion
@@ -62,7 +62,7 @@ class DisturbedMotions:
     watch: Watch
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Without the watch, but for how long it looks."""
+        """Pickle without the watch, except for its ``brief`` flag."""
         return _unwatched, (self.scene, self.motion, self.accuracy, self.watch.brief)
 
 
@@ -71,7 +71,7 @@ def _unwatched(scene: Scene, motion: Motion, accuracy: Accuracy, brief: bool) ->
 
 
 def disturbed_findings(asked: DisturbedMotions) -> DisturbedFindings:
-    """What a tube shows of all disturbed motions, as far as it goes.
+    """The conditions that a tube proves of all disturbed motions, as far as it reaches.
 
     Raises:
         UndefinedValueError: the equations of motion have no value anywhere.
@@ -96,7 +96,7 @@ def _cut_short(
     told: Sequence[CheckedCondition],
     time: float,
 ) -> tuple[CheckedCondition, ...]:
-    """What is not proved by a tube that ends early; ``told`` is what it shows up to there."""
+    """The conditions if a tube ends early; ``told`` are those that it shows until then."""
     ended = CheckedCondition(
         "disturbed motions", Status.UNDECIDED, -NO_MARGIN, "", time,
         why="the enclosure of the disturbed motions ends",
@@ -113,7 +113,7 @@ def _cut_short(
 
 
 def _told(condition: CheckedCondition) -> CheckedCondition:
-    """A condition on all disturbed motions, with the reason where they are too many to prove it."""
+    """A condition on all disturbed motions; if undecided, with the reason for that."""
     if condition.status is not Status.UNDECIDED or condition.why:
         return condition
     why = f"the enclosure of the disturbed motions outgrows the margin of `{condition.name}`"
@@ -121,7 +121,7 @@ def _told(condition: CheckedCondition) -> CheckedCondition:
 
 
 def input_error(scene: Scene) -> InputError | None:
-    """How far inputs may be from what is commanded; None: not at all."""
+    """How far inputs may be from the commanded ones; None if they do not differ."""
     parts, most = input_errors(scene.task, scene.model)
     if not any(parts) and not any(most):
         return None
@@ -129,10 +129,10 @@ def input_error(scene: Scene) -> InputError | None:
 
 
 def disturbed_start(scene: Scene, state: Sequence[arb]) -> InitialSet:
-    """The states in which a robot may be at first, in the graph's coordinates.
+    """The set of states in which a robot may start, in the graph's coordinates.
 
-    The task's radii are about the joints' coordinates and rates, q = D y; the graph's are y.  The
-    factors of uncertain masses are the last entries.
+    The task's radii are about the joints' coordinates and rates, q = D y; the graph's coordinates
+    are y. The factors of uncertain masses are the last entries.
     """
     radii = disturbance_radii(scene.task, scene.model)
     n, columns = len(scene.model.dofs), list[list[Fraction]]()

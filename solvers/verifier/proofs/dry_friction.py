@@ -1,4 +1,4 @@
-r"""Segments of a tube of a robot with dry friction: joints slide, stick, or do what is not known.
+r"""Segments of a tube of a robot with dry friction: joints slide, stick, leave rest, or are open.
 
 Coulomb friction of size c at joint j is a measurable :math:`f_j \in -c_j\,\operatorname{Sgn}(v_j)`.
 These efforts are :math:`-\partial\Phi(v)` of the convex :math:`\Phi(v) = \sum_j c_j |v_j|`, so that
@@ -6,22 +6,22 @@ two motions under the same inputs obey, with forces and M(q) Lipschitz on a boun
 
 .. math:: \frac{d}{dt}\,(v_1 - v_2)^T M (v_1 - v_2) \le L\,|x_1 - x_2|^2 :
 
-a motion is the only one from where it starts.  Hence it is enough to show of the motions of a
-smooth system that their friction is what the law says:
+so there is only one motion from each start. Hence it is enough to show that the motions of a smooth
+system have the friction of the law:
 
-- **sliding** with sign s: :math:`f_j = -s c_j`, and :math:`s v_j \ge 0` throughout: so it is where
-  it is positive at the start, and where it vanishes it grows;
-- **sticking**: :math:`v_j = 0` at the start, the joint is rigid (``sticking_field.py``), the
-  effort that this takes is at most :math:`c_j`, and M with its row and column is regular, too;
-- **leaving** rest with sign s: it breaks away at some instant, and :math:`s v_j \ge 0` from the
-  start.  At rest friction holds what pushes it, the effort :math:`p_j`, or is :math:`-s c_j` where
-  that is more; where :math:`s p_j \ge c_j - \delta_j > -c_j` it is
+- **sliding** with sign s: :math:`f_j = -s c_j`, and :math:`s v_j \ge 0` throughout, which holds if
+  it is positive at the start and grows where it vanishes;
+- **sticking**: :math:`v_j = 0` at the start, the joint is rigid (``sticking_field.py``), holding it
+  takes an effort of at most :math:`c_j`, and M with its row and column is regular, too;
+- **leaving** rest with sign s: the joint breaks away at some instant, and :math:`s v_j \ge 0` from
+  the start. At rest friction balances the effort :math:`p_j` on the joint, or is :math:`-s c_j` if
+  that effort is larger; where :math:`s p_j \ge c_j - \delta_j > -c_j` it is
   :math:`f_j \in -s\,[c_j - \delta_j, c_j]`, a disturbance, and the rate does not change its sign;
-- **either**: any :math:`|f_j| \le c_j`, a disturbance, as long as it takes to pass through rest, or
-  to come to rest.
+- **either**: any :math:`|f_j| \le c_j`, a disturbance, for the time that passing through rest or
+  coming to rest takes.
 
-Joints S come to rest for certain where friction outweighs what else pushes them.  With a constant
-:math:`\Lambda_0` near :math:`\Lambda = ((M^{-1})_{SS})^{-1}` and g the effort on them besides,
+Joints S certainly come to rest if friction outweighs all other efforts on them. With a constant
+:math:`\Lambda_0` near :math:`\Lambda = ((M^{-1})_{SS})^{-1}` and g the other effort on them,
 
 .. math:: V = v_S^T \Lambda_0 v_S, \qquad
     \dot V = 2 v_S^T (1 + \Delta)(g + f_S) \le -2 \sum_j \delta_j |v_j|, \qquad
@@ -64,26 +64,27 @@ from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
 
 SLICES = 16
-"""Parts of a segment in which it is looked at what joints do."""
+"""The parts of a segment in which the modes of the joints are checked."""
 MOST_TRIALS = 64
 SHORTEST = Fraction(1, 2**30)
-"""In steps: no shorter segment is tried."""
+"""In steps: the shortest segment that is tried."""
 FARTHER = 8
-"""Where it is not known which way joints go, as many times their rate is given time to change."""
+"""If the direction of a joint is unknown, a segment is this many times as long as the rate needs to
+change by its own size."""
 LET_GO = Fraction(1, 2**12)
-"""In steps: how closely it is found out when a joint breaks away."""
+"""In steps: how precisely the instant is found at which a joint breaks away."""
 MOST_WIDE = 2
-"""Joints whose rate is less than so many radii of it are as near to rest as can be told."""
+"""A joint whose rate is at most this many radii of its set is as near to rest as can be seen."""
 ANYTHING = arb(0, arb("inf"))
 SPARE = 1.25
-"""Times to pass through rest are taken so much longer than they seem."""
+"""Estimated times to pass through rest are multiplied by this factor."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
-    """Up to which part of a segment its modes hold, and which ``joint`` breaks them there.
+    """The part of a segment up to which its modes hold, and the ``joint`` that breaks them there.
 
-    What it may do ``instead`` follows from what pushes it, where that is known.
+    ``instead`` is the joint's next mode, if the effort on it shows it.
     """
 
     until: Fraction
@@ -93,7 +94,7 @@ class _Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Moved:
-    """A segment, its length in steps, all that drives the robot in it, and signs of rates."""
+    """A segment, its length in steps, the inputs and friction in it, and the signs of rates."""
 
     length: Fraction
     passage: Passage
@@ -103,7 +104,7 @@ class Moved:
 
 @dataclass(frozen=True, slots=True)
 class RubbingRobot:
-    """A robot under the inputs of a step, with dry friction or without, which ``drive`` leaves out.
+    """A robot under the inputs of a step; ``drive`` leaves out its dry friction, if it has any.
 
     Segments are those of ``longest_passage`` with its arguments.
     """
@@ -162,11 +163,11 @@ class RubbingRobot:
         return None
 
     def _shortest(self, mode: Mode) -> Fraction:
-        """How short segments become before a joint is taken to do something else, in steps."""
+        """The length of a segment, in steps, below which a joint is given another mode."""
         return LET_GO if mode == "sticking" or isinstance(mode, Leaving) else SHORTEST
 
     def _modes(self, states: Zonotope, signs: Signs) -> Modes:
-        """What joints seem to do next: those at rest stick as long as others do not break them."""
+        """The likely modes of the joints: those at rest stick unless other efforts move them."""
         hull, n = states.hull(), self.field.dofs
         modes = dict[int, Mode]()
         for joint, _ in self.field.friction:
@@ -180,7 +181,7 @@ class RubbingRobot:
             if modes[joint] == "either" and joint in signs:
                 push = self._push_at_rest(hull, modes, joint)
                 mode = let_go(push, size)
-                # One that comes to rest again is better not known to have a sign.
+                # A joint that comes to rest again is better left without a known sign.
                 if mode == signs[joint] or (
                     isinstance(mode, Leaving)
                     and mode.sign == signs[joint]
@@ -190,7 +191,7 @@ class RubbingRobot:
         return modes
 
     def _loosest(self, state: Sequence[arb], modes: Modes) -> tuple[int, Mode] | None:
-        """The joint that friction holds least, and what it does then; None where all are held."""
+        """The joint that friction holds least, and its next mode; None if all are held."""
         held = [(joint, size) for joint, size in self.field.friction if modes[joint] == "sticking"]
         if not held:
             return None
@@ -202,9 +203,9 @@ class RubbingRobot:
         return joint, let_go(pushes[joint], size)
 
     def _pushes(self, state: Sequence[arb], modes: Modes) -> list[arb]:
-        """What pushes each joint that sticks, (n,), and friction holds: b - M a in its row.
+        """The efforts (n,) that friction balances at the joints that stick: b - M a in each row.
 
-        Anything where M may be singular, though what is left of it without these joints is not.
+        Unbounded if M may be singular, even if M without the rows of these joints is not.
         """
         held, n = sticking(modes), self.field.dofs
         pull = self._pull(state, modes)
@@ -217,7 +218,7 @@ class RubbingRobot:
         return (column(forces) - mass * column(moving)).entries()
 
     def _pull(self, state: Sequence[arb], modes: Modes) -> list[arb]:
-        """The accelerations (n,) of all states of a box; anything where M may be singular."""
+        """The accelerations (n,) of all states of a box; unbounded if M may be singular."""
         try:
             field = self.fields.of(sticking(modes))
             return field.acceleration(state, self._driven(modes).all)
@@ -225,7 +226,7 @@ class RubbingRobot:
             return [ANYTHING] * self.field.dofs
 
     def _driven(self, modes: Modes) -> Drive:
-        """All inputs: friction is against the motion, or unknown; that of a rigid joint is none."""
+        """All inputs; friction opposes the motion or is unknown, and is zero at a rigid joint."""
         stated, unknown = list(self.drive.stated), list(self.drive.disturbance)
         for joint, size in self.field.friction:
             mode = modes[joint]
@@ -238,7 +239,7 @@ class RubbingRobot:
         return Drive(stated, unknown)
 
     def _checked(self, states: Zonotope, passage: Passage, modes: Modes, signs: Signs) -> _Outcome:
-        """Whether joints do throughout a segment what they were taken to do."""
+        """Check that the joints keep their assumed modes throughout a segment."""
         n, start = self.field.dofs, states.hull()
         for joint, mode in modes.items():
             sign = sign_of(mode)
@@ -257,7 +258,7 @@ class RubbingRobot:
         return _Outcome(Fraction(1))
 
     def _broken(self, state: Sequence[arb], modes: Modes) -> tuple[int, Mode | None] | None:
-        """A joint that may do something else somewhere in a box of states, and what that is."""
+        """A joint that may leave its mode in a box of states, and its next mode if known."""
         loose = self._loosest(state, modes)
         if loose is not None:
             return loose
@@ -280,13 +281,13 @@ class RubbingRobot:
         return None
 
     def _push_at_rest(self, state: Sequence[arb], modes: Modes, joint: int) -> arb:
-        """What pushes a joint where it is at rest and stays there."""
+        """The effort on a joint if it is at rest and stays there."""
         still = list(state)
         still[self.field.dofs + joint] = arb(0)
         return self._pushes(still, {**modes, joint: "sticking"})[joint]
 
     def _near_rest(self, states: Zonotope, joint: int, modes: Modes) -> bool:
-        """Whether it cannot be told from a smaller part of a segment what a joint does."""
+        """Whether a joint is so near to rest that a shorter segment would not show its mode."""
         place = self.field.dofs + joint
         rate, radius = states.middle[place], states.radii[place]
         if modes[joint] == "sticking" or radius.is_zero():
@@ -294,7 +295,7 @@ class RubbingRobot:
         return bool(abs(rate) <= MOST_WIDE * radius)
 
     def _through_rest(self, states: Zonotope, modes: Modes) -> Fraction:
-        """About how long joints of which nothing is known take to rest, or through it, in steps."""
+        """About how many steps joints of unknown mode take to come to rest or pass through it."""
         state, n = states.hull(), self.field.dofs
         try:
             stopping, time = self._time_to_rest(state, state, modes)
@@ -310,22 +311,23 @@ class RubbingRobot:
             for joint in left
             if rates[joint] > 0 and not pull[joint].contains(0)
         ]
-        # What is not known then grows from segment to segment, until it decides.
+        # The unknown part then grows from segment to segment until it decides.
         times = [FARTHER * rates[joint] / pull[joint].abs_upper() for joint in left]
         wanted = min(through, key=float) if through else max(times, key=float)
         return self._steps(wanted if time is None else wanted.max(time))
 
     def _steps(self, time: arb) -> Fraction:
-        """A time in steps, and some more."""
+        """A time in steps, with a margin."""
         steps = float(time / self.dt) * SPARE
         return max(SHORTEST, Fraction(steps)) if math.isfinite(steps) else SHORTEST
 
     def _stopped(
         self, states: Zonotope, passage: Passage, modes: Modes
     ) -> tuple[frozenset[int], Fraction]:
-        """The joints that are at rest for certain at the end of a segment, and were not held.
+        """The joints that certainly have come to rest by the end of a segment and were not held.
 
-        With them, in how many steps they would be, or others; 0 where that is not known.
+        The second value is the number of steps after which joints would be at rest; 0 if it is not
+        needed or not known.
         """
         path = passage.path
         over = path.at(arb(0).union(path.length))
@@ -345,19 +347,20 @@ class RubbingRobot:
     def _time_to_rest(
         self, box: Sequence[arb], start: Sequence[arb], modes: Modes
     ) -> tuple[frozenset[int], arb | None]:
-        """Joints that friction brings to rest, and within which time; None: not for certain.
+        """Joints that friction brings to rest, and within which time; None if this is not certain.
 
         Args:
-            box: all states that there are meanwhile.
-            start: those at first.
-            modes: what joints do.
+            box: all states until then.
+            start: the states at the beginning.
+            modes: the modes of the joints.
         """
         n, sizes = self.field.dofs, dict(self.field.friction)
         unknown = [joint for joint, mode in modes.items() if mode == "either"]
         mass, _ = self.fields.of(sticking(modes)).balance_at(box, self._driven(modes).all)
         solver = InertiaMatrix(mass)
         while unknown:
-            # What else pushes them: without their own friction, with all of that of the others.
+            # The other efforts on them: without their own friction, with all friction of the other
+            # joints.
             drive = self._driven({**modes, **dict.fromkeys(unknown, "sticking")})
             _, forces = self.fields.of(sticking(modes)).balance_at(box, drive.all)
             pull = solver.solve(column(forces))
@@ -384,7 +387,7 @@ class RubbingRobot:
 
 
 def _at_rest(states: Zonotope, joints: frozenset[int], field: VectorField) -> Zonotope:
-    """The states, whose rates of some joints are known to be zero."""
+    """The states, with the rates of the given joints set to zero."""
     if not joints:
         return states
     middle, columns = list(states.middle), states.columns.copy()

@@ -1,4 +1,4 @@
-"""Whether all inputs that a controller may command keep the bounds of a task."""
+"""Check that all inputs that a controller may command keep the bounds of a task."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
 
 PLANNED = "planned "
-"""So begins the name of a bound on the planned motion where disturbed ones have bounds, too."""
+"""The prefix of bounds on the planned motion when disturbed motions have bounds, too."""
 
 
 def bound_name(bound: InputBound) -> str:
-    """What a condition on a bound is called."""
+    """The name of the condition on a bound."""
     return f"{bound.name} ({bound.unit})" if bound.effort else bound.name
 
 
 def effort_conditions(
     model: RobotModel, task: ir.Task, commanded: Sequence[Sequence[arb]], prefix: str = ""
 ) -> list[CheckedCondition]:
-    """One condition per bound: it holds for all inputs that a tube commands.
+    """One condition per bound, on all inputs that a tube commands.
 
     Args:
         model: the robot.
         task: the task, whose step is in seconds.
         commanded: enclosures of the inputs, a row (m,) per step.
-        prefix: begins the names.
+        prefix: the beginning of the conditions' names.
     """
     found = []
     for bound in input_bounds(model, task):
@@ -56,9 +56,9 @@ def effort_conditions(
 def planned_efforts(
     model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
 ) -> tuple[float, float]:
-    """Bounds of the largest effort and of the robustness of the planned motion, as was proved.
+    """Proved bounds of the largest effort and of the robustness of the planned motion.
 
-    Each margin in its own unit; the robustness is the least one of all bounds (Definition 7).
+    Each margin is in its own unit; the robustness is the least margin (Definition 7).
     """
     (_, peak), (robustness, _) = planned_ranges(model, task, conditions)
     return peak, robustness
@@ -66,7 +66,7 @@ def planned_efforts(
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """What inputs keep from a bound at least: between ``least`` and ``most``, in its unit."""
+    """The least margin of the inputs to a bound: between ``least`` and ``most``, in its unit."""
 
     bound: InputBound
     least: float
@@ -74,14 +74,14 @@ class Margin:
 
     @property
     def widest(self) -> float:
-        """What they can keep at most."""
+        """The largest margin that inputs can have."""
         return float(self.bound.widest_margin)
 
 
 def planned_margins(
     model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
 ) -> list[Margin]:
-    """What the planned motion's inputs keep from each bound, as was proved."""
+    """The proved margins of the planned motion's inputs to each bound."""
     known, margins = {each.name: each for each in conditions}, []
     for bound in input_bounds(model, task):
         name = bound_name(bound)
@@ -92,9 +92,9 @@ def planned_margins(
 
 
 def least_share(margins: Sequence[Margin]) -> float:
-    """The least margin as a share of the widest there can be, in units of the widest of all.
+    """The least ratio of a margin to its largest possible value, times the largest such value.
 
-    With one bound it is the margin.  Inputs that have one value only are left out.
+    With one bound it is the margin. Inputs that can have only one value are left out.
     """
     counted = [each for each in margins if each.widest > 0]
     scale = max((each.widest for each in counted), default=0.0)
@@ -107,9 +107,9 @@ Range = tuple[float, float]
 def planned_ranges(
     model: RobotModel, task: ir.Task, conditions: Sequence[CheckedCondition]
 ) -> tuple[Range, Range]:
-    """Between which numbers the largest effort and the robustness of the planned motion are.
+    """Ranges of the largest effort and of the robustness of the planned motion.
 
-    In the inputs' units.
+    Both are in the inputs' units.
     """
     peak, robustness = (0.0, 0.0), (inf, inf)
     for each in planned_margins(model, task, conditions):

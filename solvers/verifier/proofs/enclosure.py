@@ -1,14 +1,15 @@
 r"""Validated integration: an enclosure of the continuous-time solutions at every instant.
 
-Per segment: a polynomial path p from the midpoint of the set of states, with a bound of its defect
-(``vector_field.py``); a box that no deviation from it leaves (``a_priori.py``); a matrix polynomial
-P near the fundamental matrix of the deviations (``deviation_flow.py``).  Then every state is
+Each segment has a polynomial path p from the midpoint of the set of states, with a bound of its
+defect (``vector_field.py``); a box that no deviation from it leaves (``a_priori.py``); a matrix
+polynomial P near the fundamental matrix of the deviations (``deviation_flow.py``). Then every state
+is
 
 .. math::
     x(t) \in p(t) + \bigl(P(t) \pm Z(t)\bigr)\,(x(0) - p(0)) \pm y(t), \qquad 0 \le t \le h,
 
-with y the bound of what the defect and the disturbance of the inputs add, and the set at the end
-is a zonotope (there, too).
+with y the bound of what the defect and the disturbance of the inputs add. The set at the end is a
+zonotope (``zonotope.py``).
 
 Sources: Lohner (1987); Nedialkov, Jackson & Corliss, *Validated solutions of initial value problems
 for ordinary differential equations* (1999); Kapela & Zgliczynski (2009) for disturbed inputs.
@@ -39,8 +40,8 @@ __all__ = ["Accuracy", "EnclosureFailure", "TubeSegment", "polynomial", "tube"]
 
 
 MOST_RUBBING = 256
-"""Segments of a step: with dry friction there is no shortest one, and joints change what they do
-in a dozen each."""
+"""The most segments of a step: dry friction sets no shortest segment, and each change of a joint's
+mode takes about a dozen."""
 
 
 class EnclosureFailure(ArithmeticError):
@@ -56,10 +57,10 @@ class TubeSegment:
     """The solutions on [start, start + length] as polynomials with ball coefficients.
 
     ``states[i]`` holds the coefficients of entry i of the state (coordinates, rates, modules' own
-    states) in the time since ``start``, ``accelerations[i]`` those of coordinate i's second
-    derivative.  ``steps`` holds the exact ends of the segment in units of
-    the step.  ``last`` is the set of states at the end, of which ``end`` is the hull; None without
-    states but at the end of a tube.  ``spread`` is the set all along, of a wide tube.
+    states) in the time since ``start``, ``accelerations[i]`` those of the second derivative of
+    coordinate i. ``steps`` holds the exact ends of the segment in units of the step. ``last`` is
+    the set of states at the end, and ``end`` its hull; without states, ``last`` is None except at
+    the end of a tube. ``spread`` is the set over the whole segment, for a wide tube.
     """
 
     start: arb
@@ -75,7 +76,7 @@ class TubeSegment:
 
     @property
     def number(self) -> int:
-        """The number of the input in force, from 0."""
+        """The number of the step whose input acts, from 0."""
         return int(self.steps[0])
 
     def at(self, tau: arb) -> list[arb]:
@@ -84,7 +85,7 @@ class TubeSegment:
 
 
 def polynomial(coefficients: Sequence[arb], tau: arb) -> arb:
-    """Horner's rule."""
+    """The value of a polynomial, by Horner's rule."""
     value = arb(0)
     for coefficient in reversed(coefficients):
         value = value * tau + coefficient
@@ -105,23 +106,23 @@ def tube(
 ) -> Iterator[TubeSegment]:
     """The validated solutions under inputs held for ``dt`` each, segment by segment.
 
-    A robot that cannot move has a segment per step.
+    A robot that cannot move has one segment per step.
 
     Args:
         field: the equations of motion.
         initial: the states at time 0; a sequence of balls stands for their box.
         inputs: the stated inputs, a row of balls per step.
         dt: the length of a step in seconds.
-        accuracy: order, bits, and what a segment may add.
-        error: how far inputs may be from those commanded, however that varies in time (measurably);
-            default not at all.
-        law: what sets the inputs that the states hold at each sample, those of the field being
-            what is added to them; default the field's inputs are those stated.
-        steps: the numbers of the steps in turn; default all.
-        accelerations: whether segments enclose these, too.
+        accuracy: order, bits, and how much a segment may add.
+        error: how far inputs may be from the commanded ones, in any measurable way over time;
+            default: they are equal.
+        law: sets the inputs that the states hold at each sample; the inputs of the field are then
+            added to them. Default: the inputs of the field are the stated ones.
+        steps: the numbers of the steps in order; default: all.
+        accelerations: whether segments also enclose the accelerations.
 
     Raises:
-        EnclosureFailure: a segment has no validated enclosure however short.
+        EnclosureFailure: a segment has no validated enclosure, however short it is.
         ValueError: inputs are disturbed, but the field has no slopes in its inputs.
     """
     if error is not None and field.input_slopes is None:
@@ -176,7 +177,7 @@ def _states(passage: Passage) -> tuple[Coefficients, ...]:
 
 
 def _accelerations(passage: Passage, dofs: int) -> tuple[Coefficients, ...]:
-    """Those of a segment: the path's derivatives, with what deviations add to them at most."""
+    """The accelerations: the derivatives of the path, plus the most that deviations add."""
     found, own = [], slice(dofs, 2 * dofs)
     pulls = pulled(passage.deviation, passage.moved, passage.path.length)[:dofs]
     for item, pull in zip(passage.path.polynomials[own], pulls, strict=True):

@@ -1,7 +1,7 @@
-"""What a ``reach`` clause asks of the end of a motion, or of all disturbed ones.
+"""The conditions of a ``reach`` clause at the end of a motion, or of all disturbed motions.
 
-Without a duration it is about the last instant, where the sets of states are known closest.  With
-one of d seconds it is about every instant of [T - d, T], also between the steps.
+Without a duration they are about the last instant, at which the sets of states are known best. With
+a duration of d seconds they are about every instant of [T - d, T], also between the steps.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ from solvers.verifier.proofs.zonotope import Zonotope
 
 
 def target_name(reach: ir.Reach) -> str:
-    """What the condition on positions is called."""
+    """The name of the condition on positions."""
     return f"target {reach.region}"
 
 
 def rates_name(rates: ir.FinalRates) -> str:
-    """What the condition on rates is called."""
+    """The name of the condition on rates."""
     return "rest at the end" if rates.bound == ir.REST_RATE else "rates at the end"
 
 
@@ -53,7 +53,7 @@ def end_names(task: ir.Task) -> frozenset[str]:
 
 
 def end_positions(scene: Scene, effector: int) -> list[Constraint]:
-    """Where an effector (from 0) is at the end, and how it is turned; nothing without ``reach``."""
+    """The position and orientation of an effector (from 0) at the end; empty without ``reach``."""
     reach = scene.task.reach
     if reach is None:
         return []
@@ -63,14 +63,14 @@ def end_positions(scene: Scene, effector: int) -> list[Constraint]:
 
 
 def at_instant(places: Sequence[Sequence[arb]], time: float) -> Slice:
-    """An instant at which all points are known, (points, d)."""
+    """A slice that is one instant, with all points known, (points, d)."""
     none = arb(0)
     points = tuple(tuple((x, none, none) for x in place) for place in places)
     return Slice(arb(time), none, points)
 
 
 def held_at(condition: Constraint, at: Slice) -> CheckedCondition:
-    """What is shown of a condition at an instant."""
+    """The result for a condition at an instant."""
     gap, _ = condition.bound(at)
     time = float(at.time.mid())
     return least(condition.name, [gap], condition.unit, time, condition.where(at))
@@ -83,7 +83,7 @@ def known_at(
     states: Zonotope | None,
     time: float,
 ) -> CheckedCondition:
-    """What is shown of a condition at an instant, of a state in a box and, if known, in a set."""
+    """The result for a condition at an instant: with a box of states or, if known, with a set."""
     found = held_at(condition, at_instant(point_map.positions(state), time))
     if found.status is Status.UNDECIDED and states is not None:
         found = held_at(condition, replace(point_map.instant(states), time=arb(time)))
@@ -102,24 +102,24 @@ class FinalRates(StateLimit):
         return [[*none, *row, *[0] * (size - 2 * len(row))] for row in self.rows]
 
     def gap_of(self, value: arb) -> arb:
-        """How far a rate is from the bound."""
+        """The distance of a rate from the bound."""
         return arb("inf") if self.upper is None else self.upper - abs(value)
 
     def gaps(self, state: Sequence[arb]) -> list[arb]:
-        """Per joint how far its rate is from the bound, for a state given as balls."""
+        """The distance of each joint's rate from the bound, for a state given as balls."""
         rows = self.sums(len(state))
         rates = (sum((w * x for w, x in zip(row, state, strict=True) if w), arb(0)) for row in rows)
         return [self.gap_of(rate) for rate in rates]
 
     def gaps_of(self, states: Zonotope) -> list[arb]:
-        """Per joint how far its rate is from the bound, on a set in which rates go together."""
+        """The distance of each joint's rate from the bound, on a set that couples the rates."""
         return [self.gap_of(value) for value in states.values(self.sums(len(states.middle)))]
 
 
 def slow_at(
     rates: FinalRates, state: Sequence[arb], states: Zonotope | None, time: float
 ) -> CheckedCondition:
-    """Whether all rates are within the bound at an instant, as ``known_at``."""
+    """Whether all rates are within the bound at an instant, computed as in ``known_at``."""
     found = least(rates.name, rates.gaps(state), rates.unit, time)
     if found.status is Status.UNDECIDED and states is not None:
         found = least(rates.name, rates.gaps_of(states), rates.unit, time)
@@ -136,7 +136,7 @@ def final_rates(graph: RobotGraph, rates: ir.FinalRates) -> FinalRates:
 class EndConditions:
     """A ``reach`` clause along a tube; ``effector`` is the one that reaches, from 0.
 
-    ``first`` is when it begins to bind, in steps, where it binds for a time.
+    ``first`` is the time in steps from which it applies, if it applies for a duration.
     """
 
     scene: Scene
@@ -156,7 +156,7 @@ class EndConditions:
             self.first = max(Fraction(0), task.steps - task.stay / task.step)
 
     def add(self, point_map: PointMap, segment: TubeSegment, inputs: Sequence[arb]) -> None:
-        """Hold the clause against as much of the next segment as it binds."""
+        """Check the clause over the part of the next segment to which it applies."""
         if self.first is None or segment.steps[1] <= self.first:
             return
         step, before = self.scene.task.step, self.first - segment.steps[0]
@@ -170,7 +170,7 @@ class EndConditions:
     def conditions(
         self, point_map: PointMap, last: Sequence[arb], states: Zonotope | None
     ) -> Iterator[CheckedCondition]:
-        """What a complete tube shows; ``last`` is the state at its end, one of ``states``."""
+        """The conditions for a complete tube; ``last`` is a state at its end, one of ``states``."""
         task = self.scene.task
         rates, end = self.rates, float(task.step * task.steps)
         if self.first is not None:

@@ -1,4 +1,4 @@
-"""What is asked of a motion that goes on for ever, once the tube of prefix and loop is complete."""
+"""The conditions on a motion that goes on for ever, given the tube of its prefix and loop."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ENTERED, CLOSED = "entry into the loop", "return of the loop"
 
 
 def reached_some_time(reach: ir.Reach, effector: int) -> ir.Formula:
-    """What `reach` asks of a motion without end; the effector's number is from 0."""
+    """The formula of `reach` for a motion without end; the effector's number is from 0."""
     window = ir.Window(Fraction(0), None)
     return ir.Eventually(ir.Atom(reach.region, effector + 1, poses=reach.poses), window)
 
@@ -33,14 +33,14 @@ def endless_conditions(
     effector: int,
     formulas: FormulaProof,
 ) -> list[CheckedCondition]:
-    """What a complete tube shows of a loop, and of what is to be reached at some time.
+    """The conditions for a complete tube: the loop closes, and the target is reached at some time.
 
     Args:
         loop: the set in which every round begins.
-        reached: the sets of states at the end of the prefix, and of one round from all of the set.
+        reached: the sets of states at the end of the prefix, and of one round from the whole set.
         task: the task.
         effector: the one that reaches, from 0.
-        formulas: what is known of the regions along the tube.
+        formulas: the known distances to regions along the tube.
     """
     prefix, once = reached
     found = [
@@ -59,9 +59,9 @@ def endless_conditions(
 
 
 def unless_open(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition]:
-    """The conditions; where the loop is not known to close, none of them is violated for certain.
+    """The conditions; if the loop is not proved to close, violated ones become undecided.
 
-    The tube of a round may hold no motion at all then.
+    In that case the tube of a round may contain no motion at all.
     """
     closing = [each for each in conditions if each.name in (ENTERED, CLOSED)]
     if len(closing) == 2 and all(each.status is Status.HOLDS for each in closing):
@@ -73,9 +73,9 @@ def unless_open(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition
 
 
 def _within(farthest: arb, name: str, time: float) -> CheckedCondition:
-    """Whether a set of states is within that of the loop; the margin is a part of its size.
+    """Whether a set of states is within the set of the loop; the margin is relative to its size.
 
-    ``farthest`` bounds how far they get from its centre, in its size.
+    ``farthest`` bounds the distance from its centre, relative to its size.
     """
     margin = below(1 - farthest)
     if bool(farthest <= 1):

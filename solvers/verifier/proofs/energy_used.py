@@ -1,10 +1,10 @@
-r"""The energy that the drives of a robot turn over along a validated tube.
+r"""The energy that a robot's drives convert along a validated tube.
 
 .. math:: E = \sum_j \int_0^T |u_j \dot q_j| \, dt
 
-over the joints with a free input; what is braked counts as what is driven.  An input is held within
-a segment, and where a rate keeps its sign the integral of its size is the size of the way, which
-the polynomials of a segment give with hardly any width.
+over the joints with a free input; braking counts like driving.  An input is constant within a
+segment. While a rate keeps its sign, the integral of its absolute value is the distance travelled,
+which the polynomials of a segment give almost exactly.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from solvers.verifier.proofs.state_limits import weighted_sum
 from solvers.verifier.proofs.tube_checks import Status
 
 ENERGY = "energy"
-"""What the condition is called; its margin and its ``most`` are the bounds."""
+"""The name of the condition; its ``margin`` and ``most`` are the bounds of the energy."""
 PARTS = 16
-"""Where a rate changes its sign, a segment is divided into so many parts."""
+"""The number of parts of a segment in which a rate changes its sign."""
 
 
 @dataclass(slots=True)
 class EnergyUsed:
-    """Bounds (J) of what is turned over so far, by the inputs and rows of ``joints``."""
+    """Bounds (J) of the energy so far, for ``joints``: pairs of an input and a row of D."""
 
     joints: tuple[tuple[int, tuple[int, ...]], ...]
     low: arb = field(default_factory=lambda: arb(0))
@@ -41,7 +41,7 @@ class EnergyUsed:
 
     @staticmethod
     def of(scene: Scene) -> EnergyUsed | None:
-        """What the task asks for; None where no objective is about energy."""
+        """Empty bounds for a task; None if no objective is about energy."""
         if all(each.kind != "energy" for each in scene.task.minimize):
             return None
         rows = scene.graph.coordinates.rows
@@ -51,7 +51,7 @@ class EnergyUsed:
         )
 
     def add(self, segment: TubeSegment, efforts: Sequence[arb]) -> None:
-        """One more segment, with the inputs (m,) that drive the robot in it, errors included."""
+        """Add a segment, with the inputs (m,) that act in it, errors included."""
         for number, weights in self.joints:
             first = len(weights)
             rates = segment.states[first : 2 * first]
@@ -61,7 +61,7 @@ class EnergyUsed:
             self.high += size.upper() * high
 
     def condition(self) -> CheckedCondition:
-        """What is known of the whole motion; not decided where that is not finite."""
+        """The condition on the whole motion; undecided if the bounds are not finite."""
         low, high = below(self.low), float(self.high.upper())
         if not (self.low.is_finite() and self.high.is_finite()):
             return CheckedCondition(ENERGY, Status.UNDECIDED, -NO_MARGIN, "J")
@@ -87,7 +87,7 @@ def _way(rate: Coefficients, length: arb) -> tuple[arb, arb]:
 
 
 def _integral(rate: Coefficients, start: arb, end: arb) -> arb:
-    """The integral of a polynomial, term by term, so that each coefficient stands once."""
+    """The integral of a polynomial, term by term, so that each coefficient occurs once."""
     total = arb(0)
     low, high = arb(1), arb(1)
     for power, coefficient in enumerate(rate, 1):
@@ -97,7 +97,7 @@ def _integral(rate: Coefficients, start: arb, end: arb) -> arb:
 
 
 def energy_bounds(conditions: Sequence[CheckedCondition]) -> tuple[Fraction, Fraction] | None:
-    """Bounds of the energy (J) that a proof has shown; None where it was not asked for."""
+    """The proved bounds of the energy (J); None if the task does not ask for them."""
     for each in conditions:
         if each.name == ENERGY and each.status is Status.HOLDS:
             return shortest_decimal(each.margin), shortest_decimal(each.most)

@@ -1,9 +1,9 @@
-"""What shapes add to the points that they are about: boxes, the discs of cylinders, and hulls.
+"""Extensions of points by shapes: boxes, the discs of cylinders, and hulls.
 
-In a direction n a box reaches farther than its middle by the sum of |n . x_i| times half its edges,
-and a disc by its radius times the norm of (n . x_b, n . x_c), where x are the axes of its frame.
-Which corner is the lowest is known as soon as the signs of n . x_i are.  Of a hull each corner is
-such a sum with weights of its own (``hull_extension.py``).
+In a direction n a box extends from its middle by the sum of |n . x_i| times half its edges, and a
+disc by its radius times the norm of (n . x_b, n . x_c), where x are the axes of its frame. The
+lowest corner is known as soon as the signs of n . x_i are. Each corner of a hull is such a sum with
+weights of its own (``hull_extension.py``).
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from flint import arb
 from solvers.verifier.proofs.point_map import Slice, Terms
 
 Corner: TypeAlias = tuple[int, Terms]
-"""A point, and directions with their weights that lead from it to a corner."""
+"""A point, and directions with the weights that lead from it to a corner."""
 
 SIDES = 8
-"""So many points of the rim of a disc are corners, besides those that are asked for."""
+"""The number of rim points of a disc that always count as corners."""
 LEVEL = 1e-6
-"""A disc whose slope is less than this has no lowest point."""
+"""A disc whose slope is less than this counts as level: it has no lowest point."""
 
 
 Rim: TypeAlias = tuple[float, float]
@@ -36,36 +36,36 @@ Forms: TypeAlias = Sequence[tuple[arb, arb]]
 
 @dataclass(frozen=True, slots=True)
 class Extension(ABC):
-    """Sums of directions, the ``columns`` by number, with certain weights."""
+    """Weighted sums of directions, given by the numbers of their ``columns``."""
 
     columns: tuple[int, ...]
 
     def opposite(self) -> Extension:
-        """With all weights of the other sign, which makes no difference unless it says so."""
+        """The mirror image, with all weights negated; the same unless a subclass differs."""
         return self
 
     @property
     @abstractmethod
     def farthest(self) -> tuple[arb, ...]:
-        """What weights are at most, one by one."""
+        """The largest weights; their norm bounds how far the extension reaches."""
 
     @abstractmethod
     def corners(self, rims: Sequence[Rim]) -> list[Terms]:
-        """Weights of corners, those of a disc in the directions ``rims`` among them."""
+        """Weights of the corners; for a disc, with the rim points in the directions ``rims``."""
 
     @abstractmethod
     def lowest(self, forms: Forms) -> tuple[list[Terms], arb, arb]:
-        """The weights that may be lowest, and what is to be added to these: as ``forms`` are."""
+        """The weights that may be lowest, and bounds to add to their heights, as in ``forms``."""
 
     def lowest_on_rim(self, normal: Sequence[float], over: Slice) -> Rim | None:
-        """The direction of the lowest point of a disc at the middle of a slice; else None."""
+        """The direction of a disc's lowest point at the middle of a slice; None for others."""
         del normal, over
         return None
 
 
 @dataclass(frozen=True, slots=True)
 class BoxExtension(Extension):
-    """Weights are at most half an edge, one by one."""
+    """Each weight is at most half an edge."""
 
     halves: tuple[arb, ...]
 
@@ -91,17 +91,17 @@ class BoxExtension(Extension):
 
 @dataclass(frozen=True, slots=True)
 class DiscExtension(Extension):
-    """The norm of both weights is at most a radius."""
+    """The norm of the two weights is at most the radius."""
 
     radius: arb
 
     @property
     def farthest(self) -> tuple[arb, ...]:
-        """The radius: all of it is along one direction."""
+        """The radius, which is the norm of both weights."""
         return (self.radius,)
 
     def corners(self, rims: Sequence[Rim]) -> list[Terms]:
-        """Those in the directions asked for, and some all around."""
+        """The rim points in the given directions, and some all around."""
         around = [2 * pi * i / SIDES for i in range(SIDES)]
         return [self._on_rim(way) for way in (*((cos(a), sin(a)) for a in around), *rims)]
 
@@ -111,12 +111,12 @@ class DiscExtension(Extension):
         return tuple(zip(self.columns, weights, strict=True))
 
     def lowest_on_rim(self, normal: Sequence[float], over: Slice) -> Rim | None:
-        """That direction, unless the disc is level."""
+        """The direction of the lowest point, unless the disc is level."""
         x, y = (_dot(normal, over.middle(column)) for column in self.columns)
         return None if hypot(x, y) < LEVEL else (-x, -y)
 
     def lowest(self, forms: Forms) -> tuple[list[Terms], arb, arb]:
-        """The point that is lowest at the middle; others are lower by what is of second order."""
+        """The point that is lowest at the middle; others are lower by a second-order amount."""
         (a, a0), (b, b0) = forms
         x, y = float(a0.mid()), float(b0.mid())
         norms = _norm(a, b), _norm(a0, b0)
@@ -129,7 +129,8 @@ class DiscExtension(Extension):
         if not along > 0:
             return level
         across = (arb(x) * b - arb(y) * a) / long
-        # The norm is at most c + d^2 / (2 c), with its parts c along and d across a direction.
+        # The norm is at most c + d^2 / (2 c), where c and d are its parts along and across a
+        # direction.
         over = arb(0).union(-self.radius * across * across / (2 * along))
         return [self._on_rim((-x, -y))], over, -self.radius * (norms[1] - at)
 
@@ -139,7 +140,7 @@ def lowest(
 ) -> Iterator[tuple[arb, arb]]:
     """Enclosures of ``normal . p`` over a slice and at its middle.
 
-    They are those of ``points`` and of what ``extensions`` add to each, as far as it may be lowest.
+    They are for ``points``, extended in all ways by ``extensions`` that may be lowest.
     """
     if not extensions:
         yield from (over.form(normal, point) for point in points)
@@ -160,7 +161,7 @@ def corners(
     extensions: Sequence[Extension],
     rims: Sequence[Sequence[Rim]] = (),
 ) -> list[Corner]:
-    """The corners of all points, ``rims`` being more directions for each of the extensions."""
+    """The corners of all points; ``rims`` gives further directions for each of the extensions."""
     rims = rims or [()] * len(extensions)
     each = [item.corners(more) for item, more in zip(extensions, rims, strict=True)]
     return [
@@ -171,7 +172,7 @@ def corners(
 
 
 def corner_at(over: Slice, corner: Corner) -> list[arb]:
-    """Where a corner is at the middle of a slice."""
+    """The position of a corner at the middle of a slice."""
     point, terms = corner
     place = [axis[0] for axis in over.points[point]]
     for column, weight in terms:
@@ -180,7 +181,7 @@ def corner_at(over: Slice, corner: Corner) -> list[arb]:
 
 
 def _norm(x: arb, y: arb) -> arb:
-    """The Euclidean norm, also where it may be zero."""
+    """The Euclidean norm, valid even if it may be zero."""
     square = x * x + y * y
     if square > 0:
         return square.sqrt()

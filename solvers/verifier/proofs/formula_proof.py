@@ -1,8 +1,8 @@
-"""Formulas along a validated tube: proved in continuous time, with a bound of their robustness.
+"""Prove formulas along a validated tube in continuous time, with a bound of their robustness.
 
-The tube is cut into slices of time with exact ends.  On each of them every atom is decided where
-it can be, with bounds of how clearly.  What a formula could at best be worth is estimated from
-these; only the slices that stand between that and what is proved are halved.
+The tube is cut into slices of time with exact ends. Each atom is decided on a slice if possible,
+with bounds of its margin. From these the best possible robustness of a formula is estimated, and
+only the slices that separate it from the proved robustness are halved.
 """
 
 from __future__ import annotations
@@ -41,22 +41,23 @@ from solvers.verifier.proofs.tube_checks import (
 from solvers.verifier.proofs.turned import PosedRegion
 
 MOST_SLICES = 4_000
-"""Slices that a formula may add; a tip that rests on a boundary would straddle it in all."""
+"""The most slices that a formula may add: an effector that rests on a boundary would straddle it in
+all of them."""
 LEAST_HOPE = 1e-9
-"""Metres; where no more than that can be had, what is proved already has to do."""
+"""Metres; if no more than this can be gained, what is proved has to suffice."""
 LOOSE = 0.9
-"""A bound below this part of what could be had is worth a narrower tube."""
+"""A bound below this fraction of the best possible one justifies a narrower tube."""
 MOST_UNSURE = 6
-"""Atoms of which all cases are tried."""
+"""The most undecided atoms for which all cases are tried."""
 
 
 @dataclass(frozen=True, slots=True)
 class FormulaVerdict:
-    """Whether a formula holds at time 0, and by how much it is known to do, in metres.
+    """Whether a formula holds at time 0, and a bound of its robustness in metres.
 
-    ``robustness`` is a lower bound of the space robustness; of a formula that fails, an upper
-    bound, which is not positive; zero where nothing is decided.  It is ``loose`` where the tube is
-    too wide for it to be close.  ``time`` and ``place`` are where an effector attains it.
+    ``robustness`` is a lower bound of the space robustness; for a formula that fails, an upper
+    bound, which is not positive; zero if undecided. It is ``loose`` if the tube is too wide for a
+    close bound. ``time`` and ``place`` are where an effector attains it.
     """
 
     status: Status
@@ -79,7 +80,7 @@ class _Part:
     finite: bool = True
 
     def straddles(self, level: float, numbers: Sequence[int]) -> bool:
-        """Whether more of some atoms may count from a level on than is proved to."""
+        """Whether some atoms may be decided with this margin, but are not proved to be."""
         return any(
             gap.inside < level <= gap.most_inside or gap.outside < level <= gap.most_outside
             for gap in (self.gaps[number] for number in numbers)
@@ -88,11 +89,11 @@ class _Part:
 
 @dataclass(slots=True)
 class FormulaProof:
-    """What is known of the atoms of formulas along a tube, segment by segment.
+    """The margins of the atoms of formulas along a tube, segment by segment.
 
-    ``regions`` gives the sets that the atoms speak of; ``task`` the horizon.  ``tick`` is called
-    again and again; what it raises ends the proof.  With a ``loop``, the sample at which one
-    begins, the formulas are about motions that go on for ever.
+    ``regions`` gives the sets of the atoms, ``task`` the horizon. ``tick`` is called repeatedly; an
+    exception from it ends the proof. With a ``loop``, the sample at which a loop begins, the
+    formulas are about motions that go on for ever.
     """
 
     point_map: PointMap
@@ -103,13 +104,13 @@ class FormulaProof:
     parts: list[_Part] = field(default_factory=list)
 
     def add(self, segment: TubeSegment, u: Sequence[arb]) -> None:
-        """Append the next segment of the tube, with the inputs in force."""
+        """Append the next segment of the tube, with the inputs that act in it."""
         if self.regions:
             unknown = (UNKNOWN,) * len(self.regions)
             self.parts.append(self._part(segment, u, segment.steps, 0, unknown))
 
     def verdict(self, formula: ir.Formula) -> FormulaVerdict:
-        """What is proved of a formula once the tube is complete."""
+        """The verdict on a formula once the tube is complete."""
         for status, said in ((Status.HOLDS, formula), (Status.FAILS, ir.Not(formula))):
             bound, hoped = self._robustness(said)
             if bound is not None:
@@ -121,7 +122,7 @@ class FormulaProof:
     def _attained(
         self, formula: ir.Formula, bound: float
     ) -> tuple[float | None, tuple[float, ...]]:
-        """The first time and place at which an atom is just as clear as the formula."""
+        """The first time and place at which an atom has exactly the robustness of the formula."""
         effectors = [atom.effector for atom in self.regions]
         for part in self.parts:
             for number in self._numbers(formula):
@@ -133,10 +134,10 @@ class FormulaProof:
         return None, ()
 
     def _robustness(self, formula: ir.Formula) -> tuple[float | None, float]:
-        """A lower bound of the robustness, close to it if it can be; None if none is positive.
+        """A lower bound of the robustness, None if none is positive, and the best possible value.
 
-        And what it could be at best.  The largest level at which the estimates would do is what
-        slices are halved for; where none of them straddles it, it is proved.
+        Slices are halved for the largest level at which the estimates would suffice; once no slice
+        straddles this level, it is proved.
         """
         numbers = self._numbers(formula)
         monitored = self._monitored(formula)
@@ -155,12 +156,12 @@ class FormulaProof:
         return Monitored(formula, task.step * task.steps, task.step, loop)
 
     def _numbers(self, formula: ir.Formula) -> list[int]:
-        """The places of its atoms among all."""
+        """The indices of a formula's atoms among all atoms."""
         wanted = {key(atom) for atom in atoms(formula)}
         return [number for number, atom in enumerate(self.regions) if atom in wanted]
 
     def _by_cases(self, formula: ir.Formula) -> Status:
-        """What follows if atoms that are not decided are tried both ways, in whole slices."""
+        """The result if undecided atoms are tried both ways, on whole slices."""
         step, monitored = self.task.step, self._monitored(formula)
         known: dict[ir.Formula, Verdicts] = {}
         for part in boolean_parts(formula):
@@ -178,7 +179,7 @@ class FormulaProof:
         return Status.UNDECIDED
 
     def _value(self, formula: ir.Formula, part: _Part) -> bool | None:
-        """The value of a formula about one instant all over a slice; None if it is not certain."""
+        """The value of a formula without time over a whole slice; None if it is not certain."""
         wanted = {key(atom) for atom in atoms(formula)}
         gaps = {a: gap for a, gap in zip(self.regions, part.gaps, strict=True) if a in wanted}
         values = {a: gap.inside > 0 for a, gap in gaps.items() if gap.inside or gap.outside}
@@ -197,7 +198,7 @@ class FormulaProof:
     def _possible(
         self, part: _Part, unsure: Sequence[AtomKey], cases: Sequence[dict[AtomKey, bool]]
     ) -> list[dict[AtomKey, bool]]:
-        """The cases in which every effector can be just where its atoms say."""
+        """The cases in which every effector can be on the stated sides of its regions."""
         self.tick()
         time = self._over(part.segment, part.inputs, (part.first, part.last))
         found = list(cases)
@@ -211,7 +212,7 @@ class FormulaProof:
                     [
                         self.regions[a].polytope
                         for a, is_in in zip(own, case, strict=True)
-                        # What is not in a pose there may be in the region.
+                        # An effector may be in the region without having the pose.
                         if is_in is side and (side or not a.poses)
                     ]
                     for side in (True, False)
@@ -221,7 +222,7 @@ class FormulaProof:
         return found
 
     def _trace(self, numbers: Sequence[int], *, hopeful: bool) -> Trace:
-        """The bounds of some atoms, or the estimates."""
+        """The proved bounds of some atoms, or the estimates."""
         step = self.task.step
         ends = [part.first * step for part in self.parts]
         times = list(pairwise([*ends, *(part.last * step for part in self.parts[-1:])]))
@@ -238,9 +239,9 @@ class FormulaProof:
         return trace
 
     def _refine(self, level: float, numbers: Sequence[int], limit: int) -> bool:
-        """Halve the slices on which some atoms straddle a level; whether there was one.
+        """Halve the slices on which some atoms straddle a level; whether there were any.
 
-        There are no more than ``limit`` in the end.
+        There are at most ``limit`` slices afterwards.
         """
         refined: list[_Part] = []
         spare = limit - len(self.parts)
@@ -269,7 +270,7 @@ class FormulaProof:
         depth: int,
         known: tuple[Gap, ...],
     ) -> _Part:
-        """A slice of a segment; ``known`` are the gaps of the one it is part of."""
+        """A slice of a segment; ``known`` are the gaps of the slice that it is part of."""
         first, last = span
         time = self._over(segment, u, span)
         if time is None:
@@ -283,24 +284,24 @@ class FormulaProof:
     def _over(
         self, segment: TubeSegment, u: Sequence[arb], span: tuple[Fraction, Fraction]
     ) -> Slice | None:
-        """Positions over a slice, its ends in units of the step; None where not finite."""
+        """Positions over a slice, its ends in units of the step; None if not finite."""
         first, last = span
         middle = ball(((first + last) / 2 - segment.steps[0]) * self.task.step)
         return self.point_map.over(segment, u, middle, ball((last - first) / 2 * self.task.step))
 
 
-# --- Which regions a point can be in together, where enclosures do not decide one by one ----------
+# --- The regions that a point can be in together, if enclosures do not decide each one ------------
 #
-# At the instant at which it enters a region a point is on its boundary, and which side it is on can
-# never be decided.  Still it is on one of them; and between two regions that touch it is in one.
+# When a point enters a region it is on the boundary, and its side can never be decided.  Still it
+# is on one side; and between two regions that touch, it is in one of them.
 
 
 THICKNESS = Fraction(1, 2**60)
-"""Metres by which a box is widened along an axis along which a point does not move at all."""
+"""How far, in metres, a box is widened along an axis along which a point does not move."""
 
 
 def box_around(time: Slice, point: int) -> Polytope | None:
-    """An exact box, with interior, around the positions in a slice; None if not bounded."""
+    """An exact box, with interior, around the positions in a slice; None if unbounded."""
     dimension = len(time.points[point])
     rows = []
     for axis in range(dimension):
@@ -317,9 +318,9 @@ def box_around(time: Slice, point: int) -> Polytope | None:
 
 
 def may_be(box: Polytope, within: Sequence[Polytope], without: Sequence[Polytope]) -> bool:
-    """Whether a point of a box might be in some closed regions and in none of others.
+    """Whether a point of a box might be in some closed regions and outside the others.
 
-    Never False where one is: a False is proved exactly.
+    The answer may be True wrongly, but a False is proved exactly.
     """
     place = box
     for region in within:
@@ -333,6 +334,6 @@ def may_be(box: Polytope, within: Sequence[Polytope], without: Sequence[Polytope
 
 
 def _exact(value: arb) -> Fraction:
-    """The rational that a ball without radius is."""
+    """The rational value of a ball of radius zero."""
     mantissa, exponent = value.man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)

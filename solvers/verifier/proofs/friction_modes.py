@@ -1,4 +1,4 @@
-"""What joints with dry friction do in a segment of a tube, as ``dry_friction.py`` tells it."""
+"""The modes of joints with dry friction in a segment of a tube (``dry_friction.py``)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from flint import arb
 
 @dataclass(frozen=True, slots=True)
 class Leaving:
-    """A joint goes from rest with a sign, its friction at most ``spare`` less than when it slides.
+    """A joint leaves rest with a sign; friction is at most ``spare`` less than while it slides.
 
-    In N m or N.
+    ``spare`` is in N m or N.
     """
 
     sign: Literal[1, -1]
@@ -22,23 +22,23 @@ class Leaving:
 
 Mode: TypeAlias = Literal[1, -1, "sticking", "either"] | Leaving
 Modes: TypeAlias = Mapping[int, Mode]
-"""What each joint with friction does, by its number: it slides with a sign, for instance."""
+"""Maps each joint with friction to its mode: for example, it slides with a sign."""
 Signs: TypeAlias = Mapping[int, Literal[1, -1]]
-"""Joints whose rates are not of the other sign, by what they did before."""
+"""Joints whose rates do not have the other sign, according to their previous modes."""
 
 GENEROUS = 2
-"""What friction may lack is taken so many times larger than it is at first."""
+"""``spare`` is this many times larger than needed at first."""
 
 
 def sign_of(mode: Mode) -> Literal[1, -1] | None:
-    """The sign that a rate has, or none."""
+    """The sign of a rate in this mode, or None."""
     if isinstance(mode, Leaving):
         return mode.sign
     return mode if isinstance(mode, int) else None
 
 
 def let_go(push: arb, size: arb) -> Mode:
-    """What a joint at rest does that friction may not hold; ``size`` is the most it can."""
+    """The mode of a joint at rest that friction, of at most ``size``, may not hold."""
     if push > size:
         return 1
     if push < -size:
@@ -54,7 +54,7 @@ def sticking(modes: Modes) -> frozenset[int]:
 
 
 def freed(mode: Mode, instead: Mode | None) -> Mode:
-    """What a joint that may do something else is taken to do; ``instead`` is what seems so."""
+    """The mode for a joint that may leave its mode; ``instead`` is the likely next mode."""
     if instead is None or isinstance(instead, int):
         return "either"
     if isinstance(mode, Leaving) and isinstance(instead, Leaving):

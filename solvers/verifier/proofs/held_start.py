@@ -1,4 +1,4 @@
-"""Whether some inputs within their bounds balance a robot where it starts."""
+"""Whether inputs within their bounds balance a robot at its start."""
 
 from __future__ import annotations
 
@@ -24,22 +24,23 @@ NOT_KNOWN = "no inputs are known to balance the robot"
 ROUNDS = 4
 """Steps of Newton's method in floats."""
 WIDTHS = (1e15, 1e-6)
-"""How far from inputs in floats others are looked at, in their units: forces are mostly affine."""
+"""Widths of the boxes of inputs around those in floats, in their units; the first is vast, since
+forces are mostly affine."""
 
 
 def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> CheckedCondition:
-    """Some inputs within their bounds leave all joints of a robot without acceleration.
+    """Check that some inputs within their bounds leave all joints without acceleration.
 
-    The joints' forces b(u) have a zero: where S holds their slopes over a box of inputs about u0,
-    and u0 - S^-1 b(u0) is within the box, it has one there, and no other in the box (interval
-    Newton; Neumaier, *Interval methods for systems of equations*, 1990).  The margin is the least
-    share that it leaves of a bound.  Of more inputs than joints, some keep values that balance the
-    robot in floats.  Forces that no input changes have to be zero.  Where there is dry friction,
-    which may balance a robot, that inputs alone do not refutes nothing.
+    The joints' forces b(u) have a zero if S encloses their slopes over a box of inputs about u0 and
+    u0 - S^-1 b(u0) is within the box; the zero is there and is the only one in the box (interval
+    Newton; Neumaier, *Interval methods for systems of equations*, 1990). The margin is the least
+    share of a bound that the inputs leave unused. If there are more inputs than joints, some keep
+    the values that balance the robot in floats. Forces that no input changes have to be zero. Dry
+    friction may balance a robot; a failure of the inputs alone then refutes nothing.
 
     Args:
         scene: the robot in its task.
-        state: coordinates (n,), then what does not matter: the robot is at rest.
+        state: coordinates (n,); further entries are ignored, since the robot is at rest.
         tail: theta and k.
     """
     bounds = input_bounds(scene.model, scene.task)
@@ -62,7 +63,7 @@ def held_start(scene: Scene, state: Sequence[arb], tail: Sequence[arb]) -> Check
 
 @dataclass(frozen=True)
 class _Balance:
-    """The joints' forces of a robot at rest, by its inputs within ``bounds``."""
+    """The joints' forces of a robot at rest as a function of its inputs."""
 
     scene: Scene
     state: Sequence[arb]
@@ -70,14 +71,14 @@ class _Balance:
     bounds: Sequence[InputBound]
 
     def inputs(self) -> tuple[list[arb] | None, bool]:
-        """Inputs (m,) that balance the robot, None: none are known; and whether no others do."""
+        """Inputs (m,) that balance the robot, or None; and whether no others do."""
         middle, weights = self._middle_and_weights()
         centre = self._balls(middle)
         anything = [arb(value, WIDTHS[0]) for value in middle.tolist()]
         slopes, forces = self._slopes(anything), self._forces(centre)
         live = []
         for joint in range(slopes.nrows()):
-            # A slope that may be zero, and may not, tells nothing: only exact zeros do.
+            # A slope that only may be zero decides nothing; exact zeros do.
             if not all(slopes[joint, j].is_zero() for j in range(len(centre))):
                 live.append(joint)
             elif not forces[joint, 0].is_zero():
@@ -108,7 +109,7 @@ class _Balance:
         return middle, weights
 
     def _balls(self, u: Array) -> list[arb]:
-        """Inputs (m,) as balls; those that have one value only have exactly that."""
+        """Inputs (m,) as balls; inputs with a single possible value have exactly that value."""
         found = [arb(value) for value in u.tolist()]
         for bound in self.bounds:
             if bound.widest_margin == 0 and not bound.norm2:
@@ -117,7 +118,7 @@ class _Balance:
         return found
 
     def _zero(self, u: Array, weights: Array, live: Sequence[int]) -> Array | None:
-        """Inputs near others, in shares of their bounds, at which forces vanish in floats."""
+        """Inputs near others, relative to their bounds, at which forces vanish in floats."""
         for _ in range(ROUNDS):
             balls = self._balls(u)
             forces, slopes = (_floats(part(balls))[live] for part in (self._forces, self._slopes))
@@ -129,7 +130,7 @@ class _Balance:
     def _enclosed(
         self, about: Array, live: Sequence[int], chosen: Sequence[int], width: float
     ) -> list[arb] | None:
-        """Balls about a zero in a box of the chosen inputs, all others being as they are."""
+        """Balls about a zero in a box of the chosen inputs, with all others unchanged."""
         centre = self._balls(about)
         box = list(centre)
         for j in chosen:
@@ -166,7 +167,7 @@ def _floats(matrix: arb_mat) -> Array:
 
 
 def _independent(slopes: Array) -> list[int]:
-    """As many columns of a matrix (n, m) as it has rows, each the farthest from those before."""
+    """As many columns of a matrix (n, m) as it has rows, each farthest from those before."""
     rest, chosen = slopes.copy(), list[int]()
     for _ in range(len(slopes)):
         sizes = np.linalg.norm(rest, axis=0)

@@ -1,8 +1,8 @@
-"""What a hull adds to its middle: corners that are constant combinations of its frame's axes.
+"""Extensions by hulls: corners are constant combinations of the axes of a frame.
 
-In a direction n a corner is as high as the middle and sum(w_i n . x_i).  The one that is lowest at
-the middle of a slice, in floats, is compared with all others in balls: what is certainly not lower
-throughout the slice need not be looked at, whichever corner that one is.
+In a direction n the height of a corner is that of the middle plus sum(w_i n . x_i). The corner that
+is lowest at the middle of a slice, in floats, is compared with all others in balls: those that are
+certainly not lower throughout the slice can be left out, even if that corner is not the lowest.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from solvers.verifier.proofs.extension import Corner, Extension, Forms, Rim
 from solvers.verifier.proofs.point_map import Slice, Terms
 
 MOST_CORNERS = 8
-"""Of more corners that may be lowest, the others are bounded by what they are lower by at most."""
+"""If more corners may be lowest, the others only contribute a bound of how much lower they are."""
 
 Weights: TypeAlias = tuple[arb, ...]
-"""One for each column."""
+"""One weight for each column."""
 
 
 @dataclass(frozen=True, slots=True)
 class HullExtension(Extension):
-    """Weights are those of one of the ``ways``, or between them.
+    """The weights are those of one of the ``ways``, or between them.
 
-    ``floats`` are about the same, (w, c), by which corners are chosen.
+    ``floats`` are approximate weights, (w, c), by which corners are chosen.
     """
 
     ways: tuple[Weights, ...]
@@ -39,11 +39,11 @@ class HullExtension(Extension):
     differences: dict[int, tuple[Weights, ...]] = field(
         default_factory=dict[int, tuple[Weights, ...]], compare=False, repr=False
     )
-    """By how much the weights of all are more than those of one; made when first asked for."""
+    """Maps a corner to the differences of all weights from its own; computed on demand."""
 
     @staticmethod
     def of(columns: tuple[int, ...], corners: Sequence[Sequence[Fraction]]) -> HullExtension:
-        """The hull of corners that are so many metres along the columns from a middle."""
+        """The hull of corners, given in metres along the columns from a middle."""
         own = [corner[: len(columns)] for corner in corners]
         floats = np.array([[float(x) for x in corner] for corner in own])
         return HullExtension(columns, tuple(tuple(map(ball, corner)) for corner in own), floats)
@@ -55,7 +55,7 @@ class HullExtension(Extension):
 
     @property
     def farthest(self) -> tuple[arb, ...]:
-        """The largest sizes of weights, column by column."""
+        """The largest absolute weight of each column."""
         found = []
         for weights in zip(*self.ways, strict=True):
             most = arb(0)
@@ -75,7 +75,7 @@ class HullExtension(Extension):
     def lowest(self, forms: Forms) -> tuple[list[Terms], arb, arb]:
         """The corners that are not certainly above the one that is lowest at the middle.
 
-        Of a great many some are left out: what is added is what these are lower than that one by.
+        If there are a great many, some are left out; the added bounds say how much lower these are.
         """
         heights = self.floats @ np.array([float(at.mid()) for _, at in forms])
         order = np.argsort(heights, kind="stable").tolist()
@@ -109,7 +109,7 @@ def _sum(weights: Weights, values: Sequence[arb]) -> arb:
 
 
 def has_hull(extensions: Sequence[Extension]) -> bool:
-    """Whether one of them is of a hull, which may have a great many corners."""
+    """Whether one of the extensions is a hull, which may have a great many corners."""
     return any(isinstance(each, HullExtension) for each in extensions)
 
 
@@ -117,7 +117,7 @@ def has_hull(extensions: Sequence[Extension]) -> bool:
 class ManyCorners:
     """All corners that extensions add to some points, at the middle of a slice, in floats.
 
-    ``places`` are (count, d); a corner is made in balls when it is asked for.
+    ``places`` are (count, d); a corner is computed in balls on demand.
     """
 
     points: tuple[int, ...]
@@ -131,7 +131,7 @@ class ManyCorners:
         extensions: Sequence[Extension],
         rims: Sequence[Sequence[Rim]],
     ) -> ManyCorners:
-        """In the order of ``extension.corners``, ``rims`` being directions for each of these."""
+        """The corners in the order of ``extension.corners``; ``rims`` has directions for each."""
         found = np.array([over.middle(point) for point in points])
         terms = tuple(each.corners(more) for each, more in zip(extensions, rims, strict=True))
         for each, ways in zip(extensions, terms, strict=True):
@@ -145,7 +145,7 @@ class ManyCorners:
         return ManyCorners(tuple(points), terms, found)
 
     def corner(self, number: int) -> Corner:
-        """One of them, by its number."""
+        """The corner with a number."""
         chosen = list[Terms]()
         for ways in reversed(self.terms):
             number, way = divmod(number, len(ways))

@@ -1,4 +1,4 @@
-"""What has to hold at every instant of a motion: the task's and the robot's own bounds."""
+"""The conditions at every instant of a motion: the bounds of the task and of the robot."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from solvers.verifier.proofs.tube_checks import Constraint, Inside, row, rows_of
 
 
 def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:
-    """Bounds, and every ``avoid``; ``tail`` holds the balls of theta and k."""
+    """Conditions for the bounds and every ``avoid``; ``tail`` holds the balls of theta and k."""
     task, workspace, graph = scene.task, scene.workspace, scene.graph
     effectors = tuple(range(len(graph.model.effectors)))
     bounds = rows_of(scene.polytope(workspace.bounds))
@@ -45,7 +45,7 @@ def position_conditions(scene: Scene, tail: Sequence[arb]) -> list[Constraint]:
 
 @dataclass(frozen=True, slots=True)
 class _Moving:
-    """What moves: its name, the numbers of its points, and what it is about these."""
+    """A moving object: its name, the numbers of its points, and its extent around them."""
 
     name: str
     points: tuple[int, ...]
@@ -54,7 +54,7 @@ class _Moving:
 
 
 def _colliders(scene: Scene, tail: Sequence[arb]) -> list[_Moving]:
-    """What the links of the robot are in collisions."""
+    """The collision shapes of the robot's links."""
     model, first = scene.model, len(scene.model.effectors)
     scalars = scalar_balls(model.scalars, tail)
     return [
@@ -71,7 +71,7 @@ def _colliders(scene: Scene, tail: Sequence[arb]) -> list[_Moving]:
 
 
 def _numbers(first: int, points: Sequence[int]) -> tuple[int, ...]:
-    """Numbers among all points of those that are counted from behind the effectors."""
+    """The indices among all points of points that are numbered after the effectors."""
     return tuple(first + point for point in points)
 
 
@@ -121,7 +121,7 @@ def _apart_from_each_other(
 
 
 def _along(extensions: Sequence[Extension], columns: tuple[int, ...]) -> list[Extension]:
-    """What a body adds along the directions of its axes as these are seen from elsewhere."""
+    """A body's extensions along its axes as seen from another frame."""
     return [replace(each, columns=columns) for each in extensions]
 
 
@@ -135,7 +135,7 @@ def _radius(each: Collider, scalars: Sequence[arb]) -> arb:
 def _extensions(
     model: RobotModel, each: Collider, columns: tuple[int, ...], scalars: Sequence[arb]
 ) -> tuple[Extension, ...]:
-    """What a box, a cylinder or a hull adds to the points that it is about."""
+    """The extensions that a box, a cylinder or a hull adds to its points."""
     if not isinstance(each, Shape) or not columns:
         return ()
     if each.corners:

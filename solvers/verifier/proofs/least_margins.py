@@ -1,4 +1,4 @@
-"""By how much conditions hold along a whole tube, looked at closely where that is least."""
+"""Margins of conditions that hold along a whole tube, refined where they are least."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from solvers.verifier.proofs.tube_checks import (
 
 
 def close_margins(point_map: PointMap, constraints: Sequence[Constraint]) -> None:
-    """Refine the margins of what holds along a whole tube, where they are least.
+    """Refine the margins of conditions that hold along a whole tube, where they are least.
 
-    A margin is a bound on all slices: it is no larger than the one of any slice that is left.
+    A margin is a bound for all slices: it is no larger than that of any remaining slice.
     """
     slices = _Slices(point_map)
     for constraint in constraints:
@@ -32,13 +32,13 @@ def close_margins(point_map: PointMap, constraints: Sequence[Constraint]) -> Non
 
 @dataclass(slots=True)
 class _Slices:
-    """Positions over stretches of a tube, which conditions share."""
+    """Positions over stretches of a tube, shared by the conditions."""
 
     point_map: PointMap
     known: dict[tuple[Fraction, int, int], Slice | None] = field(default_factory=dict)
 
     def over(self, stretch: Stretch) -> Slice | None:
-        """Those over a stretch; None where they are not finite."""
+        """The positions over a stretch; None if they are not finite."""
         segment = stretch.segment
         key = segment.steps[0], stretch.depth, stretch.index
         if key not in self.known:
@@ -48,7 +48,7 @@ class _Slices:
 
 
 def _close_margin(slices: _Slices, constraint: Constraint) -> None:
-    """Halve the slice of the least margin until that is close to what its middle shows."""
+    """Halve the slice of the least margin until this is close to the margin at its middle."""
     held, count = constraint.held, len(constraint.held)
     while True:
         least = heappop(held)
@@ -66,7 +66,7 @@ def _close_margin(slices: _Slices, constraint: Constraint) -> None:
             heappush(held, HeldSlice(lower, count, stretch))
             continue
         if shown - lower <= REFINEMENT * shown or stretch.depth == MOST_SPLITS:
-            # On slices that are not held it holds by ``hope`` at least.
+            # On slices not in ``held`` the margin is at least ``hope``.
             constraint.note(Status.HOLDS, min(lower, constraint.hope), over)
             return
         for half in stretch.halves():

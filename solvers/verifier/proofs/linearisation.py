@@ -1,4 +1,4 @@
-"""A robot's equations of motion linearised along a path, and systems with its mass matrix."""
+"""The equations of motion linearised along a path, and linear systems with the mass matrix."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Linearisation:
 
 
 class InertiaMatrix:
-    """Solves systems with one interval matrix, preconditioned by the inverse of its midpoint."""
+    """Solves systems with an interval matrix, preconditioned by the inverse of its midpoint."""
 
     def __init__(self, matrix: arb_mat) -> None:
         self._inverse = matrix.mid().inv().mid()

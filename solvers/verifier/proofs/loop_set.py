@@ -4,12 +4,12 @@ r"""The set of states in which every round of a motion that goes on for ever beg
 
 with G square and invertible, over coordinates and rates of the joints and the modules' own states.
 If all motions of the prefix end in S, and all motions of one round that begin in S end in S, then
-every round begins in S (by induction), and what holds of all motions of one round holds of all
-rounds.  A state x is in S if and only if :math:`|G^{-1} (x - c)| \le 1` entry by entry.
+every round begins in S (by induction), and whatever holds for all motions of one round holds for
+all rounds.  A state x is in S if and only if :math:`|G^{-1} (x - c)| \le 1` entry by entry.
 
-A joint of which a whole turn gives the same robot may come back by whole turns: a state x at the
-end of a round is then compared as :math:`x - 2 \pi t` with t whole, and the next round counts the
-joint's coordinate from there.
+If a full turn of a joint gives the same robot, the joint may return with additional full turns: a
+state x at the end of a round is then compared as :math:`x - 2 \pi t` with integer t, and the next
+round counts the joint's coordinate from there.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ class Loop:
     """The first sample of a loop, and the set of states there, exactly, in SI units.
 
     Attributes:
-        first: the sample at which the loop begins; after the last step it begins again.
+        first: the sample at which the loop begins; it follows the last step.
         centre: coordinates, then rates of the joints, then the modules' own states, (N,).
         generators: the rows of G, (N, N), which is invertible.
-        turns: by how many whole turns each joint is farther after a round, (n,); empty: by none.
+        turns: the full turns of each joint in a round, (n,); empty: no turns.
 
     Raises:
         ValueError: the shapes do not agree, or G is singular.
@@ -56,14 +56,14 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class LoopSet:
-    """The set of a loop in balls, in the coordinates of a graph, which q = D y gives.
+    """The set of a loop in balls, in the coordinates y of a graph, q = D y.
 
     Attributes:
         first: the sample at which the loop begins.
-        initial: the set, with what states hold besides: inputs, and the factors of masses.
-        to_unit: G^-1 diag(D, D, 1), which takes states to the unit box about ``centre``, (N, N).
+        initial: the set, with further entries of states: inputs, and the factors of masses.
+        to_unit: G^-1 diag(D, D, 1), which maps states to the unit box about ``centre``, (N, N).
         centre: G^-1 c, (N,).
-        turned: G^-1 (c + 2 pi t), (N,), with the whole turns t of a round.
+        turned: G^-1 (c + 2 pi t), (N,), with the full turns t of a round.
     """
 
     first: int
@@ -73,9 +73,9 @@ class LoopSet:
     turned: tuple[arb, ...]
 
     def farthest(self, states: Zonotope, *, after: bool = False) -> arb:
-        """The largest entry of |G^-1 (x - c)| of all states x of a set: at most 1 if it is in S.
+        """The largest entry of |G^-1 (x - c)| over a set of states x: at most 1 if it is in S.
 
-        The states are those before a round, or ``after`` one: then x is less the turns of it.
+        The states are those before a round or, with ``after``, those after it, less its full turns.
         """
         size, centre = len(self.centre), self.turned if after else self.centre
         if not size:
@@ -97,7 +97,7 @@ def loop_set(
     Args:
         loop: the exact set, in the joints' own coordinates.
         graph: the equations of motion.
-        state: the planned start, whose entries behind the robot's states every set shares.
+        state: the planned start; every set shares its entries after the robot's states.
         masses: how far factors of masses may be from 1; they are the last entries of a state.
     """
     size = len(loop.centre)
@@ -124,7 +124,7 @@ def loop_set(
 
 
 def _solved(graph: RobotGraph, values: Sequence[Fraction]) -> list[Fraction]:
-    """A state of the joints' coordinates in those of the graph."""
+    """A state in the coordinates of the graph, from the joints' coordinates."""
     n = len(graph.model.dofs)
     parts = [graph.coordinates.solved_for(part) for part in (values[:n], values[n : 2 * n])]
     return [value for part in parts for value in part] + list(values[2 * n :])

@@ -1,7 +1,7 @@
 """The vector field of a robot in balls of doubles, in machine code.
 
-It has the same programs as the field in balls of any precision (``vector_field.py``), so that both
-are about the same robot.
+It runs the same programs as the field in balls of any precision (``vector_field.py``), so both
+describe the same robot.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from solvers.verifier.proofs.linearisation import Coefficients, Linearisation
 
 
 class MachineField:
-    """The field of a robot; arguments, results and attributes are those of ``VectorField``."""
+    """The field of a robot; arguments, results and attributes are as in ``VectorField``."""
 
     def __init__(
         self, balance: Tape, variation: Tape, dofs: int, own: int, tail: Sequence[arb]
@@ -30,7 +30,7 @@ class MachineField:
         self.dofs, self.own, self.size = dofs, own, 2 * dofs + own
         self._tail = BallArray.of(tail)
         self._balance = MachineProgram(balance, self.size)
-        # By the addresses of tapes, which stay in memory with their programs.
+        # Keyed by the address of a tape; keeping the tape alive keeps the address unique.
         self._programs: dict[int, tuple[Tape, MachineProgram]] = {}
 
     @cached_property
@@ -48,7 +48,7 @@ class MachineField:
         return MachineProgram(self._tapes[0].first(self.dofs**2), self.size)
 
     def _inputs(self, moving: Sequence[Coefficients], u: Sequence[arb], length: int) -> BallArray:
-        """All inputs as series: those that depend on time, u, theta and k."""
+        """All inputs as series: those that depend on time, then u, theta and k."""
         series = BallArray.series([*moving, *([item] for item in u)], length)
         still = BallArray.zeros(len(self._tail.middle), length)
         still.middle[:, 0], still.radius[:, 0] = self._tail.middle, self._tail.radius
@@ -62,7 +62,7 @@ class MachineField:
         return self._balance.evaluate(self._inputs([[x] for x in state], u, 1)).balls()
 
     def smooth_values(self, program: Tape, moving: Sequence[arb], u: Sequence[arb]) -> list[arb]:
-        """The outputs of another program on a box, every absolute value being smooth there."""
+        """The outputs of another program on a box on which every absolute value is smooth."""
         known = self._program(program, 0)
         return known.evaluate(self._inputs([[x] for x in moving], u, 1), smooth=True).balls()
 
@@ -71,7 +71,7 @@ class MachineField:
     ) -> list[list[arb]]:
         """The coefficients of the outputs of a program of (q, theta, k), a row for each.
 
-        There are ``length`` of them, of which those before the ``first`` are left out.
+        A row has the coefficients from ``first`` up to, but not including, ``length``.
         """
         found = self._program(program, self.dofs).evaluate(self._inputs(q, [], length))
         flat, kept = found.at(slice(None), slice(first, None)).balls(), length - first
@@ -89,7 +89,7 @@ class MachineField:
         order: int,
         enough: Callable[[Sequence[Sequence[SupportsFloat]]], bool],
     ) -> list[list[float]]:
-        """Taylor coefficients near those of the solution, in doubles: they prove nothing.
+        """Approximate Taylor coefficients of the solution, in doubles: they prove nothing.
 
         Raises:
             ZeroDivisionError: M is singular there.
@@ -166,7 +166,7 @@ def _matrix(balls: BallArray) -> arb_mat:
 
 
 def residual(balance: Tape, dofs: int, size: int) -> Tape:
-    """The program of (b - M a, d) with inputs (q, v, s, a, u, theta, k) by that of (M, b, d)."""
+    """The program of (b - M a, d) with inputs (q, v, s, a, u, theta, k), from that of (M, b, d)."""
     nodes: list[Node] = [
         (name, (number[0] + dofs * (number[0] >= size),)) if name == "input" else (name, number)
         for name, number in balance.nodes

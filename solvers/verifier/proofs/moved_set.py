@@ -17,18 +17,18 @@ from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope, exactly
 
 SLICES = 4
-"""The parts of a segment on which a closer box is computed."""
+"""The parts of a segment on which a tighter box is computed."""
 KEPT = exactly(8)
-"""The order of a wide set that conditions are checked for."""
+"""The order to which a wide set is reduced when conditions are checked."""
 
 
 @dataclass(frozen=True, slots=True)
 class MovedSet:
     """The flow on a segment, what is added to the moved set, and a box of all deviations.
 
-    A box in which they were found to stay was ``growth`` times as large.  What is of second order
-    adds at most the part ``second`` of a rate's bound per second.  ``spread`` tells of a wide set
-    how its entries go together.
+    The box in which they were first found to stay was ``growth`` times as large. Second-order terms
+    add at most the fraction ``second`` of a rate's bound per second. For a wide set, ``spread``
+    keeps the dependence between its entries.
     """
 
     flow: Flow
@@ -43,7 +43,7 @@ class MovedSet:
 class Spread:
     """The deviations from a path during a segment: e(t) = P(t) G r + d.
 
-    All |r_j| <= 1 and |d| <= ``reach``.  A box of them would forget that entries go together.
+    All |r_j| <= 1 and |d| <= ``reach``. A box of them would lose the dependence between entries.
     """
 
     path: Path
@@ -52,7 +52,7 @@ class Spread:
     reach: list[arb]
 
     def at(self, time: arb) -> tuple[list[arb], arb_mat]:
-        """The path at an instant (size,), and the columns (size, c) that deviations consist of."""
+        """The path at an instant (size,), and the columns (size, c) that span the deviations."""
         size = len(self.reach)
         rows = [[r if i == j else arb(0) for j in range(size)] for i, r in enumerate(self.reach)]
         if self.states.columns.size:
@@ -61,7 +61,7 @@ class Spread:
         return self.path.at(time), arb_mat(rows)
 
     def value(self, weights: Sequence[int], time: arb) -> arb:
-        """An enclosure of a weighted sum of a state's entries, at an instant or a ball of them."""
+        """An enclosure of a weighted sum of a state's entries, at an instant or a ball of times."""
         state, columns = self.at(time)
         moved = (arb_mat([[arb(w) for w in weights]]) * columns).entries()
         centre = sum((w * x for w, x in zip(weights, state, strict=True)), arb(0))
@@ -71,7 +71,7 @@ class Spread:
 def moved_set(
     field: VectorField, states: Zonotope, near: NearPath, found: Deviation, degree: int
 ) -> MovedSet:
-    """How a set moves on [0, H]: by forms where it is wide, else by the bounds that hold in a box.
+    """How a set moves on [0, H]: by forms if it is wide, otherwise by the bounds of a box.
 
     Raises:
         ZeroDivisionError: M may be singular along the path.
@@ -110,10 +110,10 @@ def _by_box(field: VectorField, near: NearPath, found: Deviation) -> MovedSet:
 
 
 def pulled(found: Deviation, moved: MovedSet, length: arb) -> list[arb]:
-    """By how much rates and own states at any instant of [0, length] change otherwise at most.
+    """The most by which the derivatives of rates and own states differ from those of the path.
 
-    That is, than those of the path: e' = A e + c, of which ``found`` bounds A and c and ``moved``
-    tells e; entries of a wide set go together.
+    The bound holds on all of [0, length]: e' = A e + c, where ``found`` bounds A and c and
+    ``moved`` bounds e. For a wide set the dependence between the entries of e is used.
     """
     lower, dofs = found.linear.lower, len(found.push) - found.linear.lower.nrows()
     columns = diagonal(moved.radii)
@@ -129,11 +129,11 @@ def pulled(found: Deviation, moved: MovedSet, length: arb) -> list[arb]:
 def _closer(
     states: Zonotope, near: NearPath, found: Deviation, transition: Flow, added: Added
 ) -> list[arb]:
-    """A closer box of all deviations than that in which they were found to stay."""
+    """A box of all deviations, tighter than the one in which they were found to stay."""
     radii = [arb(0)] * len(added.box)
     for k in range(SLICES):
         time = near.path.length * arb(k).union(arb(k + 1)) / SLICES
         over = states.radii_under(transition.at(time))
         radii = [r.max((o + a).upper()) for r, o, a in zip(radii, over, added.reach, strict=True)]
-    # Both boxes hold, so that the smaller of each pair of bounds does.
+    # Both boxes are valid, so the smaller bound of each pair is, too.
     return [r.min(f) for r, f in zip(radii, found.radii, strict=True)]

@@ -1,7 +1,7 @@
 r"""A validated segment of a tube: as long as its path, its deviations and its set allow.
 
-The path is a polynomial from the midpoint of the set of states; what is not valid is tried again
-shorter, or of order two where an absolute value has its kink (``step_control.py``).
+The path is a polynomial from the midpoint of the set of states. If validation fails, a shorter
+segment is tried, or one of order two if an absolute value has its kink there (``step_control.py``).
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import Zonotope
 
 KINK_REMAINDER = 3e-7
-"""Where an absolute value has a kink, shorter segments of order two may be less accurate."""
+"""At a kink of an absolute value, segments are short and of order two, and may be less accurate."""
 REMAINDER_OF_RADIUS = 2.0**-16
-"""What a segment may add to a wide set, as a part of its radius."""
+"""The most that a segment may add to a wide set, relative to its radius."""
 LINEAR_BITS = 53
 KINK_LENGTH = Fraction(1, 64)
-"""The part of a step below which no smooth segment is tried on the way to a kink."""
+"""The fraction of a step below which no smooth segment is tried near a kink."""
 
 ROUGH_ORDER = 2
 INFLATION = 1.25
-"""A path is made for so much more time than it is needed for."""
+"""A path is computed for a time longer than needed by this factor."""
 UNKNOWN = inf
 
 
 @dataclass(frozen=True, slots=True)
 class Accuracy:
-    """Taylor order, working bits, and the remainder a segment may add to a coordinate or rate."""
+    """Taylor order, working bits, and the most that a segment may add to a coordinate or rate."""
 
     order: int
     bits: int
@@ -51,9 +51,9 @@ class Accuracy:
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """What is tried on a segment: a path's polynomials of an order, and the tolerance.
+    """A candidate for a segment: the polynomials of a path, their order, and the tolerance.
 
-    ``degree`` is that of the matrix polynomial P.
+    ``degree`` is the degree of the matrix polynomial P.
     """
 
     polynomials: tuple[arb_poly, ...]
@@ -82,14 +82,14 @@ def longest_passage(
     accuracy: Accuracy,
     control: StepControl,
 ) -> tuple[Fraction, Passage] | None:
-    """The longest segment that is valid, ``rest`` of a step of ``dt`` s at most; None for failure.
+    """The longest valid segment, at most ``rest`` of a step of ``dt`` s; None if there is none.
 
     Its length is in steps.
     """
     for rough in (False, True):
         try:
             wanted = INFLATION * float(rest) * control.dt / control.caution
-            # An order that seems to be enough for so little time may not be.
+            # An order that seems sufficient for such a short time may not be.
             for seconds in (wanted,) if rough else (wanted, inf):
                 trial = _trial(field, states, drive, accuracy, seconds, control, rough=rough)
                 if trial is None:
@@ -129,7 +129,7 @@ def _trial(
         raise
     except (ZeroDivisionError, ValueError):
         return None
-    # Not the degree: of an order that is exact the last coefficients may be zero.
+    # The degree may be lower than the order, since the last coefficients may be zero.
     order = ROUGH_ORDER if choice is None else choice.order
     return _Trial(polynomials, order, 0 if rough else control.degree, rough, tolerance)
 
@@ -143,7 +143,7 @@ def _longest(
     trial: _Trial,
     control: StepControl,
 ) -> tuple[Fraction, Passage] | None:
-    """The first length that is valid, from a good guess downwards."""
+    """The first valid length, starting from a good guess and decreasing."""
     order = 1 if trial.rough else trial.order
     rates = [item.coeffs() for item in trial.polynomials[field.dofs :]]
     guess = good_length(rates, trial.tolerance)
@@ -180,7 +180,7 @@ def _attempt(
     path = path_on(trial.polynomials, length.upper())
     try:
         error = defect(field, path, drive.stated, 1 if trial.rough else trial.order)
-        # How deviations develop need not be known to more digits than floats have.
+        # The evolution of deviations need not be more precise than floats.
         with working_precision(LINEAR_BITS):
             near = NearPath(path, error.bounds, states.radii, drive)
             found = deviation(field, near, trial.degree)
@@ -197,7 +197,8 @@ def _attempt(
     except UncertainSignError:
         raise
     except (ZeroDivisionError, ValueError):
-        # A denominator's ball contains zero: the box is too wide, not the robot at fault.
+        # A denominator's ball contains zero: the box is too wide, which says nothing about the
+        # robot.
         return UNKNOWN, None
     if not all(item.is_finite() for item in (*moved.radii, *end.radii)):
         return UNKNOWN, None

@@ -12,9 +12,9 @@ from compiler.expressions.evaluators.balls import SIGNS
 from solvers.verifier.proofs.linearisation import Coefficients
 from solvers.verifier.proofs.vector_field import VectorField
 
-# --- A polynomial path near a solution, and how far it is from being one --------------------------
+# --- A polynomial path near a solution, and its defect --------------------------------------------
 #
-# The path p need not be a solution: any polynomials will do.  What decides is its defect
+# The path p need not be a solution; any polynomials may be used.  Its accuracy shows in its defect
 #
 # .. math:: \rho(t) = F(p, u) - M(p)\,\dot p_v, \qquad \rho_s(t) = \sigma(p, u) - \dot p_s,
 #
@@ -23,9 +23,9 @@ from solvers.verifier.proofs.vector_field import VectorField
 #
 # .. math:: |\rho(t)| \le \sum_{j<L} |\rho_j| (H/2)^j + |\rho_L([0, H])| (H/2)^L .
 #
-# The path's coefficients are known numbers, so that the last one needs a single pass over the
-# equations; the solution's own coefficient over a box, which the remainder of a Taylor method asks
-# for (Nedialkov, Jackson & Corliss 1999), would need L of them, each of which widens the next.
+# The path's coefficients are known numbers, so the last one needs a single pass over the equations.
+# A Taylor method needs the solution's own coefficient over a box for its remainder (Nedialkov,
+# Jackson & Corliss 1999); that would take L passes, and each of them widens the next.
 #
 # Source of defect control: Enright, *A new error-control for initial value solvers* (1989); here
 # the defect is not sampled but enclosed.
@@ -33,22 +33,22 @@ from solvers.verifier.proofs.vector_field import VectorField
 
 @dataclass(frozen=True, slots=True)
 class Expansion:
-    """A path about an instant, or about all of an interval: coefficients per entry of the state.
+    """A path about an instant, or about a whole interval: coefficients per entry of the state.
 
-    Those of entry i about an interval enclose the derivatives p_i^(j)(t) / j! at each t in it.
+    About an interval, those of entry i enclose the derivatives p_i^(j)(t) / j! at each t in it.
     """
 
     entries: tuple[Coefficients, ...]
 
     def slopes(self, first: int, count: int, length: int) -> list[Coefficients]:
-        """The derivatives of ``count`` entries from ``first``, to so many coefficients."""
+        """The derivatives of ``count`` entries from ``first``, up to ``length`` coefficients."""
         return [
             [j * c for j, c in enumerate(entry[1 : length + 1], 1)]
             for entry in self.entries[first : first + count]
         ]
 
     def widened(self, radii: Sequence[arb]) -> Expansion:
-        """With the constant coefficients widened: all paths p + e with constants |e_i| <= radii."""
+        """The expansion of all paths p + e with constants |e_i| <= radii."""
         return Expansion(
             tuple(
                 [entry[0] + SIGNS * radius, *entry[1:]]
@@ -61,7 +61,7 @@ class Expansion:
 class Path:
     """Polynomials on [0, H]: exact coefficients of v and s, and those of q integrated from v.
 
-    ``middle`` is their expansion about H/2, ``over`` that about all of [0, H].
+    ``middle`` is their expansion about H/2, ``over`` the one about all of [0, H].
     """
 
     polynomials: tuple[arb_poly, ...]
@@ -88,7 +88,7 @@ def taylor_polynomials(
 ) -> tuple[arb_poly, ...]:
     """The rounded Taylor polynomial of the solution through a point, with q' = v exactly.
 
-    Of degree ``order`` in v, or lower once its coefficients are ``enough``.
+    It has degree ``order`` in v, or a lower one as soon as its coefficients are ``enough``.
 
     Raises:
         ZeroDivisionError: M may be singular there.
@@ -121,8 +121,8 @@ def path_on(polynomials: Sequence[arb_poly], length: arb) -> Path:
 def over_interval(coefficients: Coefficients, half: arb) -> Coefficients:
     """Enclosures of the Taylor coefficients of a polynomial about every s with |s| <= half.
 
-    The j-th is off by at most the sum of C(k, j) |c_k| half^(k - j) over k > j, which are the
-    coefficients about ``half`` of the polynomial of the |c_k|, less their own.
+    The j-th changes by at most the sum of C(k, j) |c_k| half^(k - j) over k > j: the coefficients
+    about ``half`` of the polynomial with coefficients |c_k|, minus |c_j|.
     """
     sizes = [c.abs_upper() for c in coefficients]
     most = arb_poly(sizes)(arb_poly([half, 1])).coeffs()
@@ -137,7 +137,7 @@ def over_interval(coefficients: Coefficients, half: arb) -> Coefficients:
 class Defect:
     """Bounds of |rho| on [0, H], an entry per rate and per own state.
 
-    ``avoidable`` is the part of them that a shorter path could avoid, the rest being due to balls
+    ``avoidable`` is the fraction of them that a shorter path could avoid; the rest is due to balls
     of parameters and inputs, and to rounding.
     """
 
@@ -146,7 +146,7 @@ class Defect:
 
 
 def defect(field: VectorField, path: Path, u: Sequence[arb], length: int) -> Defect:
-    """The defect of a path by its ``length`` first coefficients and the remainder.
+    """The defect of a path, from its first ``length`` coefficients and the remainder.
 
     Raises:
         UncertainSignError: an absolute value is not smooth enough for this ``length``.

@@ -29,9 +29,9 @@ Terms: TypeAlias = tuple[tuple[int, arb], ...]
 class Slice:
     """Positions over a slice of time: per point and axis (p(0), p'(0), p''/2) and half-width d.
 
-    In a wide tube ``columns`` are those of p(0) about the ``path``, (d, c) per point: its entries
-    go together; ``ranges`` are balls of all positions over the slice, (d,) per point, which are
-    closer than the expansion where p' is hardly known.
+    In a wide tube ``columns`` (d, c) per point span p(0) about the ``path`` and keep the dependence
+    between its entries; ``ranges`` are balls of all positions over the slice, (d,) per point, which
+    are tighter than the expansion if p' is hardly known.
     """
 
     time: arb
@@ -44,7 +44,8 @@ class Slice:
     def form(self, normal: Sequence[arb], point: int, terms: Terms = ()) -> tuple[arb, arb]:
         """Enclosures of ``normal . p`` over the slice and at its middle.
 
-        p is a point, or a point and other points, directions, times the weights of ``terms``.
+        p is a point, or a point plus other points, used as directions, with the weights of
+        ``terms``.
         """
         parts: list[tuple[Sequence[arb], int]] = [(normal, point)]
         if terms:
@@ -64,14 +65,14 @@ class Slice:
         return value, zero
 
     def _together(self, parts: Sequence[tuple[Sequence[arb], int]]) -> arb:
-        """The sum of ``normal . p`` at the middle, by the columns."""
+        """The sum of ``normal . p`` at the middle, computed from the columns."""
         centre = sum((_product(normal, self.path[point]) for normal, point in parts), arb(0))
         first, *others = (arb_mat([list(normal)]) * self.columns[point] for normal, point in parts)
         moved = sum(others, first)
         return centre + SIGNS * sum((abs(item) for item in moved.entries()), arb(0)).upper()
 
     def middle(self, point: int) -> tuple[float, ...]:
-        """About where a point is at the middle of the slice."""
+        """The approximate position of a point at the middle of the slice."""
         return tuple(float(axis[0].mid()) for axis in self.points[point])
 
 
@@ -79,7 +80,7 @@ class Slice:
 class PointMap:
     """Turns a tube into enclosures of positions: ``tape`` maps (q, theta, k) to all points.
 
-    ``slopes`` gives the Jacobian of the points in q, column by column, which only wide tubes need.
+    ``slopes`` gives the Jacobian of the points in q, column by column; only wide tubes need it.
     """
 
     tape: Tape
@@ -88,7 +89,7 @@ class PointMap:
     slopes: Tape | None = None
 
     def first(self, count: int) -> PointMap:
-        """Of so many points, over slices."""
+        """A map of the first ``count`` points, over slices only."""
         return replace(self, tape=self.tape.first(count * self.dimension), slopes=None)
 
     def positions(self, state: Sequence[arb]) -> list[list[arb]]:
@@ -99,7 +100,7 @@ class PointMap:
         return [flat[i : i + d] for i in range(0, len(flat), d)]
 
     def over(self, segment: TubeSegment, u: Sequence[arb], middle: arb, half: arb) -> Slice | None:
-        """Positions over a slice of a segment; None where they are not finite."""
+        """Positions over a slice of a segment; None if they are not finite."""
         n, d = self.field.dofs, self.dimension
         state, centre = segment.at(middle + SIGNS * half), segment.at(middle)
         try:
@@ -115,9 +116,10 @@ class PointMap:
         return Slice(segment.start + middle, half, points)
 
     def closer(self, segment: TubeSegment, middle: arb, over: Slice) -> Slice:
-        """A slice with the columns of what positions at its middle may be, and their ranges.
+        """A slice with columns for the positions at its middle, and with their ranges.
 
-        By the mean value theorem a point is off the path's by J e, J anywhere between.
+        By the mean value theorem a point differs from the path's by J e, with J at some state
+        between.
         """
         if segment.spread is None:
             return over
@@ -153,7 +155,7 @@ class PointMap:
         return replace(over, path=path, columns=parts)
 
     def _series(self, q: list[list[arb]], length: int, first: int = 0) -> list[list[arb]]:
-        """The coefficients of all coordinates of points, ``length`` less the ``first`` ones."""
+        """The coefficients of all coordinates of points, from ``first`` up to ``length``."""
         if self.field.machine is not None:
             return self.field.machine.series_of(self.tape, q, length, first)
         ctx.cap = length

@@ -1,8 +1,8 @@
-"""How deep in a region a moving point is, or how far from it, over a slice of time: proved bounds.
+"""Proved bounds of how deep in a region, or how far from it, a moving point is over a time slice.
 
-Inside, the distance to the complement is that to the nearest facet.  Outside, every direction
-separates by a lower bound of the distance; the facets' own and the one from the nearest point of
-the region, which is on an edge where it is on no facet, are tried.
+Inside, the distance to the complement is the distance to the nearest facet. Outside, every
+direction gives a lower bound of the distance. The directions tried are those of the facets and the
+one from the nearest point on an edge of the region.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from solvers.verifier.proofs.tube_checks import Row, rows_of
 class Gap:
     """Bounds in metres; the estimates guide a refinement and prove nothing.
 
-    ``inside``: at least so far from the complement of the region throughout the slice, zero unless
-    the point is certainly inside; ``outside``: at least so far from the region, likewise.  Nowhere
-    in the slice they are likely to be more than ``most_inside`` and ``most_outside``.
+    Throughout the slice the point is at least ``inside`` from the complement of the region and at
+    least ``outside`` from the region; each is zero unless the point is certainly on that side. No
+    smaller slice is likely to show more than ``most_inside`` and ``most_outside``.
     """
 
     inside: float
@@ -35,7 +35,7 @@ class Gap:
     most_outside: float
 
     def at_best(self, other: Gap) -> Gap:
-        """What two gaps of the same slice, or of one that contains it, tell together."""
+        """The combination of two gaps of the same slice, or of one that contains it."""
         return Gap(
             max(self.inside, other.inside),
             max(self.outside, other.outside),
@@ -49,7 +49,7 @@ UNKNOWN = Gap(0.0, 0.0, inf, inf)
 
 @dataclass(frozen=True, slots=True)
 class RegionDistance:
-    """A convex region, with balls; an unbounded one has no ``vertices``, which ``edges`` pair."""
+    """A convex region, in balls; ``edges`` are pairs of ``vertices``, both empty if unbounded."""
 
     polytope: Polytope
     rows: tuple[Row, ...]
@@ -81,7 +81,7 @@ class RegionDistance:
         return best, most
 
     def _nearest(self, time: Slice, point: int) -> list[Row]:
-        """The half-space that holds the region and whose normal leads from it to the point."""
+        """The half-space around the region whose normal points from it to the point."""
         place = [float(axis[0].mid()) for axis in time.points[point]]
         corners = [[float(x) for x in vertex] for vertex in self.vertices]
         away: list[float] | None = None
@@ -105,7 +105,7 @@ def region_distance(polytope: Polytope) -> RegionDistance:
     count = len(vertices)
     edges = tuple(combinations(range(count), 2)) or ((0, 0),) * count
     if polytope.dimension == 2 and count > 2:
-        # In the plane the vertices go round.
+        # In the plane the vertices are in order around the region.
         edges = (*pairwise(range(count)), (count - 1, 0))
     balls = tuple(tuple(ball(x) for x in vertex) for vertex in vertices)
     return RegionDistance(polytope, rows_of(polytope), balls, edges)
@@ -126,6 +126,6 @@ def _square(vector: Sequence[float]) -> float:
 
 
 def _at_best(over: arb, middle: arb) -> float:
-    """The most that smaller slices may show: a wide tube is as wide in all of them."""
+    """The most that smaller slices may show: a wide tube is as wide in each of them."""
     most = float(over.upper() - 2 * middle.rad())
     return inf if isnan(most) else most

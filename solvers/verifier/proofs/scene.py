@@ -1,4 +1,4 @@
-"""What a proof is about: a robot in a task, and what drives it."""
+"""The subject of a proof: a robot in a task, and the inputs that drive it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from grammar_lang import ir
 from solvers.verifier.proofs.control_law import ControlLaw
 from solvers.verifier.proofs.loop_set import Loop
 
-# --- Who watches a long proof: told how far it has come, and able to end it -----------------------
+# --- The watch of a long proof: it receives progress and can end the proof ------------------------
 
 
 Job = TypeVar("Job")
@@ -26,7 +26,7 @@ Result = TypeVar("Result")
 
 
 class Each(Protocol):
-    """Does each of some jobs."""
+    """Applies a function to each of some jobs."""
 
     def __call__(
         self, function: Callable[[Job], Result], jobs: Iterable[Job], /
@@ -36,36 +36,36 @@ class Each(Protocol):
 
 
 def in_turn(function: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
-    """One job after the other, when its result is asked for."""
+    """Do one job after the other, each when its result is asked for."""
     return map(function, jobs)
 
 
 class Begin(Protocol):
-    """Begins a job beside what is done here."""
+    """Begins a job that runs alongside the caller."""
 
     def __call__(self, function: Callable[[Job], Result], job: Job, /) -> Callable[[], Result]:
-        """What waits for its result; that may never be asked for."""
+        """A function that waits for the result; it need not be called."""
         ...
 
 
 def when_asked(function: Callable[[Job], Result], job: Job) -> Callable[[], Result]:
-    """A job that is done when its result is asked for."""
+    """Do a job only when its result is asked for."""
     return lambda: function(job)
 
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """What a proof calls as it goes on.
+    """The callbacks and options of a proof.
 
     Attributes:
-        tick: called again and again; what it raises ends the proof.
-        part: told how many of all parts of the work are done: of the steps of a motion, or of the
-            structures of a family.  Work that is done again begins at none.
+        tick: called repeatedly; an exception from it ends the proof.
+        part: called with the number of parts done and the number of all parts: the steps of a
+            motion, or the structures of a family. It starts again at zero if work is repeated.
         each: does parts that do not depend on each other, perhaps in several processes: a function
-            found by its name in a module, and jobs that can be pickled.  Results are in order.
-        begin: begins such a part beside others.
-        brief: whether the first condition that fails ends the proof; others are then not known.
-        roughly: whether what the fewest digits do not decide stays undecided.
+            found by its name in a module, and jobs that can be pickled. Results are in order.
+        begin: begins such a part alongside others.
+        brief: whether the first condition that fails ends the proof; the others are then unknown.
+        roughly: whether conditions that the lowest precision leaves open stay undecided.
     """
 
     tick: Callable[[], None] = lambda: None
@@ -83,9 +83,9 @@ UNWATCHED = Watch()
 class Motion:
     """What drives a robot: exact parameters, initial state and inputs (one row per step).
 
-    ``state`` holds coordinates and rates; the spec says where modules' own states begin.  All
-    numbers are in SI units.  With a ``law``, inputs are those of the motion without deviations.
-    With a ``loop`` the motion goes on for ever.
+    ``state`` holds coordinates and rates; the spec gives the initial values of the modules' own
+    states. All numbers are in SI units. With a ``law``, inputs are those of the motion without
+    deviations. With a ``loop`` the motion goes on for ever.
     """
 
     theta: tuple[ParameterValue, ...]
@@ -113,7 +113,7 @@ class Scene:
         return self.graph.model
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Of the robot alone: graphs are not pickled, but made again."""
+        """Pickle the robot model instead of the graph, which is built again."""
         return _scene, (self.model, self.workspace, self.task, self.abstraction, self.bodies)
 
     def polytope(self, region: ir.Region) -> Polytope:
@@ -132,7 +132,7 @@ def scene_of(
     cells: Abstraction,
     derivation: Derivation | None = None,
 ) -> Scene:
-    """The scene of a robot in a task; what collides is named after modules of its derivation."""
+    """The scene of a robot in a task; colliders are named after modules of the derivation."""
     bodies: tuple[str, ...] = ()
     if derivation is not None:
         semantics = program.grammars[task.grammar].semantics or {}
@@ -157,7 +157,7 @@ def _scene(
 def _named(
     model: RobotModel, symbols: Sequence[int | None], word: Sequence[str]
 ) -> tuple[str, ...]:
-    """With the module that each belongs to; where several say what it is, the first of these."""
+    """Names with the module of each collider; if several modules define it, with the first."""
     owners = model.collider_owners or (None,) * len(symbols)
     known = [
         symbol if owner is None else owner.symbol

@@ -3,9 +3,9 @@ r"""Second derivatives of the equations of motion near a path, enclosed.
 .. math::
     F(p + z) = F(p) + DF(p)\,z + \int_0^1 (1 - h)\, z^T H(p + h z)\,z\,dh,
 
-so that the mean of H with weights 2 (1 - h) counts: most of it is near the path.  It is enclosed by
-the mean value theorem, or, where there are no third derivatives, part by part of 0 <= h <= 1.
-Natural enclosures of H are several times as wide where squares of sines and cosines cancel.
+so the mean of H with weights 2 (1 - h) is needed, most of which is near the path.  It is enclosed
+by the mean value theorem, or, without third derivatives, part by part of 0 <= h <= 1. Natural
+enclosures of H would be several times as wide if squares of sines and cosines cancel.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from solvers.verifier.proofs.path import Expansion
 from solvers.verifier.proofs.vector_field import Curvature, VectorField
 
 PARTS = 8
-"""The parts of the way from the path to a solution on which second derivatives are enclosed."""
+"""The number of parts, from the path to a solution, on which second derivatives are enclosed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Hessian:
 
     @staticmethod
     def of(matrix: arb_mat) -> Hessian:
-        """A matrix of balls."""
+        """The Hessian given by a matrix of balls."""
         shape = matrix.nrows(), matrix.ncols()
         middle = np.array([float(item) for item in matrix.mid().entries()]).reshape(shape)
         return Hessian(middle, absolute(matrix - exact_matrix(middle)))
@@ -54,14 +54,14 @@ def exact_matrix(matrix: Array) -> arb_mat:
 def hessians_about(
     field: VectorField, curvature: Curvature, drive: Drive, about: Expansion, most: Sequence[arb]
 ) -> list[Hessian] | None:
-    """Of each entry of F ``about`` a path, for z within ``most`` (N,); None: F is not smooth."""
+    """The Hessians of F ``about`` a path, for z within ``most`` (N,); None if F is not smooth."""
     n, side = field.dofs, field.size + field.dofs
     over, inputs = about.entries, drive.all
     still = [entry[0] for entry in over]
     still += [entry[1] if len(entry) > 1 else arb(0) for entry in over[n : 2 * n]]
     try:
         if field.has_kinks:
-            # Where a slope jumps there is no second derivative, whatever the graph's says.
+            # At a jump of a slope there is no second derivative, whatever that of the graph says.
             z = [x + SIGNS * r for x, r in zip(still, most, strict=True)]
             field.smooth_values(field.balance, z[: field.size], inputs)
         means = mean_derivatives(field, curvature, still, inputs, most)
@@ -82,7 +82,7 @@ def mean_derivatives(
     inputs: Sequence[arb],
     most: Sequence[arb],
 ) -> list[arb]:
-    """Enclosures of second derivatives, their mean on the way from points to those z away.
+    """Enclosures of the means of second derivatives between points and those z away.
 
     Args:
         field: the equations of motion.

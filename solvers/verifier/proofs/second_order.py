@@ -1,26 +1,26 @@
-r"""What is of second order in deviations from a path, bounded over the set they are in.
+r"""Second-order terms in deviations from a path, bounded over the set of the deviations.
 
 Let F(x, a, u) = (b - M a, d), which is zero along solutions with a = (v', s'), and let e and e_a be
-how far a solution and its derivative are from the path p with defect rho.  By Taylor's theorem
+how far a solution and its derivative are from the path p with defect rho. By Taylor's theorem
 
 .. math::
     N(p)\,e_a = R(p)\,e + B\,d + \rho + \tfrac12 \bigl(z^T H_i(\xi)\,z\bigr)_i, \qquad z = (e, e_a),
 
-where H_i is the Hessian of F_i somewhere between the path and the solution.  N and R are along the
-path alone here: they do not vary with the set.  What is left is of second order.  A bound of it by
-a box would forget that the entries of e go together, as feedback makes them; so
+where H_i is the Hessian of F_i somewhere between the path and the solution. Here N and R are taken
+along the path alone; they do not depend on the set. The remainder is of second order. A box as its
+bound would lose the dependence between the entries of e that feedback causes; so
 
 .. math::
     e(t) \in P(t)\,G\,[-1, 1]^c \pm y, \qquad e_a = A e + N^{-1}(B d + \rho + \dots), \qquad
     z = V r, \quad |r_j| \le 1,
 
-and the form is that of Q = V^T H V, of which the diagonal is one-sided:
+and the form is that of Q = V^T H V, whose diagonal terms each have one sign:
 
 .. math::
     \tfrac12 r^T Q r \in \tfrac14 \sum_j Q_{jj} \pm \Bigl(\tfrac14 \sum_j |Q_{jj}|
         + \tfrac12 \sum_{j \ne k} |Q_{jk}|\Bigr).
 
-The form acts as a disturbance does that pushes the robot with these forces (``a_priori.py``).
+The form acts like a disturbance with these forces (``a_priori.py``).
 """
 
 from __future__ import annotations
@@ -59,23 +59,23 @@ SLICES = 4
 """The parts of a segment on which forms are bounded."""
 ROUNDS = 6
 LEAST_GAIN = 0.95
-"""Bounds are taken to be final when a round makes them no smaller than that."""
+"""Bounds count as final once a round does not reduce them below this factor."""
 KEPT = OrderLimits(12, 12, 60, 60)
-"""The order of the set of which forms are bounded."""
+"""The order of the set over which forms are bounded."""
 BITS = 18
-"""Forms are summed in integers of so many bits, exactly; products of three fit into 64."""
+"""Forms are summed exactly in integers of this many bits; products of three fit into 64."""
 LEAST = 2.0**-300
-"""What is smaller is bounded by boxes."""
+"""Smaller values are bounded by boxes."""
 MOST_ENTRIES = 40
-"""Of z, so that no sum of integers leaves 64 bits."""
+"""The most entries of z: no sum of integers then exceeds 64 bits."""
 
 
 @dataclass(frozen=True, slots=True)
 class Added:
     """What a set gains on a segment: a box, an image of the unit box, and a shift.
 
-    ``reach`` bounds all of it at every instant, ``pull`` the accelerations (n,) that come of what
-    is of second order.
+    ``reach`` bounds all of it at every instant; ``pull`` bounds the accelerations (n,) caused by
+    second-order terms.
     """
 
     box: list[arb]
@@ -88,7 +88,7 @@ class Added:
 def added_by_forms(
     field: VectorField, states: Zonotope, near: NearPath, found: Deviation, degree: int
 ) -> tuple[Flow, Added] | None:
-    """How a set moves on [0, H], all deviations being within ``found.radii``; None: not known.
+    """How a set moves on [0, H] if all deviations are within ``found.radii``; None if not known.
 
     Raises:
         ZeroDivisionError: M may be singular along the path.
@@ -102,7 +102,8 @@ def added_by_forms(
     transition = flow(field, half, linear)
     slices = linear_slices(linear, half, SLICES)
     slopes = input_slopes(field, near, found.radii) if near.drive.is_disturbed else None
-    # First of the box that no deviation leaves, at all times; then of closer sets, part by part.
+    # First for the box that no deviation leaves, at all times; then for tighter sets, slice by
+    # slice.
     pull = (found.linear.rates * column(found.radii) + column(found.push)).entries()
     most = [*found.radii, *(item.upper() for item in pull[field.dofs : 2 * field.dofs])]
     parts = [_Columns.of(_Block.of(diagonal(most)))]
@@ -139,7 +140,7 @@ def added_by_forms(
 
 
 def _joints(field: VectorField, part: LinearSlice) -> arb_mat:
-    """The rows of A that are about accelerations of joints."""
+    """The rows of A for the joints' accelerations."""
     return rows(part.lower, 0, field.dofs)
 
 
@@ -151,9 +152,9 @@ def _own_columns(
     forms: _Forms,
     box: Sequence[arb],
 ) -> arb_mat:
-    """The columns of V that are not images of the set's: a box of e, and what e_a - A e may be.
+    """The columns of V that are not images of the set's: a box of e, and the range of e_a - A e.
 
-    The latter is what disturbances and forces amount to, as columns: an uncertain mass times
+    The latter is the effect of disturbances and forces, as columns: an uncertain mass times
     accelerations is a part of the forces.
     """
     most = [abs(c) + r for c, r in zip(forms.centre, forms.radii, strict=True)]
@@ -183,7 +184,7 @@ def _added(
         if radius > 0:
             bounds.append(radius)
             columns.append([arb(int(i == j)) for j in range(height)])
-    # The centre of the forms pushes all the time: that is a shift.
+    # The centre of the forms acts all the time, so it causes a shift.
     length, own = near.path.length, None
     centre = arb_mat([list(forms.centre)]).transpose()
     shift = response(centre, [arb(1)], length, linear, slices, residue)
@@ -202,8 +203,8 @@ def _added(
 
 # --- The range of the forms -----------------------------------------------------------------------
 #
-# What H varies by is of third order, and bounded by a box; for the midpoints the sum of all |Q_jk|
-# is made in integers, to which V and H are rounded.
+# The variation of H is of third order and bounded by a box; for the midpoints, the sum of all
+# |Q_jk| is computed in integers, to which V and H are rounded.
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +219,7 @@ class _Block:
         """The midpoints, rounded to floats."""
         shape = columns.nrows(), columns.ncols()
         near = np.array([float(item) for item in columns.mid().entries()]).reshape(shape)
-        # With factors in [-1, 1] each, a product's radius is the sum of what they multiply.
+        # For factors in [-1, 1], a product's radius is the sum of the absolute values of its terms.
         spread = (columns - exact_matrix(near)) * column([SIGNS] * shape[1])
         return _Block(near, [item.abs_upper() for item in spread.entries()])
 
@@ -227,7 +228,7 @@ class _Block:
 class _Columns:
     """V = S W + d: S = diag(``scales``), W = ``whole`` / 2^BITS in integers, |d| 1 <= ``rest``.
 
-    ``widths`` are bounds of |V| 1, no larger than the scales, which are powers of two.
+    ``widths`` are bounds of |V| 1, at most the scales, which are powers of two.
     """
 
     whole: Array
@@ -237,13 +238,13 @@ class _Columns:
 
     @staticmethod
     def of(*blocks: _Block) -> _Columns:
-        """V, block beside block, as integers and what is left of it."""
+        """V, with its blocks side by side, as integers and the remainder."""
         middle = np.concatenate([block.near for block in blocks], axis=1)
         slack = [sum(each, arb(0)) for each in zip(*(b.slack for b in blocks), strict=True)]
         sums = np.abs(middle).sum(axis=1) + np.array([float(item) for item in slack])
         if not np.isfinite(sums).all():
             raise ZeroDivisionError("the set has no bounds")
-        # Powers of two that are larger: all that follows is exact.
+        # Larger powers of two make all further computations exact.
         scales = 2.0 ** (np.ceil(np.log2(np.maximum(sums, LEAST))) + 1)
         whole = np.rint(middle / scales[:, None] * 2.0**BITS).astype(np.int64)
         units = [arb(scale) / 2**BITS for scale in scales.tolist()]
@@ -283,7 +284,7 @@ def _forms(hessians: Sequence[Hessian], part: _Columns) -> _Forms:
         diagonal = np.diagonal(product)
         total, own = int(np.abs(product).sum()), int(np.abs(diagonal).sum())
         unit = arb(scale) / 2 ** (3 * BITS)
-        # H is off by half an integer at most, V r by what is left of it.
+        # H is off by at most half an integer, V r by at most ``rest``.
         off = arb(scale) / 2 ** (BITS + 2) * share**2 + (across * size * part.rest)[0, 0]
         centre.append(unit * int(diagonal.sum()) / 4)
         radii.append((unit * (2 * total - own) / 4 + thick + off).upper())
@@ -307,7 +308,7 @@ def _smaller(forms: _Forms, than: _Forms) -> bool:
 
 
 def _hull(parts: Sequence[_Forms]) -> _Forms:
-    """What holds on all parts."""
+    """Bounds that hold on all parts."""
     centre, radii = [], []
     for i in range(len(parts[0].centre)):
         balls = [part.centre[i] + SIGNS * part.radii[i] for part in parts]

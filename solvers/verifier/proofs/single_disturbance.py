@@ -1,12 +1,12 @@
-r"""One disturbance of all that a task names, and the motion that it makes of a planned one.
+r"""One of the disturbances that a task names, and the motion that results from a planned one.
 
-Errors that are constant within each step make the closed loop another one of the same kind: where
-the controller misreads the state by :math:`\nu_k` and each input is off by a part :math:`a_k` of
-itself and by :math:`b_k`,
+With errors that are constant within each step, the closed loop is another closed loop of the same
+kind: if the controller misreads the state by :math:`\nu_k` and each input is off by a part
+:math:`a_k` of itself and by :math:`b_k`,
 
 .. math:: u_k + a_k u_k + b_k = (1 + a_k) u^*_k + b_k - (1 + a_k) K_k (x - (x^*_k - \nu_k)).
 
-So it has an exact law, and its motion is enclosed like any planned one.
+So it has an exact law, and its motion is enclosed like a planned one.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ from solvers.verifier.proofs.control_law import ControlLaw, open_loop
 from solvers.verifier.proofs.scene import Motion, Scene
 
 MOST_ROUNDS = 3
-"""Of a motion that goes on for ever, so many rounds are followed."""
+"""The number of rounds that are followed of a motion that goes on for ever."""
 
 WITHIN = 1 - Fraction(1, 10**9)
-"""Radii in degrees are irrational in radians, and were rounded upwards for proofs."""
+"""Radii in degrees are irrational in radians, and proofs use them rounded upwards."""
 
 Signs = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class ErrorSizes:
-    """How large errors are at most, in SI units.
+    """The largest sizes of errors, in SI units.
 
     Attributes:
-        start: of coordinates, then of rates of the joints, (2n,).
-        masses: of the factors of uncertain masses, (p,).
-        noise: of what is measured, (2n,).
-        part: of inputs, as a part of what is commanded, (m,).
-        most: of inputs besides, (m,).
+        start: for coordinates, then for rates of the joints, (2n,).
+        masses: for the factors of uncertain masses, (p,).
+        noise: for measured values, (2n,).
+        part: for inputs, as a fraction of the commanded ones, (m,).
+        most: for inputs, in addition, (m,).
     """
 
     start: tuple[Fraction, ...]
@@ -53,14 +53,14 @@ class ErrorSizes:
 
 
 def error_sizes(scene: Scene) -> ErrorSizes:
-    """What the task of a scene names, or hardly less."""
+    """The sizes that the task of a scene names, or slightly less."""
     task, model = scene.task, scene.model
     parts, most = input_errors(task, model)
     return ErrorSizes(
         tuple(WITHIN * radius for radius in disturbance_radii(task, model)),
         tuple(item.part for item in uncertain_masses(task, model)),
         tuple(WITHIN * radius for radius in measurement_radii(task, model)),
-        # Less than all of it: what is commanded follows from what is delivered.
+        # Less than 1, since the commanded input is computed back from the delivered one.
         tuple(min(part, Fraction(99, 100)) for part in parts),
         most,
     )
@@ -68,14 +68,14 @@ def error_sizes(scene: Scene) -> ErrorSizes:
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """At which end each error is, -1, 0 or 1.
+    """The end of its range at which each error is: -1, 0 or 1.
 
     Attributes:
         start: per coordinate and rate, (2n,).
         masses: per factor, (p,).
         misread: per step, coordinate and rate, (k, 2n).
-        scaled: per step and input, of the part of what is commanded, (k, m).
-        pushed: per step and input, of what comes besides, (k, m).
+        scaled: per step and input, for the fraction of the commanded input, (k, m).
+        pushed: per step and input, for the additional error, (k, m).
     """
 
     start: Signs
@@ -86,7 +86,7 @@ class Disturbance:
 
 
 def undisturbed(sizes: ErrorSizes, steps: int) -> Disturbance:
-    """No error at all, for so many steps."""
+    """No error at all, for the given number of steps."""
     still = (0,) * len(sizes.most)
     return Disturbance(
         (0,) * len(sizes.start), (0,) * len(sizes.masses), ((0,) * len(sizes.noise),) * steps,
@@ -95,12 +95,12 @@ def undisturbed(sizes: ErrorSizes, steps: int) -> Disturbance:
 
 
 def law_of(motion: Motion) -> ControlLaw:
-    """The law of a motion; that of an open loop reads nothing."""
+    """The law of a motion; the law of an open loop ignores measurements."""
     return motion.law or open_loop(motion.inputs, len(motion.state))
 
 
 def unrolled(motion: Motion) -> Motion:
-    """The planned motion with a law, as long as it is followed: some rounds of a loop."""
+    """The planned motion with a law, for as long as it is followed: several rounds of a loop."""
     law, loop = law_of(motion), motion.loop
     steps = list(range(len(motion.inputs)))
     turns = list[tuple[int, ...]]()
@@ -125,9 +125,9 @@ def unrolled(motion: Motion) -> Motion:
 
 @dataclass(frozen=True, slots=True)
 class DisturbedMotion:
-    """The motion that an unrolled one becomes, and the factors of its masses (p,).
+    """The motion that results from an unrolled one, and the factors of its masses (p,).
 
-    Its law is what delivers the inputs; what is commanded is (u - ``added``) / ``factor``, both
+    Its law gives the delivered inputs; the commanded ones are (u - ``added``) / ``factor``, both
     (k, m).
     """
 
@@ -139,7 +139,7 @@ class DisturbedMotion:
 
 
 def disturbed(motion: Motion, sizes: ErrorSizes, signs: Disturbance) -> DisturbedMotion:
-    """An unrolled motion with errors, exactly."""
+    """An unrolled motion with exact errors."""
     law = law_of(motion)
     factor = tuple(tuple(1 + e for e in _times(row, sizes.part)) for row in signs.scaled)
     added = tuple(_times(row, sizes.most) for row in signs.pushed)

@@ -1,4 +1,4 @@
-"""Whether the robot is a body of this world, and begins as its task allows."""
+"""Check that the robot is physically possible and starts as its task allows."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ from solvers.verifier.proofs.tube_checks import Status
 
 
 def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) -> CheckedCondition:
-    """M is positive definite at the start: all pivots of its LDL^T factorisation are positive.
+    """Check that M is positive definite at the start: all pivots of its LDL^T are positive.
 
-    Along the tube the pivots stay away from zero, or the enclosure would fail, so M stays so.
+    Along the tube the pivots stay away from zero, or the enclosure would fail, so M stays positive
+    definite.
     """
     n = len(graph.model.dofs)
     flat = tape(graph.mass_matrix).evaluate([*state[:n], *tail], BALLS)
@@ -40,7 +41,10 @@ def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) 
 
 
 def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]:
-    """What has a length, mass, density, radius, size or moment of inertia that is negative."""
+    """A failing condition for each negative amount of a body or a shape.
+
+    Amounts are lengths, masses, densities, radii, sizes and moments of inertia.
+    """
     scalars = scalar_balls(model.scalars, tail)
     amounts = [(f"body {number}", amounts_of(body)) for number, body in enumerate(model.bodies, 1)]
     amounts += [(f"shape {number}", shape.sizes) for number, shape in enumerate(model.shapes, 1)]
@@ -59,7 +63,7 @@ def start_conditions(
     tail: Sequence[arb],
     tips: Sequence[Sequence[arb]],
 ) -> list[CheckedCondition]:
-    """The initial state is one that the task allows; ``tips`` are the positions there.
+    """Check that the task allows the initial state; ``tips`` are the effectors' positions there.
 
     ``tail`` holds the balls of theta and k.
     """
@@ -77,10 +81,10 @@ def start_conditions(
 
 
 def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> CheckedCondition:
-    """The coordinates are those of the task, but for what no decimal is.
+    """Check that the coordinates are those of the task, except for values without a decimal.
 
-    They say nothing of the joints that are merged, or left out: the value of each of these has to
-    be in its own range.
+    The coordinates do not contain joints that are merged or left out: the value of each of these
+    has to be in its own range.
     """
     given = given_start(scene.model, start)
     if given.fault:
@@ -98,7 +102,7 @@ def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> CheckedCondi
 
 
 def _rates(name: str, rates: Sequence[Fraction], bound: Fraction) -> CheckedCondition:
-    """No rate is larger than a bound; a start at rest has no margin."""
+    """Check that no rate is larger than a bound; a start at rest has no margin."""
     gap = bound - max(rates, default=Fraction(0))
     if gap < 0:
         return CheckedCondition(name, Status.FAILS, float(gap), "SI", 0.0, exact=True)

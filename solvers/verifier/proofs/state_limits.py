@@ -1,4 +1,4 @@
-"""Limits of coordinates, rates and accelerations, which hold all along a validated tube."""
+"""Limits of coordinates, rates and accelerations along a validated tube."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from solvers.verifier.proofs.tube_checks import (
 
 @dataclass(slots=True)
 class StateLimit:
-    """A coordinate or rate stays in an interval; None is unlimited.
+    """A coordinate or rate stays in an interval; a bound of None is unlimited.
 
     ``lower``, ``upper`` and ``margin`` are in ``unit``, ``time`` is in seconds.
     """
@@ -37,12 +37,12 @@ class StateLimit:
     status: Status = Status.HOLDS
 
     def sums(self, size: int) -> Sequence[Sequence[int]]:
-        """The sums of entries of a state of such a size that are limited."""
+        """The weights of the limited sums of entries of a state with ``size`` entries."""
         del size
         return [self.weights]
 
     def polynomials(self, segment: TubeSegment) -> Sequence[Coefficients]:
-        """What is limited as polynomials of time during a segment, with ball coefficients."""
+        """The limited quantities as polynomials of time in a segment, with ball coefficients."""
         return [weighted_sum(row, segment.states) for row in self.sums(len(segment.states))]
 
     def gap(self, state: Sequence[arb]) -> arb:
@@ -69,30 +69,30 @@ class StateLimit:
         return gap
 
     def gap_in(self, spread: Spread, time: arb) -> arb:
-        """The distance in a wide tube, at an instant or over a ball of them."""
+        """The distance in a wide tube, at an instant or over a ball of times."""
         return self.least(spread.value(row, time) for row in self.sums(len(spread.reach)))
 
     def give_up(self, stretch: Stretch) -> None:
-        """Nothing finite is known of a stretch: what is not refuted is not decided."""
+        """Become undecided, unless refuted: nothing finite is known of a stretch."""
         if self.status is Status.HOLDS:
             self.status, self.margin = Status.UNDECIDED, float("-inf")
             self.time = float(stretch.time.mid())
 
     def note(self, status: Status, margin: float, time: arb) -> None:
-        """Keep what a slice shows."""
+        """Record the result of a slice."""
         self.status, self.margin, self.time = status, margin, float(time.mid())
 
 
 @dataclass(slots=True)
 class AccelerationLimit(StateLimit):
-    """The acceleration of a joint stays in an interval; ``weights`` are those of coordinates."""
+    """The acceleration of a joint stays in an interval; ``weights`` are those of its coordinate."""
 
     def polynomials(self, segment: TubeSegment) -> Sequence[Coefficients]:
         """The acceleration."""
         return [weighted_sum(self.weights, segment.accelerations)]
 
     def gap_in(self, spread: Spread, time: arb) -> arb:
-        """Nothing more than what the segment says."""
+        """Minus infinity: a spread adds nothing to what the segment shows."""
         del spread, time
         return arb("-inf")
 
@@ -105,7 +105,7 @@ def weighted_sum(weights: Sequence[int], parts: Sequence[Coefficients]) -> Coeff
 
 
 def check_limits(whole: Stretch, limits: Sequence[StateLimit]) -> None:
-    """Hold every limit against a stretch, updating its margin and status."""
+    """Check every limit over a stretch, updating its margin and status."""
     for limit in limits:
         course = _Course.of(whole.segment, limit)
         pending = [whole]
@@ -124,22 +124,22 @@ def check_limits(whole: Stretch, limits: Sequence[StateLimit]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Course:
-    """What a limit is about during a segment: polynomials of time, with their derivatives."""
+    """The limited quantities during a segment: polynomials of time, with their derivatives."""
 
     limit: StateLimit
     polynomials: Sequence[tuple[Sequence[arb], Sequence[arb]]]
 
     @staticmethod
     def of(segment: TubeSegment, limit: StateLimit) -> _Course:
-        """Of weighted sums of states."""
+        """The polynomials of a limit in a segment."""
         found = limit.polynomials(segment)
         slopes = ([k * item for k, item in enumerate(whole)][1:] for whole in found)
         return _Course(limit, list(zip(found, slopes, strict=True)))
 
     def gaps(self, stretch: Stretch) -> tuple[arb, arb] | None:
-        """The distance to the limit over a stretch, and at its middle; None where not finite.
+        """The distance to the limit over a stretch, and at its middle; None if not finite.
 
-        Values are about those at the middle by the mean value theorem.
+        Values are bounded about those at the middle by the mean value theorem.
         """
         off, values, centres = SIGNS * stretch.half, list[arb](), list[arb]()
         for whole, slope in self.polynomials:
@@ -151,7 +151,7 @@ class _Course:
 
 
 def _settle_limit(limit: StateLimit, stretch: Stretch, over: arb, middle: arb) -> bool:
-    """Whether a limit needs no smaller slices, by the distances over this one and at its middle."""
+    """Whether a limit needs no smaller slices, given its distances over this slice."""
     if limit.status is Status.FAILS:
         return True
     spread = stretch.segment.spread

@@ -1,4 +1,4 @@
-"""How long a segment of a tube is tried, and of what order: guesses, which validation decides."""
+"""Guesses of the length and the order of a segment of a tube; validation decides on them."""
 
 from __future__ import annotations
 
@@ -11,40 +11,42 @@ from typing import SupportsFloat
 from flint import arb
 
 GRID = 4096
-"""Segments begin and end at multiples of this part of a step."""
+"""Segments begin and end at multiples of 1 / GRID of a step."""
 LEAST_PARTS, LEAST_ROUGH_PARTS = 8, 1
-"""The shortest segments tried, in parts of the grid; of rough ones at kinks."""
+"""The shortest segments that are tried, in parts of the grid; the second for rough ones at
+kinks."""
 SAFETY = 0.9
 BACK_OFF = 0.7
 LEAST_CAUTION, MOST_CAUTION = 0.25, 1.25
 MOST_OF_RADIUS, LEAST_OF_RADIUS = 0.02, 1e-3
-"""What the error of P may add to a set as a part of its radius, and what is too little."""
+"""The most, and the least, that the error of P should add to a set, relative to its radius."""
 WIDE, MOST_OF_WIDE, WIDE_DEGREE = 1e-5, 1e-4, 5
-"""Of sets as wide as this, whose radius counts against margins, less is allowed, and the box they
-stay in is computed a second time, and closer."""
+"""For sets at least this wide, whose radius reduces margins, less is allowed, and a second, tighter
+box is computed in which they stay."""
 MOST_GROWTH, LEAST_GROWTH, LEAST_WIDE = 2.5, 1.3, Fraction(1, 2)
-"""By how much the box that no deviation leaves may be too large: more, and segments get shorter,
-though not below a part of a step; less, and they get longer."""
+"""How much too large the box that no deviation leaves may be: beyond the first factor, segments get
+shorter, but not below a fraction of a step; below the second, they get longer."""
 MOST_SECOND, LEAST_SECOND, LEAST_SHORT = 1 / 5, 1 / 8, Fraction(1, 16)
-"""The same for the part of the rates that what is of second order adds in a step."""
+"""The same limits for the fraction of the rates that second-order terms add in a step."""
 LEAST_EXCESS = 1e-30
 LONGEST = 1e9
-"""Seconds; where no coefficient says how long a segment may be."""
+"""In seconds: the length of a segment if no coefficient limits it."""
 SPARSE = 1e-9
-"""Coefficients so much smaller than their neighbours are those of a series without such powers."""
+"""Coefficients smaller than their neighbours by this factor belong to a series without such
+powers."""
 LEAST_ORDER = 4
 WORK = 17.0, 0.9, 0.1
-"""The work of a segment by its order k: constant, times k, times k^2 (series products)."""
+"""The work for a segment of order k: a constant, a multiple of k, and a multiple of k^2 (series
+products)."""
 
 
 @dataclass(slots=True)
 class StepControl:
-    """Lengths in parts of a step of ``dt`` seconds.
+    """Lengths of segments, as fractions of a step of ``dt`` seconds.
 
-    ``caution`` is the length that was good over the one that its guess said, learned from what was
-    accepted and refused.
-    ``degree`` is that of the matrix polynomial P, as low as its error allows.  No segment is longer
-    than ``most``.
+    ``caution`` is the ratio of a good length to the guessed one, learned from accepted and refused
+    segments. ``degree`` is that of the matrix polynomial P, as low as its error allows. No segment
+    is longer than ``most``.
     """
 
     dt: float
@@ -53,14 +55,14 @@ class StepControl:
     most: Fraction = Fraction(1)
 
     def close_enough(self, length: Fraction, growth: float, second: float) -> bool:
-        """Whether a segment is short enough for what is of second order.
+        """Whether a segment is short enough for second-order terms.
 
-        If not, ``most`` is halved: bounds of it feed on too large a box, and on themselves.
+        If not, ``most`` is halved: their bounds grow with too large a box, and with themselves.
 
         Args:
-            length: that of the segment.
-            growth: how many times as large as a closer one the box of deviations is.
-            second: the part of the rates that what is of second order adds per second.
+            length: the length of the segment.
+            growth: the size of the box of deviations relative to a tighter one.
+            second: the fraction of the rates that second-order terms add per second.
         """
         added = second * self.dt
         too_large = growth > MOST_GROWTH and length > LEAST_WIDE
@@ -72,7 +74,7 @@ class StepControl:
         return True
 
     def learn_degree(self, radii: Sequence[arb], errors: Sequence[arb], order: int) -> None:
-        """Learn from what is added to a set of these radii, other than by the flow."""
+        """Learn from the error that is added to a set with these radii, besides the flow."""
         pairs = zip(errors, radii, strict=True)
         parts = [float(error) / float(radius) for error, radius in pairs if radius > 0]
         worst = max(parts, default=0.0)
@@ -85,7 +87,7 @@ class StepControl:
             self.degree = max(1, self.degree - 1)
 
     def first(self, rest: Fraction, guess: float) -> Fraction:
-        """The length to try where ``rest`` of the step is left and ``guess`` seconds look good."""
+        """The length to try if ``rest`` of the step remains and ``guess`` seconds look good."""
         rest = min(rest, self.most)
         share = guess * self.caution / self.dt
         if share >= float(rest) * SAFETY:
@@ -94,9 +96,9 @@ class StepControl:
         return min(rest, Fraction(max(1, int(rest * GRID) // count), GRID))
 
     def learn(self, length: Fraction, guess: float, excess: float, order: int) -> float:
-        """The share of a tried length that looks good, ``excess`` being error over tolerance.
+        """The share of a tried length that looks good; ``excess`` is error over tolerance.
 
-        Of an excess of infinity nothing is known but that the length was too much.
+        An infinite excess only shows that the length was too large.
         """
         if excess == float("inf"):
             self.caution = max(LEAST_CAUTION, self.caution * BACK_OFF)
@@ -107,7 +109,7 @@ class StepControl:
         return share
 
     def shorter(self, length: Fraction, share: float, least: int) -> Fraction | None:
-        """The next length to try after a refusal; None where ``least`` parts were too much."""
+        """The next length to try after a refusal; None if ``least`` parts were too many."""
         parts = int(length * GRID * Fraction(min(0.8, max(0.2, share))))
         if parts < least < length * GRID:
             parts = least
@@ -115,9 +117,9 @@ class StepControl:
 
 
 def good_length(rates: Sequence[Sequence[SupportsFloat]], tolerance: float) -> float:
-    """Seconds over which the first coefficient left out is about as large as the tolerance.
+    """Seconds over which the first omitted coefficient is about as large as the tolerance.
 
-    ``rates`` are the Taylor coefficients of what is integrated.
+    ``rates`` are the Taylor coefficients of the integrated quantities.
     """
     lengths = [LONGEST]
     for entry in rates:
@@ -128,9 +130,10 @@ def good_length(rates: Sequence[Sequence[SupportsFloat]], tolerance: float) -> f
 
 
 def _left_out(sizes: Sequence[float]) -> float:
-    """About the first coefficient that is left out, by the last ones; 0 where they do not tell.
+    """An estimate of the first omitted coefficient from the last ones; 0 if they do not show it.
 
-    Of a motion from rest every other one is zero but for rounding, and tells nothing.
+    For a motion from rest, every other coefficient is zero up to rounding and carries no
+    information.
     """
     if len(sizes) < 3:
         return 0.0
@@ -148,10 +151,10 @@ def _left_out(sizes: Sequence[float]) -> float:
 
 @dataclass(slots=True)
 class OrderChoice:
-    """Whether a Taylor polynomial has an order at which time is enclosed with least work.
+    """Whether a Taylor polynomial has reached the order with the least work per time.
 
-    Called with its coefficients after each order, with those of the ``places`` coordinates first;
-    ``wanted`` seconds are all that can be used.
+    It is called with the coefficients after each order, those of the ``places`` coordinates first;
+    at most ``wanted`` seconds can be used.
     """
 
     places: int
@@ -161,11 +164,11 @@ class OrderChoice:
 
     @property
     def order(self) -> int:
-        """The order that the polynomial has got."""
+        """The order that the polynomial has reached."""
         return LEAST_ORDER + max(0, len(self.paces) - 1)
 
     def __call__(self, x: Sequence[Sequence[SupportsFloat]]) -> bool:
-        """Whether another order is not worth its work."""
+        """Whether a higher order is not worth its work."""
         order = len(x[0]) - 1
         if order < LEAST_ORDER:
             return False

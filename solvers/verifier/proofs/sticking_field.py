@@ -1,7 +1,7 @@
-r"""The vector field of a robot some of whose joints are held at rest by dry friction.
+r"""The vector field of a robot with some joints held at rest by dry friction.
 
-A joint j that sticks has :math:`\dot q_j = \ddot q_j = 0`: its row of M and of the forces says
-that, and whatever effort this takes is that of friction.  The other joints move as if j were rigid.
+A joint j that sticks has :math:`\dot q_j = \ddot q_j = 0`: its row of M and of the forces states
+that, and friction supplies the effort.  The other joints move as if j were rigid.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ from solvers.verifier.proofs.vector_field import Curvature, VectorField
 
 
 class StickingFields:
-    """The fields of a robot with some joints at rest, each made when it is first asked for."""
+    """The fields of a robot with some joints at rest, each built on demand."""
 
     def __init__(self, whole: VectorField) -> None:
         self.whole = whole
         self._known = {frozenset[int](): whole}
 
     def of(self, joints: frozenset[int]) -> VectorField:
-        """That with these joints at rest."""
+        """The field with these joints at rest."""
         if joints not in self._known:
             self._known[joints] = sticking_field(self.whole, joints)
         return self._known[joints]
 
 
 def sticking_field(field: VectorField, joints: frozenset[int]) -> VectorField:
-    """The field of a robot with these joints at rest; coordinates are the joints' own."""
+    """The field of a robot with these joints at rest; the coordinates are the joints' own."""
     n, height = field.dofs, field.dofs + field.own
 
     def balance(output: int) -> int | None:
@@ -51,7 +51,7 @@ def sticking_field(field: VectorField, joints: frozenset[int]) -> VectorField:
 
 
 def _with_constants(program: Tape, constant: Callable[[int], int | None]) -> Tape:
-    """A program some of whose outputs are 0 or 1."""
+    """A program with some of its outputs replaced by 0 or 1."""
     nodes: list[Node] = [*program.nodes, ("constant", (0,)), ("constant", (1,))]
     values = [constant(output) for output in range(program.outputs)]
     results = tuple(
@@ -62,7 +62,7 @@ def _with_constants(program: Tape, constant: Callable[[int], int | None]) -> Tap
 
 
 def _curvature(whole: Curvature, joints: frozenset[int]) -> Curvature:
-    """The second derivatives of the rows that are left."""
+    """The second derivatives of the remaining rows."""
     kept = [number for number, (row, _, _) in enumerate(whole.places) if row not in joints]
     second = Tape(whole.tape.nodes, tuple(whole.tape.results[number] for number in kept))
     places = tuple(whole.places[number] for number in kept)

@@ -1,8 +1,8 @@
-"""The proof that a claimed robot, so started and so driven, does its task at every instant.
+"""The proof that a claimed robot, with its start and inputs, does its task at every instant.
 
 Everything is recomputed from the spec: the robot from its derivation, its equations of motion, the
-cells.  Positions of all points are enclosed along a validated tube; where the task names
-disturbances, along another one that holds all disturbed motions.
+cells. Positions of all points are enclosed along a validated tube; if the task names disturbances,
+also along a second tube that holds all disturbed motions.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ __all__ = ["ACCURACIES", "Motion", "Scene", "prove_motion", "scene_of"]
 
 ACCURACIES = (Accuracy(10, 96, 1e-10), Accuracy(14, 128, 1e-15), Accuracy(20, 192, 1e-24))
 ENDED = "enclosure of the motion"
-"""The condition that is open where a tube ends before the motion does."""
+"""The condition that is open if a tube ends before the motion does."""
 
 
 def prove_motion(
@@ -44,13 +44,12 @@ def prove_motion(
 ) -> tuple[CheckedCondition, ...]:
     """All conditions on a motion, at the first accuracy that decides them all, with close margins.
 
-    Where the task names disturbances, what the planned motion is proved to do is then proved of all
-    disturbed ones, and conditions are about those; where the robot starts, and the path of cells,
-    is about the planned one.  So it is where motions go on for ever: the planned one up to the end
-    of the first round, all rounds of all motions then.  To ``refute`` asks for a motion that
-    violates what could not be proved.
-
-    What the ``watch`` raises ends the proof.
+    If the task names disturbances, whatever is proved of the planned motion is then proved of all
+    disturbed motions, and the conditions are about those; the start and the path of cells remain
+    about the planned motion. The same holds if motions go on for ever: first the planned motion up
+    to the end of the first round, then all rounds of all motions. With ``refute``, a motion is
+    looked for that violates a condition that was not proved. An exception from the ``watch`` ends
+    the proof.
     """
     missing = missing_effector(scene.task, len(scene.model.effectors))
     if missing is not None:
@@ -77,10 +76,10 @@ def prove_motion(
 
 
 def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[CheckedCondition, ...]:
-    """The conditions on the planned motion; where none decides, from the tube that got farthest."""
+    """The conditions on the planned motion; if none decides, those of the farthest tube."""
     decided: tuple[CheckedCondition, ...] | None = None
     farthest: tuple[CheckedCondition, ...] = ()
-    # A controller keeps a set as small as it was: more digits do not get it any farther.
+    # With a controller the set stays as small as it was: more digits would not get farther.
     once = motion.law is not None or watch.roughly
     for accuracy in ACCURACIES[:1] if once else ACCURACIES:
         with working_precision(accuracy.bits):
@@ -89,7 +88,7 @@ def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[CheckedConditi
             farthest = max(conditions, farthest, key=_end)
             continue
         decided = conditions
-        # What fails stays so: only margins of what holds are worth another run.
+        # A violation is final: only margins of conditions that hold justify another run.
         failed = any(condition.status is Status.FAILS for condition in conditions)
         if failed or not any(condition.loose for condition in conditions):
             break
@@ -97,7 +96,7 @@ def _planned(scene: Scene, motion: Motion, watch: Watch) -> tuple[CheckedConditi
 
 
 def _end(conditions: tuple[CheckedCondition, ...]) -> float:
-    """The time up to which a tube has got; infinite for a complete one."""
+    """The time that a tube reaches; infinite for a complete one."""
     if not conditions:
         return -NO_MARGIN
     return next((f.time or 0.0 for f in conditions if f.name == ENDED), NO_MARGIN)
@@ -115,7 +114,7 @@ def _conditions(
         return tuple(found)
     followed = follow(robot, InitialSet(robot.state), None, accuracy, watch)
     if followed.ended:
-        # What is violated before the tube ends stays so, whatever comes after.
+        # A violation before the tube ends is final, whatever comes after.
         failed = [each for each in followed.so_far() if each.status is Status.FAILS]
         why = f"the {ENDED} ends"
         ended = CheckedCondition(ENDED, Status.UNDECIDED, NO_MARGIN, "", followed.time, why=why)
@@ -128,7 +127,7 @@ def _conditions(
     return (*found, *followed.conditions(), path)
 
 
-# --- Whether effectors are in the cells that are claimed of them at the samples -------------------
+# --- Check that effectors are in their claimed cells at the samples -------------------------------
 
 
 def cell_path(
@@ -137,15 +136,15 @@ def cell_path(
     path: Sequence[Sequence[str]],
     positions: Sequence[Sequence[Sequence[arb]]],
 ) -> CheckedCondition:
-    """Every effector is in its cell at every sample.
+    """Check that every effector is in its cell at every sample.
 
-    What happens in between is proved of the motion itself, without cells.
+    Between samples, the motion itself is checked, without cells.
 
     Args:
         cells: the cells of the workspace.
         dt: the time between samples, s.
-        path: per effector the name of its cell at every sample.
-        positions: per sample and effector where it is, m.
+        path: for each effector, the name of its cell at every sample.
+        positions: for each sample and effector, its position, m.
     """
     worst = CheckedCondition("cell path", Status.HOLDS, NO_MARGIN, "m")
     for effector, names in enumerate(path):
@@ -166,5 +165,5 @@ def cell_path(
 
 
 def _clear(condition: CheckedCondition) -> tuple[bool, float]:
-    """The less, the worse; what is open counts before what holds."""
+    """A sort key: undecided conditions come before those that hold, small margins before large."""
     return condition.status is Status.HOLDS, condition.margin

@@ -1,7 +1,7 @@
-"""What must hold at every instant, checked on a validated tube.
+"""Conditions that must hold at every instant, checked on a validated tube.
 
-A slice of time on which a constraint is not decided is halved, so that every answer is a proof or
-an honest "undecided".
+A time slice on which a constraint is undecided is halved, so that every answer is either a proof or
+"undecided".
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from solvers.verifier.proofs.point_map import PointMap, Slice
 
 MOST_SPLITS = 12
 MOST_UNBOUNDED_SPLITS = 5
-"""Slices over which nothing finite is known are given up sooner."""
+"""Slices without finite bounds are given up sooner."""
 REFINEMENT = 0.02
-"""A margin is refined until it is known to this fraction of itself."""
+"""A margin is refined until its error is at most this fraction of it."""
 
 
 class Status(Enum):
@@ -38,9 +38,9 @@ class Status(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A part of a segment: the inputs in force, the middle and half-width in seconds.
+    """A part of a segment: its inputs, and its middle and half-width in seconds.
 
-    ``depth`` counts the halvings, and it is part ``index`` of 2^``depth`` equal ones.
+    ``depth`` counts the halvings; the part has the number ``index`` among 2^``depth`` equal ones.
     """
 
     segment: TubeSegment
@@ -62,7 +62,7 @@ class Stretch:
         return self.segment.start + self.middle
 
     def halves(self) -> tuple[Stretch, Stretch]:
-        """The later half, and the earlier one."""
+        """The later half, then the earlier one."""
         quarter = self.half / 2
         later, earlier = (
             Stretch(self.segment, self.inputs, middle, quarter, self.depth + 1, index)
@@ -76,7 +76,7 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True, order=True)
 class HeldSlice:
-    """A stretch on which a condition holds by at least ``margin``; ``number`` orders equal ones."""
+    """A stretch on which a condition has at least ``margin``; ``number`` orders equal ones."""
 
     margin: float
     number: int
@@ -87,8 +87,8 @@ class HeldSlice:
 class Constraint(ABC):
     """A condition on points at every instant, with the least margin proved so far (metres).
 
-    ``time`` and ``place`` say where that is; of one that is not proved, where it is so first, and
-    ``margin`` is then about how much a wide tube outgrows it at worst.
+    ``time`` and ``place`` say where this margin is. If the condition is not proved, they say where
+    this happens first, and ``margin`` is about how far, at worst, a wide tube exceeds it.
     """
 
     name: str
@@ -99,13 +99,13 @@ class Constraint(ABC):
     place: tuple[float, ...] = ()
     status: Status = Status.HOLDS
     hope: float = float("inf")
-    """The margin cannot get larger than this: the least that is known of the middle of a slice."""
+    """An upper bound of the margin: the least value known at the middle of a slice."""
     held: list[HeldSlice] = field(default_factory=list["HeldSlice"])
-    """Slices on which it holds, and which may have the least margin."""
+    """Slices on which the condition holds and which may have the least margin."""
 
     @property
     def unit(self) -> str:
-        """Of the margin."""
+        """The unit of the margin."""
         return "m"
 
     @abstractmethod
@@ -113,7 +113,7 @@ class Constraint(ABC):
         """The distance to a violation: a lower bound over the slice, and at its middle."""
 
     def glance(self, over: Slice) -> float:
-        """A lower bound over the slice that takes little, if it is not much worse than others."""
+        """A cheap lower bound over the slice, or -inf if it would be much worse than ``bound``."""
         del over
         return float("-inf")
 
@@ -123,21 +123,21 @@ class Constraint(ABC):
 
     @abstractmethod
     def where(self, over: Slice) -> tuple[float, ...]:
-        """The place at the middle of the slice that its bound is about."""
+        """The place at the middle of the slice to which the bound refers."""
 
     def hold(self, lower: float, stretch: Stretch) -> None:
-        """Keep a stretch on which it holds by at least ``lower``, if that may be the least."""
+        """Keep a stretch with a margin of at least ``lower``, if it may be the least margin."""
         if lower < self.hope:
             heappush(self.held, HeldSlice(lower, len(self.held), stretch))
 
     def give_up(self, stretch: Stretch) -> None:
-        """Nothing finite is known of a stretch: whatever is not refuted is not decided."""
+        """Become undecided, unless refuted: nothing finite is known of a stretch."""
         if self.status is Status.HOLDS:
             self.status, self.margin = Status.UNDECIDED, float("-inf")
             self.time = float(stretch.time.mid())
 
     def note(self, status: Status, margin: float, over: Slice) -> None:
-        """Keep what a slice shows."""
+        """Record the result of a slice."""
         self.status, self.margin = status, margin
         self.time, self.place = float(over.time.mid()), self.where(over)
 
@@ -170,7 +170,7 @@ class Inside(Constraint):
     distance: arb = field(default_factory=lambda: arb(0))
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
-        """The least distance to a facet, less what is asked: over the slice, and at its middle."""
+        """The least distance to a facet, less the required one: over a slice and at its middle."""
         worst, middle = arb("inf"), arb("inf")
         for item in self.rows:
             for value, centre in self._farthest(item, over):
@@ -187,7 +187,7 @@ class Inside(Constraint):
         )
 
     def _farthest(self, item: Row, over: Slice) -> Iterator[tuple[arb, arb]]:
-        """Enclosures of ``normal . p`` of what may be farthest along the normal of a row."""
+        """Enclosures of ``normal . p`` for the points that may be farthest along a row's normal."""
         if not self.extensions:
             yield from (over.form(item.normal, point) for point in self.points)
             return
@@ -206,7 +206,7 @@ class Inside(Constraint):
 
 
 def check_segment(point_map: PointMap, whole: Stretch, constraints: Sequence[Constraint]) -> None:
-    """Hold every constraint against a stretch, updating its margin and status."""
+    """Check every constraint over a stretch, updating its margin and status."""
     pending = [(whole, tuple(constraints))]
     while pending:
         stretch, still = pending.pop()
@@ -225,9 +225,9 @@ def check_segment(point_map: PointMap, whole: Stretch, constraints: Sequence[Con
 
 @dataclass(slots=True)
 class _View:
-    """Positions over a stretch; closer ones where they are asked for.
+    """Positions over a stretch; tighter ones on demand.
 
-    In a wide tube the entries of a state go together, which boxes do not show.
+    In a wide tube the entries of a state depend on each other; boxes lose this dependence.
     """
 
     point_map: PointMap
@@ -236,7 +236,7 @@ class _View:
     together: Slice | None = None
 
     def bound(self, constraint: Constraint) -> tuple[Slice, arb, arb]:
-        """The positions that show a bound, and the bound over the stretch and at its middle."""
+        """The positions used for a bound, and the bound over the stretch and at its middle."""
         bound, middle = constraint.bound(self.over)
         spread = self.stretch.segment.spread
         if spread is None or bound > 0:
@@ -248,16 +248,16 @@ class _View:
 
 
 def _settle(constraint: Constraint, view: _View) -> bool:
-    """Whether a constraint needs no smaller slices to be decided here.
+    """Whether a constraint needs no smaller slices here.
 
-    In a wide tube the bound at the middle of a slice is as much as smaller slices may show.  What
-    is not decided at one time is only looked at for a violation later, and for how open it gets.
+    In a wide tube, smaller slices show no more than the bound at the middle of a slice. Once a
+    constraint is undecided, later times are only checked for a violation and for how open it is.
     """
     if constraint.status is Status.FAILS:
         return True
     stretch = view.stretch
     if constraint.status is Status.HOLDS:
-        # Where it may be least, it is looked at closely at the end.
+        # Slices that may have the least margin are refined at the end.
         lower = constraint.glance(view.over)
         if lower > 0:
             constraint.hold(lower, stretch)

@@ -1,4 +1,4 @@
-"""A tube held against everything that a task asks of a motion."""
+"""Check a tube against all conditions that a task sets for a motion."""
 
 from __future__ import annotations
 
@@ -53,21 +53,21 @@ from solvers.verifier.proofs.vector_field import Curvature, VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, Zonotope, zonotope
 
 FAILED = "a condition fails"
-"""Why a brief proof goes no farther."""
+"""The reason why a brief proof ends early."""
 LONGEST_TEXT = 72
-"""Characters of a formula in a report."""
+"""The most characters of a formula in a report."""
 LEAST_IN_MACHINE = 200
-"""Instructions of first derivatives from which balls of doubles in machine code are faster: those
-of two links have some 50, of three joints in space 300, of six thousands."""
+"""The instructions of first derivatives from which balls of doubles in machine code are faster: two
+links have about 50, three joints in space 300, six joints thousands."""
 
 
 @dataclass(frozen=True, slots=True)
 class DrivenRobot:
-    """A robot of which everything is known but where it begins, in balls.
+    """A robot with its motion and equations in balls; only the set of its starts is given later.
 
     ``state`` is the planned start in the graph's coordinates, ``inputs`` the stated inputs per
-    step.  With a ``law`` the state ends with the inputs that it holds.  With a ``loop`` it is about
-    all motions, which go on for ever.
+    step. With a ``law`` the state ends with the inputs that the law holds. With a ``loop`` it is
+    about all motions, which go on for ever.
     """
 
     scene: Scene
@@ -95,9 +95,10 @@ def driven_robot(
 ) -> DrivenRobot:
     """A motion in the working precision; ``factors`` are those of uncertain masses, default 1.
 
-    Where it is ``disturbed``, measurements have the task's errors, the last entries of the state
-    are the factors of uncertain masses, and a loop begins from all states of its set.  A law is
-    rounded there, and where the task names no disturbances, so that there is no other proof.
+    If it is ``disturbed``, measurements have the task's errors, the last entries of the state are
+    the factors of uncertain masses, and a loop begins from all states of its set. The rounding of a
+    law is included in that case, and also if the task names no disturbances, since there is no
+    other proof then.
     """
     model, task = scene.model, scene.task
     masses = uncertain_masses(task, model) if disturbed or factors else ()
@@ -151,11 +152,12 @@ def _loop(scene: Scene, motion: Motion, graph: RobotGraph, state: Sequence[arb])
 
 @dataclass(slots=True)
 class Followed:
-    """What a tube shows, as far as it goes; ``samples`` are the states at the steps.
+    """The results along a tube, as far as it reaches; ``samples`` are the states at the steps.
 
-    ``commanded`` are the inputs that a law commands, a row per step; none without one.  ``reached``
-    are the sets at the end of the prefix and of the first round of a loop, or at the end of all.
-    ``ended`` says why it goes no farther than ``time``, empty where it is complete.
+    ``commanded`` are the inputs that a law commands, a row per step; empty without a law.
+    ``reached`` are the sets at the end of the prefix and of the first round of a loop, or at the
+    end of the motion. ``ended`` says why the tube does not reach beyond ``time``; it is empty for a
+    complete tube.
     """
 
     robot: DrivenRobot
@@ -184,7 +186,7 @@ class Followed:
         return [self.robot.point_map.positions(sample) for sample in self.samples]
 
     def conditions(self) -> list[CheckedCondition]:
-        """All that a complete tube shows, but for what is asked of samples alone."""
+        """All conditions for a complete tube, except those about samples alone."""
         found = self.so_far()
         scene, effector = self.robot.scene, self.robot.motion.effector
         task, loop = scene.task, self.robot.loop
@@ -200,7 +202,7 @@ class Followed:
         return found
 
     def so_far(self) -> list[CheckedCondition]:
-        """What has to hold at every instant."""
+        """The conditions that have to hold at every instant."""
         found = []
         if self.defined.is_needed:
             item = self.defined
@@ -218,7 +220,7 @@ class Followed:
         return found
 
     def satisfied(self, number: int, clause: ir.Satisfy) -> CheckedCondition:
-        """What is proved of a formula; its margin is a bound of its robustness."""
+        """The condition for a formula; its margin is a bound of its robustness."""
         text = shorten(formula_text(clause.formula), LONGEST_TEXT, placeholder=" …")
         verdict = self.formulas.verdict(clause.formula)
         return CheckedCondition(
@@ -234,10 +236,10 @@ def follow(
     accuracy: Accuracy,
     watch: Watch,
 ) -> Followed:
-    """Hold the tube from a set of states against the task.
+    """Follow the tube from a set of states and check it against the task.
 
-    ``error`` is how far inputs may be from what is commanded, None: not at all.  What the ``watch``
-    raises ends the proof.
+    ``error`` is how far inputs may be from the commanded ones; None if they do not differ. An
+    exception from the ``watch`` ends the proof.
     """
     scene, step = robot.scene, robot.scene.task.step
     graph, accelerations = robot.graph, acceleration_limits(scene)
@@ -270,7 +272,7 @@ def follow(
             ):
                 watch.tick()
                 last = last if segment.last is None else segment.last
-                # Conditions keep segments for their margins, whose sets of states are large.
+                # Conditions keep segments for their margins; sets of states would take much memory.
                 _check(found, replace(segment, last=None))
                 if watch.brief and found.fails:
                     found.ended = FAILED
@@ -290,7 +292,7 @@ def follow(
 
 
 def legs(robot: DrivenRobot, initial: InitialSet) -> list[tuple[InitialSet, range]]:
-    """The sets from which steps are followed: with a loop the prefix, then one round of all."""
+    """The sets from which steps are followed; with a loop, first the prefix, then one round."""
     count, loop = len(robot.inputs), robot.loop
     if loop is None:
         return [(initial, range(count))]
@@ -298,7 +300,7 @@ def legs(robot: DrivenRobot, initial: InitialSet) -> list[tuple[InitialSet, rang
 
 
 def _check(found: Followed, segment: TubeSegment) -> None:
-    """Hold a segment against the task."""
+    """Check a segment against the task."""
     robot, inputs = found.robot, segment.inputs
     whole = Stretch.of(segment, inputs)
     check_segment(robot.point_map, whole, found.constraints)
@@ -309,7 +311,7 @@ def _check(found: Followed, segment: TubeSegment) -> None:
     if found.defined.is_needed:
         found.defined.check(segment, inputs)
     if found.energy is not None:
-        # What a law holds is in the states, and added to what is in force besides.
+        # The inputs of a law are entries of the state; ``inputs`` are added to them.
         held = [arb(0)] * len(inputs) if robot.law is None else segment.commanded
         found.energy.add(segment, [a + b for a, b in zip(held, inputs, strict=True)])
     found.time = float((segment.start + segment.length).mid())
@@ -329,7 +331,7 @@ def box_of(initial: InitialSet) -> list[arb]:
 
 
 def _formulas(robot: DrivenRobot, tick: Callable[[], None]) -> FormulaProof:
-    """The atoms of the task's formulas, with the sets they speak of."""
+    """The proof of the task's formulas, with the sets of their atoms."""
     scene, task = robot.scene, robot.scene.task
     spoken = [clause.formula for clause in task.satisfy]
     if task.repeat and task.reach is not None:

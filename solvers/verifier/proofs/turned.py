@@ -1,4 +1,4 @@
-"""How the frame of an effector is turned, at every instant of a tube."""
+"""The orientation of an effector's frame at every instant of a tube."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from solvers.verifier.proofs.tube_checks import Constraint
 
 
 def pose_name(reach: ir.Reach, number: int) -> str:
-    """What the condition on a pose of a ``reach`` clause is called; ``number`` is from 0."""
+    """The name of the condition on a pose of a ``reach`` clause; ``number`` is from 0."""
     which = f"pose {number + 1}" if len(reach.poses) > 1 else "pose"
     return f"{which} at {reach.region}"
 
@@ -28,7 +28,7 @@ def pose_name(reach: ir.Reach, number: int) -> str:
 class Turned(Constraint):
     """The axes of a frame, ``points``, are within an angle of directions; the margin is in rad.
 
-    ``place`` is that of the effector.
+    ``place`` is the position of the effector.
     """
 
     effector: int
@@ -36,11 +36,11 @@ class Turned(Constraint):
 
     @property
     def unit(self) -> str:
-        """Of the margin."""
+        """The unit of the margin."""
         return "rad"
 
     def bound(self, over: Slice) -> tuple[arb, arb]:
-        """How much closer to the directions they are than they have to be, in rad."""
+        """How much closer to the directions the axes are than required, in rad."""
         value, middle = arb(0), arb(0)
         for point, direction in zip(self.points, self.target.directions, strict=True):
             along, centre = over.form(direction, point)
@@ -49,16 +49,16 @@ class Turned(Constraint):
         return self.target.within - off, self.target.within - off_middle
 
     def violated(self, over: Slice) -> bool:
-        """Whether they are certainly too far off at the middle of the slice."""
+        """Whether the axes are certainly too far off at the middle of the slice."""
         return bool(self.bound(over)[1] < 0)
 
     def where(self, over: Slice) -> tuple[float, ...]:
-        """The place of the effector."""
+        """The position of the effector."""
         return over.middle(self.effector)
 
 
 def _angle(cosine: arb) -> arb:
-    """All angles whose cosine is in a ball, which may be beyond what cosines are."""
+    """All angles whose cosine is in a ball, which may exceed [-1, 1]."""
     if not cosine.is_finite():
         return arb("nan")
     ends = [_clamped(cosine.upper()), _clamped(cosine.lower())]
@@ -67,14 +67,14 @@ def _angle(cosine: arb) -> arb:
 
 
 def _clamped(cosine: arb) -> arb:
-    """An exact number, brought between -1 and 1."""
+    """An exact number, clamped to [-1, 1]."""
     if bool(cosine > 1):
         return arb(1)
     return arb(-1) if bool(cosine < -1) else cosine
 
 
 def poses_of(scene: Scene, reach: ir.Reach, effector: int) -> Iterator[Turned]:
-    """The conditions on how an effector (from 0) is turned where it reaches."""
+    """The conditions on the orientation of an effector (from 0) where it reaches."""
     for number, pose in enumerate(reach.poses):
         yield _turned(scene.graph, pose, effector, pose_name(reach, number))
 
@@ -86,15 +86,15 @@ def _turned(graph: RobotGraph, pose: ir.Pose, effector: int, name: str) -> Turne
     return Turned(name, points, effector=effector, target=target)
 
 
-# --- Poses that formulas ask for together with a region -------------------------------------------
+# --- Poses that formulas require together with a region -------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class PosedRegion:
-    """A region in which the frame of an effector is turned in some ways.
+    """A region in which the frame of an effector has certain orientations.
 
-    Lengths measure how clearly an effector is in the region, or out of it.  A pose adds no length:
-    where it certainly is another one, the effector is out by any length.
+    Gaps are the distances of the region. A pose adds no distance: if the effector certainly has
+    another orientation, it counts as outside by any distance.
     """
 
     region: RegionDistance
@@ -102,12 +102,12 @@ class PosedRegion:
 
     @property
     def polytope(self) -> Polytope:
-        """Where the effector is, if it is in the pose there."""
+        """The set in which the effector is, if it has the pose there."""
         return self.region.polytope
 
     @property
     def points(self) -> int:
-        """How many points of the robot have to be known."""
+        """The number of points of the robot that have to be known."""
         return 1 + max(point for pose in self.turned for point in pose.points)
 
     def over(self, time: Slice, point: int) -> Gap:
@@ -124,5 +124,5 @@ class PosedRegion:
 def posed_region(
     graph: RobotGraph, region: RegionDistance, poses: Sequence[ir.Pose], effector: int
 ) -> PosedRegion:
-    """A region with poses of an effector, from 0."""
+    """A region with poses of an effector, numbered from 0."""
     return PosedRegion(region, tuple(_turned(graph, pose, effector, "") for pose in poses))

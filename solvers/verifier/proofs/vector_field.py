@@ -18,25 +18,26 @@ if TYPE_CHECKING:
     from solvers.verifier.proofs.machine_field import MachineField
 
 # --------------------------------------------------------------------------------------------------
-# A robot's equations of motion as a vector field on states, read in balls and in series of balls.
+# A robot's equations of motion as a vector field on states, evaluated in balls and in series of
+# balls.
 #
 # .. math:: \dot q = v, \qquad M(q)\,\dot v = F(q, v, s, u), \qquad \dot s = \sigma(q, v, s, u)
 #
 # Linear systems are solved coefficient by coefficient with the constant term of M, preconditioned:
-# far tighter than eliminating in series.
+# this is far tighter than elimination in series.
 
 
 MACHINE_BITS = 96
-"""Up to this working precision the digits of doubles are enough, where they may be used."""
+"""Up to this working precision the digits of doubles are enough, if they may be used."""
 
 
 @dataclass(frozen=True, slots=True)
 class Curvature:
     """Second derivatives: ``places`` (i, j, k) of the outputs of a tape, j >= k; others are zero.
 
-    That of output i of (b - M a, d) in the entries j and k of (q, v, s, a), at (q, v, s, a, u).
-    ``slopes`` are what is not zero of their own first derivatives: (v, l) among ``slope_places``
-    is that of value v in entry l.  None for large robots.
+    Each is the derivative of output i of (b - M a, d) in the entries j and k of (q, v, s, a), at
+    (q, v, s, a, u). ``slopes`` are their own first derivatives, as far as they are not zero: (v, l)
+    in ``slope_places`` is that of value v in entry l. ``slopes`` is None for large robots.
     """
 
     tape: Tape
@@ -46,7 +47,7 @@ class Curvature:
 
     @staticmethod
     def of(graph: RobotGraph) -> Curvature | None:
-        """That of a robot; None where its second derivatives are not made."""
+        """The curvature of a robot; None if its second derivatives are not computed."""
         second, third = graph.curvature, graph.curvature_slopes
         if second is None:
             return None
@@ -59,11 +60,11 @@ class Curvature:
 class VectorField:
     """q' = v, M(q) v' = b, s' = d with b, d of (q, v, s, u), as series with ball coefficients.
 
-    ``balance`` gives M, b and d, ``variation`` the Jacobian of (b - M a, d) in (q, v, s) for given
-    accelerations a, ``input_slopes`` that of (b, d) in u, which only disturbed inputs need;
-    ``tail`` holds the balls of theta and k; s has ``own`` entries.  ``in_machine``: up to a working
-    precision of ``MACHINE_BITS``, balls of doubles are enough, in machine code where there is any.
-    The last inputs are the efforts of dry ``friction``, of each the joint and the size (N m, N).
+    ``balance`` gives M, b and d; ``variation`` the Jacobian of (b - M a, d) in (q, v, s) for given
+    accelerations a; ``input_slopes`` that of (b, d) in u, which only disturbed inputs need.
+    ``tail`` holds the balls of theta and k; s has ``own`` entries. With ``in_machine``, balls of
+    doubles are used up to a working precision of ``MACHINE_BITS``, in machine code if available.
+    The last inputs are the efforts of dry ``friction``: the joint and the size (N m, N) of each.
     """
 
     balance: Tape
@@ -87,12 +88,12 @@ class VectorField:
 
     @property
     def size(self) -> int:
-        """The entries of a state."""
+        """The number of entries of a state."""
         return 2 * self.dofs + self.own
 
     @property
     def machine(self) -> MachineField | None:
-        """The field in balls of doubles, where they are enough."""
+        """The field in balls of doubles, if they are precise enough."""
         return self._machine if self.in_machine and ctx.prec <= MACHINE_BITS else None
 
     @cached_property
@@ -100,7 +101,7 @@ class VectorField:
         try:
             from solvers.verifier.proofs.machine_field import MachineField
         except ImportError:
-            # It was installed where there is no compiler: slower, and as sound.
+            # It was installed without a compiler: slower, but equally sound.
             return None
         return MachineField(self.balance, self.variation, self.dofs, self.own, self.tail)
 
@@ -139,11 +140,11 @@ class VectorField:
         order: int,
         enough: Callable[[Sequence[Sequence[SupportsFloat]]], bool] = lambda _: False,
     ) -> list[Coefficients]:
-        """Taylor coefficients 0 ... order near those of the solution through a state.
+        """Taylor coefficients 0 ... order of the solution through a state, or near them.
 
-        Each pass of Picard's iteration on series fixes one more coefficient, until they are
-        ``enough``, which is asked about balls, or about doubles in machine code.  Only the former
-        hold the solution's coefficients.
+        Each pass of Picard's iteration on series fixes one more coefficient, until ``enough``
+        accepts them. It receives balls, or doubles in machine code; only the balls contain the
+        solution's coefficients.
 
         Raises:
             ZeroDivisionError: M may be singular on the state.

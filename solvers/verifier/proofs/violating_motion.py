@@ -1,6 +1,6 @@
-"""A motion that violates what could not be proved of all disturbed ones.
+"""Find a motion that violates a condition not proved for all disturbed motions.
 
-Candidates come from simulations in floats (``worst_disturbance.py``).  That a motion violates the
+Candidates come from simulations in floats (``worst_disturbance.py``). That a motion violates the
 task is proved as for any motion: in balls, from the exact start, under the exact law.
 """
 
@@ -37,26 +37,26 @@ def with_violation(
     accuracies: Sequence[Accuracy],
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
-    """The conditions, with a violation by one motion where one is found.
+    """The conditions, with the violation by one motion if one is found.
 
     Args:
-        scene: what the motion is about.
-        motion: the planned motion, all of whose disturbed ones have to do the task.
-        conditions: what is known; none of them fails.
+        scene: the scene of the motion.
+        motion: the planned motion; all motions that result from disturbances have to do the task.
+        conditions: the known conditions; none of them fails.
         proved: the names of those that are proved of all disturbed motions.
-        accuracies: tried in turn where a violation is not shown.
-        watch: told that work goes on; what it raises ends it.
+        accuracies: tried in order while no violation is shown.
+        watch: receives progress; an exception from it ends the search.
     """
     if not scene.model.dofs:
         return conditions
     whole, sizes = unrolled(motion), error_sizes(scene)
     none = undisturbed(sizes, len(whole.inputs))
-    # What an open loop commands is exact, and was checked.
+    # The commands of an open loop are exact and have been checked.
     skipped = set(proved)
     if motion.law is None:
         skipped |= {each.name for each in effort_conditions(scene.model, scene.task, [])}
     motions = list[DisturbedMotion]()
-    # What is not defined somewhere near a motion is no reason to judge it.
+    # Undefined values near a motion are no reason to judge it.
     with working_precision(FLOAT_BITS), suppress(ArithmeticError, ValueError):
         for each in harmful(
             scene, whole, sizes, none, lambda name: name not in skipped, watch.tick
@@ -77,7 +77,7 @@ def with_violation(
 def conditions_of(
     scene: Scene, of: DisturbedMotion, accuracy: Accuracy, watch: Watch
 ) -> list[CheckedCondition]:
-    """What is shown of one motion, as far as its tube goes, in the working precision."""
+    """The conditions on one motion, as far as its tube reaches, in the working precision."""
     robot = driven_robot(scene, of.motion, factors=of.masses)
     followed = follow(robot, InitialSet(robot.state), None, accuracy, Watch(watch.tick))
     found = followed.so_far() if followed.ended else followed.conditions()
@@ -91,7 +91,7 @@ def conditions_of(
 def _with(
     conditions: Sequence[CheckedCondition], failed: Sequence[CheckedCondition], which: str
 ) -> tuple[CheckedCondition, ...]:
-    """The conditions, those that fail in place of what is open of the same name."""
+    """The conditions, with failing ones in place of open ones of the same name."""
     told = {
         each.name: replace(each, why=f"{each.name}: violated by {which} motion") for each in failed
     }

@@ -1,12 +1,12 @@
-r"""Which disturbance does most harm: the corner that a linear estimate in floats points to.
+r"""Find the worst disturbance: the corner to which a linear estimate in floats points.
 
 Along a simulated motion the sensitivities of state and commanded inputs to all errors are followed:
 
 .. math:: S_{k+1} = \frac{\partial \Phi_k}{\partial z}\, S_k, \qquad z = (x, u),
 
 with the errors of step k as new columns, and the law's rows -K S for the inputs that are held.  A
-distance g from a violation is then moved by at most the sum of the entries of |dg/dx S|, each error
-being at one of its ends.  Nothing is proved here.
+distance g from a violation then changes by at most the sum of the entries of |dg/dx S|, with each
+error at one end of its range.  Nothing is proved here.
 """
 
 from __future__ import annotations
@@ -45,21 +45,21 @@ from solvers.verifier.proofs.tube_checks import Constraint
 from solvers.verifier.proofs.tube_proof import DrivenRobot, driven_robot
 
 SUBSTEPS = 4
-"""Of Runge and Kutta's method, per step of the task."""
+"""Runge-Kutta substeps per step of the task."""
 NUDGE = 1e-6
-"""By which differences are taken, in SI."""
+"""The step of finite differences, in SI units."""
 
 
-# --- How far a state is from a violation ----------------------------------------------------------
+# --- The distance of a state from a violation -----------------------------------------------------
 
 
 Distance = Callable[[Sequence[arb], Slice], float]
-"""Of a state, and of where its points are."""
+"""A function of a state and of the positions of its points."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Placed:
-    """The distance of points."""
+    """The distance of points from a violation."""
 
     condition: Constraint
 
@@ -69,7 +69,7 @@ class _Placed:
 
 @dataclass(frozen=True, slots=True)
 class _Stated:
-    """The distance of coordinates or rates."""
+    """The distance of coordinates or rates from a violation."""
 
     limit: StateLimit
 
@@ -86,7 +86,7 @@ class Distances:
 
     @cached_property
     def always(self) -> dict[str, Distance]:
-        """Those that count at every instant."""
+        """The distances that count at every instant."""
         scene, found = self.robot.scene, dict[str, Distance]()
         for item in position_conditions(scene, self.robot.tail):
             found[item.name] = _Placed(item)
@@ -96,7 +96,7 @@ class Distances:
 
     @cached_property
     def at_end(self) -> dict[str, Distance]:
-        """Those that count at the end alone."""
+        """The distances that count only at the end."""
         scene, effector = self.robot.scene, self.robot.motion.effector
         found, reach = dict[str, Distance](), scene.task.reach
         if reach is None or scene.task.repeat:
@@ -109,20 +109,20 @@ class Distances:
 
     @cached_property
     def efforts(self) -> dict[str, InputBound]:
-        """The bounds of what is commanded; an open loop commands what it states."""
+        """The bounds of commanded inputs, by name; an open loop commands the stated inputs."""
         scene = self.robot.scene
         bounds = {bound_name(bound): bound for bound in input_bounds(scene.model, scene.task)}
         return {name: bound for name, bound in bounds.items() if self.wanted(name)}
 
     def of(self, state: Array, *, last: bool) -> dict[str, float]:
-        """The distances in a state (N,); at the end also those that count there."""
+        """The distances in a state (N,); at the end, including those that count only there."""
         balls = [arb(x) for x in state.tolist()]
         at = at_instant(self.robot.point_map.positions(balls), 0.0)
         asked = self.always | self.at_end if last else self.always
         return {name: of(balls, at) for name, of in asked.items()}
 
     def of_inputs(self, row: Array) -> dict[str, float]:
-        """The distances of inputs that are commanded, (m,), from their bounds."""
+        """The distances of commanded inputs, (m,), from their bounds."""
         return {name: _gap(bound, row) for name, bound in self.efforts.items()}
 
     def slopes(self, state: Array, *, last: bool) -> tuple[dict[str, float], dict[str, Array]]:
@@ -153,11 +153,11 @@ class Course:
 
     Attributes:
         samples: the states at the samples, with held inputs and factors of masses, (N,) each.
-        fine: states between them, too.
+        fine: the same states and those between them.
         spread: how errors move the samples, each error times its size, (N, e) each.
         commanded: the inputs that are commanded, (m,) each.
-        moved: how errors move these, (m, e) each.
-        whole: whether it gets to the end.
+        moved: how errors move the commanded inputs, (m, e) each.
+        whole: whether the simulation reaches the end.
     """
 
     samples: list[Array]
@@ -212,7 +212,7 @@ def course(scene: Scene, of: DisturbedMotion, sizes: ErrorSizes) -> Course:
 
 
 class _Step:
-    """Runge and Kutta's method of order 4 over one step, of a state and its neighbours at once."""
+    """The Runge-Kutta method of order 4 over one step, for a state and its neighbours at once."""
 
     def __init__(self, robot: DrivenRobot, seconds: float) -> None:
         self.n, self.size, self.length = robot.field.dofs, robot.field.size, seconds / SUBSTEPS
@@ -226,7 +226,7 @@ class _Step:
         )
 
     def along(self, z: Array) -> tuple[list[Array], Array]:
-        """The states after each substep, (N,) each, and the derivative (N, N) of the last."""
+        """The states after each substep, (N,) each, and the derivative (N, N) of the last one."""
         x = np.column_stack([z, z[:, None] + NUDGE * np.eye(self.size)])
         found = []
         for _ in range(SUBSTEPS):
@@ -244,12 +244,12 @@ class _Step:
         return np.vstack([x[n : 2 * n], np.asarray(pull, dtype=np.float64)])
 
 
-# --- The corner that does most harm ---------------------------------------------------------------
+# --- The worst corner -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """How near to a violation of one condition a disturbance is thought to come, and which one."""
+    """The estimated least distance to a violation of one condition, and the disturbance for it."""
 
     name: str
     least: float
@@ -257,7 +257,7 @@ class Estimate:
 
 
 def nearest(seen: Course, distances: Distances) -> float:
-    """The least distance along a simulated motion; infinite where nothing is asked."""
+    """The least distance along a simulated motion; infinite if there are no conditions."""
     found, last = inf, len(seen.fine) - 1
     for number, state in enumerate(seen.fine):
         values = distances.of(state, last=seen.whole and number == last)
@@ -270,7 +270,7 @@ def nearest(seen: Course, distances: Distances) -> float:
 def estimates(
     seen: Course, distances: Distances, about: Disturbance, sizes: ErrorSizes
 ) -> list[Estimate]:
-    """Per condition the disturbance that a linear estimate about another one calls the worst."""
+    """For each condition, the worst disturbance by a linear estimate about another disturbance."""
     best: dict[str, tuple[float, Array]] = {}
     signs = flat(about, seen)
 
@@ -310,7 +310,7 @@ def flat(signs: Disturbance, seen: Course) -> Array:
 
 
 def _corner(towards: Array, seen: Course, about: Disturbance, sizes: ErrorSizes) -> Disturbance:
-    """The corner that lies in a direction; an error that does not matter stays at zero."""
+    """The corner in a direction; an error without effect stays at zero."""
     ends = iter(np.sign(towards).astype(int).tolist())
 
     def signs(bounds: Sequence[object]) -> Signs:
@@ -336,9 +336,9 @@ def _corner(towards: Array, seen: Course, about: Disturbance, sizes: ErrorSizes)
 
 
 MOST_CONDITIONS = 4
-"""Of all that is open, those that a linear estimate says to be violated most are looked at."""
+"""The most open conditions that are examined: those that a linear estimate violates most."""
 ROUNDS = 3
-"""The estimate is made about what it found so many times."""
+"""How often the estimate is repeated about the disturbance that it found."""
 
 
 def harmful(

@@ -19,7 +19,7 @@ from compiler.expressions.machine.ball_array import LEAST, BallArray
 # .. math:: \{\, m + G r : |r_i| \le \rho_i \,\}
 #
 # A robot whose motion is written in coordinates y with q = D y, but whose start is known in q,
-# starts in such a set with G = D^{-1} for both coordinates and rates; no box of y is as small.
+# starts in such a set with G = D^{-1} for both coordinates and rates; any box of y would be larger.
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +27,8 @@ class InitialSet:
     """The states ``centre`` + ``generators`` r with ``|r_i| <= radii[i]``.
 
     ``centre`` has an entry per state (coordinates, rates, modules' own states); ``generators`` a
-    row per state with a column per radius; all are balls, and the set is that of all their values.
-    A point has no generators.
+    row per state with a column per radius. All are balls, and the set covers all their values. A
+    point has no generators.
 
     Raises:
         ValueError: the shapes do not agree, or a radius is negative.
@@ -48,7 +48,7 @@ class InitialSet:
 
 
 def box(state: Sequence[arb]) -> InitialSet:
-    """The box of balls, with a generator along each axis of which the ball has a radius."""
+    """The box of balls, with a generator along each axis where the ball has a positive radius."""
     wide = [i for i, item in enumerate(state) if not item.is_exact()]
     centre = tuple(item.mid() for item in state)
     rows = tuple(tuple(arb(int(i == j)) for j in wide) for i in range(len(state)))
@@ -60,17 +60,17 @@ def box(state: Sequence[arb]) -> InitialSet:
 # .. math:: X = \{\, m + G r : |r_j| \le 1 \,\}
 #
 # with m exact and G of doubles.  Like Lohner's representation m + C r + Q e (1987) it moves with
-# the flow without being enclosed anew.  What is added on a segment, a box, becomes new columns of G
-# instead of being turned into the axes Q at once, where shears would widen it; Q is a box of those
-# that lose least by that.  Under a map x -> p + (P + Z)(x - m) + d,
+# the flow without a new enclosure.  The box that a segment adds becomes new columns of G.  It is
+# not turned into the axes Q at once, where shears would widen it; only the columns that lose least
+# by this are put into such a box.  Under a map x -> p + (P + Z)(x - m) + d,
 #
 # .. math:: m' \approx p, \qquad G' \approx (P G,\ D), \qquad
 #     D = \operatorname{diag}\bigl(|p - m'| + |Z (x - m)| + |P G - G'| 1 + |d|\bigr),
 #
 # so that no rounding of m' and G' can lose a state: products of doubles are off by no more than
-# n u |P| |G|, in whichever order their n terms are added (Higham, *Accuracy and stability of
-# numerical algorithms*, 2002, section 3.1).  Where there are too many columns, the shortest
-# are replaced by the box along their principal axes that holds them (Girard, *Reachability of
+# n u |P| |G|, in whatever order their n terms are added (Higham, *Accuracy and stability of
+# numerical algorithms*, 2002, section 3.1).  If there are too many columns, the shortest are
+# replaced by the box along their principal axes that contains them (Girard, *Reachability of
 # uncertain linear systems using zonotopes*, 2005; Kopetzki, Schuermann & Althoff, *Methods for
 # order reduction of zonotopes*, 2017); long ones stay, so that wrapping does not feed on itself
 # (Kuhn, *Rigorously computed orbits of dynamical systems without the wrapping effect*, 1998).
@@ -78,9 +78,9 @@ def box(state: Sequence[arb]) -> InitialSet:
 
 @dataclass(frozen=True, slots=True)
 class OrderLimits:
-    """Limits of the order of a zonotope: its columns over the size of a state.
+    """Limits of the order of a zonotope: the number of columns divided by the size of a state.
 
-    Above the order ``most`` it is reduced to ``kept``, unless that widens the set; above
+    Above the order ``most`` a zonotope is reduced to ``kept``, unless that widens the set; above
     ``largest`` in any case, to ``left``.
     """
 
@@ -91,18 +91,18 @@ class OrderLimits:
 
 
 def exactly(order: int) -> OrderLimits:
-    """Limits that always reduce a set to that order."""
+    """Limits that always reduce a set to the given order."""
     return OrderLimits(order, order, order, order)
 
 
 LIMITS = OrderLimits(30, 25, 120, 100)
 LEAST_LOSS = 0.03
-"""A set is wider from this part of it on.  Where that counts in all segments of a sample, it feeds
-on itself: columns have to stay until feedback has acted on them."""
+"""A reduction widens a set if its sums grow by more than this fraction. Such growth in all segments
+of a sample feeds on itself: columns have to stay until feedback has acted on them."""
 
 UNIT = 2.0**-52
-"""Twice the relative error u of an operation that rounds to the nearest double, which bounds that
-of one that rounds in any direction."""
+"""Twice the relative error u of an operation that rounds to the nearest double; it bounds the error
+of rounding in any direction."""
 
 
 @dataclass(frozen=True)
@@ -134,11 +134,11 @@ class Zonotope:
         return [arb(x) + arb(o) for x, o in zip(_sums(near).tolist(), off.tolist(), strict=True)]
 
     def hull(self) -> list[arb]:
-        """The smallest balls about m that hold the set."""
+        """The smallest balls about m that contain the set."""
         return [m + SIGNS * r for m, r in zip(self.middle, self.radii, strict=True)]
 
     def values(self, weights: Sequence[Sequence[int]]) -> list[arb]:
-        """Enclosures of weighted sums of the entries, a row of weights each."""
+        """Enclosures of weighted sums of the entries, one per row of weights."""
         matrix = arb_mat([[arb(w) for w in row] for row in weights])
         middle = (matrix * arb_mat([[x] for x in self.middle])).entries()
         return [m + SIGNS * r for m, r in zip(middle, self.radii_under(matrix), strict=True)]
@@ -148,7 +148,7 @@ class Zonotope:
         return Zonotope(self.middle[:size], self.columns[:size])
 
     def reduced(self, limits: OrderLimits) -> Zonotope:
-        """A set that holds this one, of an order within limits."""
+        """A set that contains this one, of an order within limits."""
         return Zonotope(self.middle, _reduced(self.columns, limits))
 
     def moved(
@@ -173,7 +173,7 @@ class Zonotope:
 
 
 def zonotope(initial: InitialSet) -> Zonotope:
-    """The representation of an initial set."""
+    """The zonotope of an initial set."""
     middle = [item.mid() for item in initial.centre]
     rest = [item.rad() for item in initial.centre]
     columns = np.zeros((len(middle), len(initial.radii)))
@@ -186,17 +186,17 @@ def zonotope(initial: InitialSet) -> Zonotope:
 
 
 UNHEEDED = np.errstate(invalid="ignore", over="ignore")
-"""What is no number is dealt with where it is."""
+"""NaN and overflow are handled where they occur."""
 
 
 @UNHEEDED
 def _moved(matrix: BallArray, columns: Array) -> tuple[Array, Array]:
-    """Doubles near P G, (m, c), and bounds of what all columns are off together, row by row."""
+    """Doubles near P G, (m, c), and bounds of the total error of all columns, row by row."""
     middle, sizes, terms = np.abs(matrix.middle), _sums(columns), columns.shape[0]
-    # A row of zeros and one 1 is not off at all.
+    # A row of zeros and a single 1 has no error.
     copied = ~matrix.radius.any(axis=1) & (np.count_nonzero(middle, axis=1) <= 1)
     copied &= ((middle == 0) | (middle == 1)).all(axis=1)
-    # Of entries alone, that part may be too small for doubles.
+    # The relative bound of a single product may underflow.
     sums = (middle + matrix.radius) * sizes
     off = _sums(matrix.radius * sizes + (terms + 4) * UNIT * sums)
     off += LEAST * ((middle + matrix.radius != 0) @ (sizes != 0))
@@ -204,7 +204,7 @@ def _moved(matrix: BallArray, columns: Array) -> tuple[Array, Array]:
 
 
 def _finite(near: Array, off: Array) -> tuple[Array, Array]:
-    """The same, with rows of zeros that are off by anything for those that are no numbers."""
+    """The arguments, with rows that are not numbers replaced by zeros with an infinite error."""
     known = np.isfinite(near).all(axis=1) & np.isfinite(off)
     return np.where(known[:, None], near, 0.0), np.where(known, off, np.inf)
 
@@ -214,7 +214,7 @@ def _sums(terms: Array) -> Array:
     """Bounds of the sums of absolute values, row by row."""
     sizes = np.abs(terms)
     sums: Array = sizes.sum(axis=1) * (1 + (terms.shape[1] + 4) * UNIT)
-    # What is too small to have all its bits is less than this all together.
+    # Errors of subnormal numbers add up to less than this.
     sums[(sizes > 0).any(axis=1)] += LEAST
     return sums
 
@@ -227,14 +227,14 @@ def _box(radii: Sequence[arb]) -> Array:
 
 
 def _above(bound: arb) -> float:
-    """A double that is no less."""
+    """A double that is at least as large."""
     upper = bound.upper()
     near = float(upper)
     return math.nextafter(near, math.inf) if upper > near else near
 
 
 def _reduced(columns: Array, limits: OrderLimits) -> Array:
-    """The columns, or fewer of them where there are many."""
+    """The columns, or fewer of them if there are many."""
     size, count = columns.shape
     if count <= limits.most * size:
         return columns
@@ -250,7 +250,7 @@ def _reduced(columns: Array, limits: OrderLimits) -> Array:
 
 @UNHEEDED
 def _longest(columns: Array, kept: int) -> Array:
-    """A box instead of the shortest columns, so that ``kept`` times the size of them are left."""
+    """The longest columns and a box for the others, so that ``kept`` times the size remain."""
     size, most = columns.shape
     if most <= kept * size:
         return columns
@@ -266,11 +266,11 @@ def _longest(columns: Array, kept: int) -> Array:
 
 @UNHEEDED
 def _aligned_box(columns: Array, shares: Array, scales: Array) -> Array:
-    """The columns of a box that holds the set of ``columns``, along their principal axes.
+    """The columns of a box that contains the set of ``columns``, along their principal axes.
 
-    ``shares`` (size, c) are their entries over ``scales``: they decide which axes A these are.
-    With any B, G = A B + R: the box has the sums of |B|, which are about 1, along A, and those of
-    |R| along the axes of the states.
+    ``shares`` (size, c) are their entries over ``scales``; they determine the axes A. For any B, G
+    = A B + R: the box has the sums of |B|, which are about 1, along A, and those of |R| along the
+    axes of the states.
     """
     try:
         turn = np.linalg.eigh(shares @ shares.T)[1]

@@ -1,1 +1,1 @@
-"""The check of a refutation: the list of structures, and the evidence of each."""
+"""Check a refutation: the list of structures, and the evidence against each."""

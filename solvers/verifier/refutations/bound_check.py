@@ -1,7 +1,7 @@
-"""The check of a bound: no robot can do the task with inputs that have so much less to do with.
+"""Check a bound: no robot can do the task with input bounds that are tighter by a given share.
 
-The task is tightened here, exactly, and the evidence is that of an impossibility of this task.  A
-design whose inputs keep more of what they can keep from their bounds would do it.
+The task is tightened here, exactly, and the evidence is that of an impossibility of the tightened
+task. A design whose inputs kept more than this share from their bounds would do that task.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ def bound_condition(
     task: ir.Task,
     watch: Watch,
 ) -> CheckedCondition:
-    """The condition that a bound states, which holds.
+    """Check the bound and return the condition that it states.
 
-    A task without a bound on modules may be given one by the claim, which then speaks of so many.
+    A claim may limit the modules of a task that does not; the condition is then about that number.
 
     Args:
         folder: the result folder, with the coverings.
@@ -38,10 +38,10 @@ def bound_condition(
         bound: the bound.
         program: the program, without maps.
         task: its task, without maps.
-        watch: told of the structures that are done.
+        watch: receives the number of structures that are done.
 
     Raises:
-        Refused: the evidence does not prove it.
+        Refused: the evidence does not prove the bound.
     """
     asked = task if task.modules is not None else replace(task, modules=bound.modules)
     narrow, due = tightened(program, asked, exact(bound.share))

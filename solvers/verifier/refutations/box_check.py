@@ -1,8 +1,8 @@
-"""The replay of a covering by boxes, in balls: no robot of a structure can do the task.
+"""Replay a covering by boxes in ball arithmetic: no robot of a structure can do the task.
 
-A motion that does the task has fixed parameters and a path of poses without blocked ones, from one
-in which it may start to one in which it is where it has to be.  All of its poses are in boxes that
-touch one after the other.  No solver and no float is believed.
+A motion that does the task has fixed parameters and a path of poses, none of them blocked, from a
+pose in which it may start to one that the task asks for. All poses of the path are in boxes that
+touch one after the other. No solver and no float is trusted.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ def why_not(
     task: ir.Task,
     cheaper: CheaperRobots | None = None,
 ) -> str | None:
-    """Why a covering does not prove that the robot cannot do the task; None: it does prove it.
+    """Why a covering does not prove that the robot cannot do the task; None if it does.
 
     Args:
         covering: the text of a file, ``boxes 1`` and the code of a tree.
         model: the robot.
         workspace: the workspace of the task, without maps.
         task: the task, without maps.
-        cheaper: the parameters that it has to be proved for; None: all there are.
+        cheaper: the parameters that the proof has to cover; None: all of them.
     """
     with working_precision(PRECISION):
         try:
@@ -89,13 +89,13 @@ _OPEN = {
 
 
 def _refuted(cover: Cover, drive: DriveReach | None) -> bool:
-    """Whether some question has no choice of effectors that may be done."""
+    """Whether some question is refuted: none of its choices of effectors is possible."""
     passages = cover.poses.demands.passages
     return any(all(_impassable(cover, drive, one) for one in choices) for choices in passages)
 
 
 def _impassable(cover: Cover, drive: DriveReach | None, passage: Passage) -> bool:
-    """Whether no way leads through a passage, or none that the drives can take."""
+    """Whether no way leads through a passage, or no way that the drives can follow."""
     if not cover.way(passage):
         return True
     if drive is None:

@@ -1,4 +1,4 @@
-"""The check of what a certificate of *found* claims of all robots: a bound, and objectives."""
+"""Check the claims of a *found* certificate about all robots: a bound, and objectives."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def further_conditions(
     conditions: Sequence[CheckedCondition],
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
-    """What is claimed, which holds.
+    """Check the claims about all robots and return the conditions that they state.
 
     Args:
         folder: the result folder, with the coverings.
@@ -36,12 +36,12 @@ def further_conditions(
         program: the program, without maps.
         task: its task, without maps.
         model: the robot of the claim.
-        margins: what its inputs keep from their bounds, as it is proved.
+        margins: the proved margins of its inputs to their bounds.
         conditions: the proof of the robot.
-        watch: told of the structures that are done.
+        watch: receives the number of structures that are done.
 
     Raises:
-        Refused: the evidence does not prove it.
+        Refused: the evidence does not prove a claim.
     """
 
     def found() -> Iterator[CheckedCondition]:

@@ -1,9 +1,9 @@
-"""The check of ``impossible``: every structure up to the bound, each refuted by its evidence.
+"""Check ``impossible``: every structure up to the bound has to be refuted by its evidence.
 
-The structures are enumerated again.  A covering by boxes is replayed, and no solver is believed.
-A script is made again from the spec, byte for byte; what is left to believe is the solver's
-``unsat``, unless it is run again in a process of its own.  Where places are cut off from each
-other, the cells are computed again, and no solver is believed.
+The structures are enumerated again. A covering by boxes is replayed, and no solver is trusted. A
+script is generated again from the spec and compared byte for byte; only the solver's ``unsat`` has
+to be trusted, unless a solver runs the script again in a process of its own. If places are
+separated from each other, the cells are computed again, and no solver is trusted.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from solvers.verifier.refutations.solver_process import SmtSolver
 from solvers.verifier.refutations.structure_evidence import Evidence, FalseClaim
 
 AT_ONCE = 8
-"""So many structures are checked in one go."""
+"""How many structures are checked per work item."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impossibility:
     """How an impossibility is proved: ``by_boxes`` of all ``structures``, the rest by scripts.
 
-    A separation is about all robots, and there are no structures; ``lemmas`` are about all of some,
-    and the robots of which they know others to be variants count as structures.
+    A separation is about all robots: there are no structures then. ``lemmas`` counts the lemmas; a
+    robot that stands for its variants in a lemma counts as a structure.
     """
 
     structures: int
@@ -46,7 +46,7 @@ class Impossibility:
 
     @property
     def complete(self) -> bool:
-        """Whether no solver is left to believe."""
+        """Whether no solver has to be trusted."""
         return self.by_boxes == self.structures
 
 
@@ -60,7 +60,7 @@ def check_impossible(
 ) -> Impossibility | str:
     """How a claim is proved, or the reason why it is refused.
 
-    ``task`` is one of ``program``, both without maps.
+    ``task`` is a task of ``program``; both are without maps.
     """
     if claim.separation is not None:
         return _separation(claim, claim.separation, program, task) or Impossibility(0, 0)
@@ -92,11 +92,11 @@ def _separation(
 def _due(
     claim: ImpossibleClaim, family: RobotFamily, task: ir.Task, conditions: Sequence[ir.Accept]
 ) -> Iterator[Candidate]:
-    """The structures that have to be refuted one by one, in their order.
+    """The structures that have to be refuted one by one, in order.
 
-    Without lemmas all of the family, up to the bound.  With lemmas, all of the words that the claim
-    lists and no lemma is about; those words and those of the lemmas, which have the ``conditions``,
-    are all there are.
+    Without lemmas these are all structures of the family, up to the bound. With lemmas they are the
+    structures of the listed words that satisfy none of the lemmas' ``conditions``; it is checked
+    that every word of the family is listed or satisfies such a condition.
     """
     if not claim.lemmas:
         return candidates(family, _bound(claim, family, task), task.origin)
@@ -128,12 +128,12 @@ def refuted_structures(
     watch: Watch,
     cheaper: Callable[[Candidate], CheaperRobots | None] = lambda _: None,
 ) -> list[bool]:
-    """For each structure of a claim whether it is refuted by boxes; they are those that are due.
+    """For each structure of a claim, which has to list the ``due`` ones, whether boxes refute it.
 
-    ``cheaper`` are the robots of a structure that boxes have to refute; None: all there are.
+    ``cheaper`` gives the parameters of a structure that its boxes have to cover; None: all of them.
 
     Raises:
-        FalseClaim: they are others, or one has no evidence that refutes it.
+        FalseClaim: the claim lists other structures, or one has no evidence that refutes it.
     """
     listed = _Listed(evidence, claim, due, cheaper)
     proved: list[bool] = []
@@ -161,7 +161,7 @@ def refuted_structures(
 
 @dataclass(frozen=True, slots=True)
 class _Question:
-    """A structure with evidence of its own."""
+    """A structure with evidence of its own, to be checked."""
 
     number: int
     claimed: StructureClaim
@@ -170,7 +170,7 @@ class _Question:
 
 
 def _refuted(part: tuple[Evidence, list[_Question]]) -> list[bool]:
-    """Whether boxes refute each of some structures; see ``Evidence.refutes``."""
+    """Whether boxes refute each of the given structures; see ``Evidence.refutes``."""
     evidence, questions = part
     return [
         evidence.refutes(
@@ -182,10 +182,10 @@ def _refuted(part: tuple[Evidence, list[_Question]]) -> list[bool]:
 
 @dataclass(slots=True)
 class _Listed:
-    """The structures of a claim, held against those of the family, in their order.
+    """The structures of a claim, compared in order with those of the family.
 
-    What is wrong with the list is a ``fault``, which counts once the evidence of all structures
-    before it has been checked: the same is said, however many of these are checked at once.
+    A defect of the list is kept as ``fault`` until the evidence of all structures before it has
+    been checked: so the message does not depend on how many structures are checked at once.
     """
 
     evidence: Evidence
@@ -193,12 +193,12 @@ class _Listed:
     family: Iterator[Candidate]
     cheaper: Callable[[Candidate], CheaperRobots | None]
     first: list[int | None] = field(default_factory=list[int | None])
-    """For each structure the earlier one that is the same robot."""
+    """For each structure, the earlier one that is the same robot, if the claim names one."""
     keys: list[str] = field(default_factory=list[str])
     fault: FalseClaim | None = None
 
     def parts(self) -> Iterator[tuple[Evidence, list[_Question]]]:
-        """The structures that have evidence of their own, some at a time."""
+        """The structures that have evidence of their own, in groups."""
         some: list[_Question] = []
         try:
             for candidate in self.family:
@@ -214,14 +214,14 @@ class _Listed:
             yield self.evidence, some
 
     def earlier(self, number: int) -> int | None:
-        """The structure before one that is the same robot; None if it has evidence of its own."""
+        """The earlier structure that is the same robot; None if this one has its own evidence."""
         return self.first[number] if number < len(self.first) else None
 
     def _question(self, candidate: Candidate) -> _Question | None:
-        """What has to be checked of a structure; None where that was done.
+        """The structure as a question; None if an earlier one that is the same robot answers it.
 
         Raises:
-            FalseClaim: the claim does not have it, or has another one in its place.
+            FalseClaim: the claim lacks this structure, or lists another one in its place.
         """
         number, derivation = candidate.number, candidate.derivation
         if number >= len(self.claim.structures):
@@ -237,14 +237,14 @@ class _Listed:
         if claimed.same_robot_as is not None:
             first = _same(number, self.claim, self.keys)
         if cheaper is not None and model.parameters:
-            # Other parameters of the same robot may be left out of its boxes.
+            # The boxes of the earlier structure may leave out other parameters.
             first = None
         self.first.append(first)
         return _Question(number, claimed, model, cheaper) if first is None else None
 
 
 def _same(number: int, claim: ImpossibleClaim, keys: list[str]) -> int:
-    """The earlier structure that is the same robot, whose evidence counts."""
+    """The earlier structure that is the same robot and whose evidence is used."""
     claimed = claim.structures[number]
     first = claimed.same_robot_as
     if first is None or not 0 <= first < number or keys[first] != keys[number]:

@@ -1,9 +1,9 @@
-"""The check of lemmas: of each, for every word of its condition; then that nothing is left over.
+"""Check lemmas, each for every word of its condition, and that they leave no word uncovered.
 
-That effectors keep to the bound of a lemma is computed anew, from the grammar and its semantics,
-over all derivations of all words of the condition; so is that all these are variants of one.  That
-the words of lemmas and of the structures that are listed are all words of the family is a question
-about languages, answered by :mod:`word_coverage`.
+That effectors keep to the bound of a lemma is computed again, from the grammar and its semantics,
+over all derivations of all words of the condition; so is that all robots are variants of one.
+Whether the words of the lemmas and of the listed structures are all words of the family is a
+question about languages, answered by :mod:`word_coverage`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from solvers.verifier.refutations.word_coverage import Reader, listed, reader, w
 
 @dataclass(frozen=True, slots=True)
 class CheckedLemma:
-    """The condition of a lemma that holds; ``by_boxes``: how its robot, if any, is refuted."""
+    """The condition of a valid lemma; ``by_boxes``: whether boxes refute its robot, if any."""
 
     condition: ir.Accept
     by_boxes: bool | None
@@ -45,11 +45,11 @@ class CheckedLemma:
 def checked_lemma(
     number: int, claim: LemmaClaim, family: RobotFamily, evidence: Evidence
 ) -> CheckedLemma:
-    """A lemma, which is proved but for what a solver says of a script.
+    """A lemma, proved except for a solver's answer to its script.
 
     Raises:
-        FalseClaim: it is not.
-        Refused: a solver that is to be believed does not answer.
+        FalseClaim: the lemma is not proved.
+        Refused: a trusted solver does not answer.
     """
     check_time()
     try:
@@ -69,7 +69,7 @@ def checked_lemma(
 def _distance(
     claim: DistanceClaim, condition: ir.Accept, family: RobotFamily, task: ir.Task
 ) -> None:
-    """All effectors of all robots of the condition keep to the bound, and the region is beyond."""
+    """Check that effectors of the condition's robots keep to a bound that excludes the region."""
     bound = effector_bound(claim)
     if all(stop.region != claim.region for stop in stops(family.program, task)):
         raise FalseClaim("it is about a region that the task does not make an effector visit")
@@ -85,7 +85,7 @@ def _distance(
 def _variants(
     claim: VariantClaim, condition: ir.Accept, family: RobotFamily, evidence: Evidence
 ) -> bool:
-    """All derivations of the condition are variants of one; whether boxes refute its robot."""
+    """Check that all derivations of the condition are variants of one; whether boxes refute it."""
     task = evidence.task
     try:
         base = family.replay(claim.derivation)
@@ -106,7 +106,7 @@ def _variants(
 def _weights(
     claim: WeightsClaim, condition: ir.Accept, family: RobotFamily, evidence: Evidence
 ) -> bool:
-    """All derivations of the condition are of one robot with weights, and boxes refute it so."""
+    """Check that the condition's robots are one robot with weights, and that boxes refute it."""
     task = evidence.task
     try:
         base = family.replay(claim.derivation)
@@ -121,7 +121,7 @@ def _weights(
 
 
 def _bounded(place: Polytope) -> bool:
-    """Whether a place has vertices that tell where it is; none is anywhere if it is empty."""
+    """Whether a place has vertices that determine it; an empty place counts as bounded."""
     return place.is_empty or place.is_bounded
 
 
@@ -131,10 +131,10 @@ def check_covered(
     conditions: Sequence[ir.Accept],
     words: Iterable[Sequence[str]],
 ) -> None:
-    """All words of the family, up to the task's bound, satisfy a condition or are listed.
+    """Check that all words of the family, up to the task's bound, are listed or have a condition.
 
     Raises:
-        FalseClaim: one does not.
+        FalseClaim: a word is neither listed nor satisfies a condition.
     """
     asked = [reader(family.grammar.accept), reader(ir.Count(None, ">=", 1))]
     if task.modules is not None:

@@ -1,9 +1,9 @@
-"""The check of objectives: their values, and that no robot has less of one than is claimed.
+"""Check objectives: the stated values, and that no robot has less than the stated least.
 
-Which words may have less is a question about languages, answered by :mod:`word_coverage`: each
-satisfies a lemma, or is listed.  Of listed words all derivations are refuted by coverings, or their
-robots have as much, whatever their parameters are.  A covering may leave out parameters with which
-a robot has as much.
+Which words may have less is a question about languages, answered by :mod:`word_coverage`: each of
+them satisfies a lemma or is listed. For listed words, every derivation is refuted by a covering, or
+its robots have at least as much for all parameters. A covering may leave out parameters with which
+a robot has at least as much.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ from solvers.verifier.refutations.word_coverage import (
 from solvers.verifier.report import Refused
 
 CLOSELY = Fraction(1, 10**9)
-"""How closely a value that is no rational is stated, relative to itself or to one unit."""
+"""The tolerance for a value that is not rational, relative to it or to one unit."""
 SEGMENTS = Fraction(1, 10**5)
-"""The same of energies, which depend on how a tube is divided into segments."""
+"""The tolerance for energies, which depend on how a tube is divided into segments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,10 @@ class _Stated:
 
     @property
     def most(self) -> Fraction:
-        """What it leaves to robots in the objectives behind it; the robot itself is within that."""
+        """The most that a robot may have of this objective to be compared in later ones.
+
+        The robot of the claim is within this limit.
+        """
         return max(self.value, self.least * (1 + self.amount.objective.within))
 
 
@@ -72,17 +75,17 @@ def objective_conditions(
     motion: MotionValues,
     watch: Watch,
 ) -> tuple[CheckedCondition, ...]:
-    """What a claim states of each objective, which holds.
+    """Check the claim of each objective and return the conditions that they state.
 
     Args:
         folder: the result folder, with the coverings.
         found: the claim of the robot.
-        claim: that of the objectives.
+        claim: the claim of the objectives.
         program: the program, without maps.
         task: its task, without maps.
         model: the robot.
-        motion: what its motion is worth, as it is proved.
-        watch: told of the structures that are done.
+        motion: the proved values of its motion.
+        watch: receives the number of structures that are done.
 
     Raises:
         Refused: a value is misstated, or the evidence does not prove a least.
@@ -110,7 +113,7 @@ def objective_conditions(
 
 
 def _modules(claim: ObjectivesClaim, task: ir.Task, stated: _Stated) -> int | None:
-    """The bound on modules that a least is about where it is not the task's; None without one."""
+    """The bound on modules of a least, if the task has none itself; None without a bound."""
     if task.modules is not None:
         return None
     if stated.amount.objective.kind == "time":
@@ -119,12 +122,12 @@ def _modules(claim: ObjectivesClaim, task: ir.Task, stated: _Stated) -> int | No
 
 
 def _says(stated: _Stated, before: Sequence[_Stated], modules: int | None) -> str:
-    """What is proved of an objective, in words: of which robots, and of up to how many modules."""
+    """The proved statement about an objective, in words: for which robots and how many modules."""
     objective = stated.amount.objective
     value = amount_text(objective, stated.value)
     if not stated.least > 0:
         return value
-    # What is proved of the least time is about all robots.
+    # The least time is proved for all robots, whatever they have of other objectives.
     weighed = [each for each in before if each.amount.weights and objective.kind != "time"]
     limits = [amount_text(each.amount.objective, each.most, "up to") for each in weighed]
     limits += [] if modules is None else [f"up to {modules} modules"]
@@ -137,7 +140,7 @@ def _says(stated: _Stated, before: Sequence[_Stated], modules: int | None) -> st
 def _check_value(
     stated: _Stated, found: FoundClaim, model: RobotModel, motion: MotionValues
 ) -> None:
-    """The value is that of the robot; what is rational is stated exactly."""
+    """Check that the value is the robot's; a rational value has to be stated exactly."""
     values = claimed_values(found, model)
     bounds = value_bounds(stated.amount, found.word, model, values, motion)
     if bounds is None:
@@ -146,7 +149,7 @@ def _check_value(
     is_energy = stated.amount.objective.kind == "energy"
     close = (SEGMENTS if is_energy else CLOSELY) * max(Fraction(1), abs(high))
     exactly = low == high and stated.amount.objective.kind not in ("effort", "energy")
-    # Not below it: the robot itself has to be within what its value leaves.
+    # A value below the true one would exclude the robot itself from the limits of later objectives.
     least = low if stated.amount.is_ordering else low - close
     near = stated.value == low if exactly else least <= stated.value <= high + close
     if not near:
@@ -166,10 +169,10 @@ def _check_least(
     stated: Sequence[_Stated],
     watch: Watch,
 ) -> None:
-    """No robot has less of an objective than its least, if it is within those before.
+    """Check that no robot within the limits of the objectives before has less than the least.
 
     Raises:
-        FalseClaim: that is not proved.
+        FalseClaim: this is not proved.
     """
     if task.modules is not None and claim.modules != task.modules:
         raise FalseClaim("the bound on modules is not the task's")
@@ -218,10 +221,10 @@ def _check_time(
     least: Fraction,
     watch: Watch,
 ) -> None:
-    """No robot does the task in less time, whatever it has of other objectives.
+    """Check that no robot does the task in less time, whatever it has of other objectives.
 
     Raises:
-        FalseClaim: that is not proved.
+        FalseClaim: this is not proved.
     """
     if claim is None or (claim.steps + 1) * task.step < least:
         raise FalseClaim("there is no evidence for the least time")
@@ -242,7 +245,7 @@ def _check_time(
 
 
 def _due(stated: Sequence[_Stated]) -> list[Reader]:
-    """The readers of the words that may have less of the last objective, within those before."""
+    """Readers of the words that may have less of the last objective, within the other limits."""
     *before, last = stated
     readers = [weighing(each.amount.weights, each.most, strict=False) for each in before]
     return [*readers, weighing(last.amount.weights, last.least, strict=True)]
@@ -255,10 +258,10 @@ def _check_words(
     words: Sequence[Sequence[str]],
     due: Sequence[Sequence[Reader]],
 ) -> None:
-    """All words that may have less satisfy a condition or are listed.
+    """Check that all words that may have less satisfy a condition or are listed.
 
     Raises:
-        FalseClaim: one does not.
+        FalseClaim: a word does neither.
     """
     common = [reader(family.grammar.accept), reader(ir.Count(None, ">=", 1))]
     if task.modules is not None:
@@ -270,7 +273,7 @@ def _check_words(
 
 
 def _not_dearer(candidates: Iterator[Candidate], stated: Sequence[_Stated]) -> Iterator[Candidate]:
-    """The structures that may have less, numbered among themselves."""
+    """The structures that may have less, renumbered."""
     number = 0
     for candidate in candidates:
         if any(_may_be_less(candidate, stated[: k + 1]) for k in range(len(stated))):
@@ -279,7 +282,7 @@ def _not_dearer(candidates: Iterator[Candidate], stated: Sequence[_Stated]) -> I
 
 
 def _less(stated: Sequence[_Stated]) -> Less:
-    """Less than the least of the last objective, within those before."""
+    """Less than the least of the last objective, within the limits of the objectives before it."""
     *before, last = stated
     return Less(tuple((each.amount, each.most) for each in before), last.amount, last.least)
 

@@ -1,4 +1,4 @@
-"""The check that two places are cut off from each other by cells, for every robot."""
+"""Check that cells separate two places from each other, for every robot."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from solvers.verifier.claims.certificate import SeparationClaim
 def misstated_separation(
     program: ir.Program, task: ir.Task, abstraction: Abstraction, claim: SeparationClaim
 ) -> str | None:
-    """Why a claim that two places are cut off is refused, or None: then it is proved.
+    """Why a claim that two places are separated is refused; None if it is proved.
 
     Args:
         program: the program.
         task: the task.
         abstraction: the cells of its workspace, without cuts.
-        claim: the claim; its cells have to be closed under touching, beside avoided ones.
+        claim: the claim; every cell that touches one of its cells has to be one of them or avoided.
     """
     found = [stop.region for stop in stops(program, task) if stop.effector == claim.effector]
     if {claim.source, claim.target} - set(found):

@@ -1,10 +1,10 @@
-"""SMT solvers on the text of an SMT-LIB 2 script, each in a process of its own.
+"""Run SMT solvers on SMT-LIB 2 scripts, each in a process of its own.
 
-For the verifier, which loads no solver, and for searches that ask another solver than z3's library.
-A solver is what its name finds: a command beside this Python or on the path that reads a script on
-standard input, the Python package of z3 or cvc5, or a solver that pySMT has.  An answer is exactly
-one word; whatever else a process does (it is missing, ends with an error, prints something else,
-or nothing for too long) is no answer, and is said by the solver's name.
+The verifier uses this, since it imports no solver, and so do searches that ask another solver than
+z3's library. A solver is found by its name: a command next to this Python or on the path that reads
+a script on standard input, the Python package of z3 or cvc5, or a solver that pySMT has. An answer
+is exactly one word. Anything else (the command is missing, ends with an error, prints something
+else, or takes too long) is no answer, and the message names the solver.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from compiler.time_limits.time_limit import check_time
 from grammar_lang.files.file_tree import visible
 from solvers.verdict import Answer, Fails, Holds, Reason, Unknown
 
-# As much again as the searchers spend, so that what they decided is decided here too.
+# Twice what the searchers spend, so that whatever they decide is decided here, too.
 RESOURCES = 2_000_000
 SECONDS = 600.0
-"""After so long a process is ended: most solvers have no budget that counts anything else."""
+"""A process is ended after this time: most solvers have no other budget."""
 PULSE = 0.2
-"""Seconds between two looks at a limit of time."""
+"""Seconds between two checks of a time limit."""
 SHOWN = 200
-"""Characters of what a process says in a message."""
+"""The most characters of a process's output that a message quotes."""
 MOST = 1_000_000
 """A process that prints more bytes than this is ended."""
 
@@ -73,13 +73,13 @@ print(*get_env().factory.all_solvers(logic=QF_NRA))
 
 
 class UnknownSolverError(ValueError):
-    """There is no SMT solver of a name here; the message lists those that are."""
+    """No SMT solver has this name here; the message lists those that are available."""
 
 
 class DisagreementError(Exception):
-    """One solver says sat of a ``script`` and another one unsat: at least one of them is wrong.
+    """One solver answers sat to a ``script`` and another unsat, so at least one of them is wrong.
 
-    ``answers`` by the names of the solvers.
+    ``answers`` maps the name of each solver to its answer.
     """
 
     def __init__(self, name: str, script: str, answers: Mapping[str, str]) -> None:
@@ -94,20 +94,20 @@ class DisagreementError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class SmtSolver:
-    """A solver by its name, and the command that reads a script on standard input."""
+    """The name of a solver, and the command that reads a script on standard input."""
 
     name: str
     command: tuple[str, ...]
 
     def run(self, script: str, *, seconds: float | None = None) -> Answer[None, None]:
-        """Decide a QF_NRA script: ``Holds`` is sat, ``Fails`` is unsat, all else ``Unknown``.
+        """Decide a QF_NRA script: ``Holds`` is sat, ``Fails`` is unsat, anything else ``Unknown``.
 
         Args:
             script: SMT-LIB 2 with one ``check-sat``.
-            seconds: after which the process is ended; None: ``SECONDS``.
+            seconds: the time after which the process is ended; None: ``SECONDS``.
 
         Raises:
-            OutOfTimeError: the limit of time that holds here was reached; there is no answer.
+            OutOfTimeError: the current time limit was reached without an answer.
         """
         limit = SECONDS if seconds is None else seconds
         try:
@@ -116,7 +116,7 @@ class SmtSolver:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
-                # A command may start others, which end with it.
+                # A command may start other processes; they are ended with it.
                 start_new_session=True,
             )
         except OSError as error:
@@ -151,14 +151,14 @@ class SmtSolver:
                 return Unknown(Reason.INCOMPLETE, said)
 
     def _no_answer(self, printed: str) -> Unknown:
-        """What is printed is no answer."""
+        """The result for output that is not an answer."""
         message = visible(" ".join(printed[: 2 * SHOWN].split())[:SHOWN]) or "nothing"
         said = f"{self.name} prints what is no answer: {message}"
         return Unknown(Reason.INCOMPLETE, said)
 
 
 class _Printed(Thread):
-    """What comes out of a pipe, up to ``MOST`` bytes."""
+    """Reads the output of a pipe, up to ``MOST`` bytes."""
 
     def __init__(self, pipe: IO[bytes]) -> None:
         super().__init__(daemon=True)
@@ -174,12 +174,12 @@ class _Printed(Thread):
 
     @property
     def text(self) -> str:
-        """As text, without what is too much."""
+        """The output as text, cut off after ``MOST`` bytes."""
         return self.content[:MOST].decode("utf-8", "replace")
 
 
 class _Talk:
-    """A process that is given a script; threads write and read, so that nobody waits for a pipe."""
+    """Passes a script to a process; threads write and read, so no side blocks on a full pipe."""
 
     def __init__(self, process: subprocess.Popen[bytes], script: str) -> None:
         self._process = process
@@ -189,7 +189,7 @@ class _Talk:
 
     def _give(self, script: bytes) -> None:
         pipe = self._process.stdin
-        # It may end without reading all.
+        # The process may end without reading the whole script.
         with suppress(OSError, ValueError):
             if pipe is not None:
                 pipe.write(script)
@@ -197,11 +197,11 @@ class _Talk:
 
     @property
     def flooded(self) -> bool:
-        """Whether it prints too much."""
+        """Whether the process prints too much."""
         return any(len(each.content) > MOST for each in self.said)
 
     def ended_within(self, limit: float) -> bool:
-        """Whether it ended within so many seconds, having printed no more than it may."""
+        """Whether the process ended within ``limit`` seconds without printing too much."""
         left = limit
         while left > 0 and not self.flooded:
             with suppress(subprocess.TimeoutExpired):
@@ -214,7 +214,7 @@ class _Talk:
         return False
 
     def close(self) -> None:
-        """End the process, and those that it started."""
+        """End the process and those that it started."""
         if hasattr(os, "killpg"):
             with suppress(OSError):
                 os.killpg(self._process.pid, signal.SIGKILL)
@@ -234,17 +234,17 @@ class _Talk:
 def agreed(
     script: str, name: str, solvers: Sequence[SmtSolver], *, seconds: float | None = None
 ) -> Answer[None, None]:
-    """What all of some solvers answer; the first that has no answer, where none contradicts.
+    """The common answer of solvers; if one has none and the others agree, its ``Unknown``.
 
     Args:
         script: SMT-LIB 2.
-        name: what a message calls it.
+        name: the name of the script in messages.
         solvers: at least one.
-        seconds: after which a process is ended; None: ``SECONDS``.
+        seconds: the time after which a process is ended; None: ``SECONDS``.
 
     Raises:
         DisagreementError: two answers contradict each other.
-        OutOfTimeError: the limit of time that holds here was reached.
+        OutOfTimeError: the current time limit was reached.
     """
     answers = [(solver.name, solver.run(script, seconds=seconds)) for solver in solvers]
     words = {
@@ -257,11 +257,11 @@ def agreed(
     return next((a for _, a in answers if isinstance(a, Unknown)), answers[0][1])
 
 
-# --- Which solvers there are ----------------------------------------------------------------------
+# --- Available solvers ----------------------------------------------------------------------------
 
 
 def _executable(*names: str) -> str | None:
-    """A command beside this Python, or else on the path."""
+    """The path of a command next to this Python, or else on the path."""
     suffix = ".exe" if sys.platform == "win32" else ""
     for folder in (Path(sys.executable).parent, Path(sysconfig.get_path("scripts"))):
         for name in names:
@@ -271,7 +271,7 @@ def _executable(*names: str) -> str | None:
 
 
 def z3_command(resources: int = RESOURCES) -> tuple[str, ...]:
-    """z3 as installed beside this Python, else its package."""
+    """The z3 command next to this Python or on the path, or else a call of its Python package."""
     found = _executable("z3")
     if found is not None:
         return found, "-smt2", "-in", f"rlimit={resources}"
@@ -306,7 +306,7 @@ COMMANDS: dict[str, Callable[[], tuple[str, ...] | None]] = {
 
 
 def smt_solvers() -> tuple[SmtSolver, ...]:
-    """The solvers that are here by name: those known by a command, then those of pySMT alone."""
+    """The available solvers: first those with a command of their own, then those only pySMT has."""
     found = [(name, command()) for name, command in sorted(COMMANDS.items())]
     known = [SmtSolver(name, command) for name, command in found if command is not None]
     names = {solver.name for solver in known} | {
@@ -321,7 +321,7 @@ def smt_solvers() -> tuple[SmtSolver, ...]:
 
 
 def _of_pysmt() -> Sequence[str]:
-    """The names of the solvers that pySMT, if it is installed, has for nonlinear arithmetic."""
+    """The names of the solvers for nonlinear arithmetic that pySMT has, if it is installed."""
     if find_spec("pysmt") is None:
         return ()
     finished = subprocess.run(  # noqa: S603 (the command is our own)
@@ -331,10 +331,10 @@ def _of_pysmt() -> Sequence[str]:
 
 
 def smt_solver(name: str) -> SmtSolver:
-    """The solver of a name, or of the path of a command that reads SMT-LIB 2 on standard input.
+    """The solver with a name, or with the path of a command that reads SMT-LIB 2 on standard input.
 
     Raises:
-        UnknownSolverError: there is none.
+        UnknownSolverError: there is no such solver.
     """
     if any(separator in name for separator in ("/", "\\")):
         if not Path(name).is_file():
@@ -355,10 +355,10 @@ def smt_solver(name: str) -> SmtSolver:
 
 
 def named_solvers(names: str | None) -> tuple[SmtSolver, ...]:
-    """The solvers of a list of names with commas; None: none.
+    """The solvers of a comma-separated list of names; no solvers for None.
 
     Raises:
-        UnknownSolverError: there is none of a name.
+        UnknownSolverError: a name is empty or unknown.
     """
     if names is None:
         return ()

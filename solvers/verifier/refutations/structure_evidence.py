@@ -1,4 +1,4 @@
-"""What a result folder has to show that one robot cannot do a task: a covering, or a script."""
+"""The evidence in a result folder that one robot cannot do a task: a covering or a script."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from solvers.verifier.refutations.solver_process import SmtSolver, agreed
 from solvers.verifier.report import Outcome, Refused
 
 MOST_SHOWN = 80
-"""Characters of a name in a message."""
+"""The most characters of a file name that a message quotes."""
 
 
 class FalseClaim(Exception):
-    """The claim is false, or its evidence is not what it says."""
+    """The claim is false, or its evidence does not prove it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,17 +49,19 @@ class Evidence:
         model: RobotModel,
         cheaper: CheaperRobots | None = None,
     ) -> bool:
-        """Whether boxes refute a robot; else its script does, if a solver is to be believed.
+        """Check that boxes, or else a script, refute a robot; return whether boxes do.
+
+        A script is run only if there are no boxes and there are solvers to trust.
 
         Args:
-            robot: what a message calls it.
+            robot: the name of the robot in messages.
             script: the name of a file, or None.
-            boxes: likewise.
+            boxes: the name of a file, or None.
             model: the robot.
-            cheaper: the parameters that boxes have to refute; None: all there are.
+            cheaper: the parameters that boxes have to cover; None: all of them.
 
         Raises:
-            FalseClaim: there is no evidence, or it is not what it says.
+            FalseClaim: there is no evidence, or it does not refute the robot.
         """
         if script is None and boxes is None:
             raise FalseClaim(f"{robot} has no evidence")
@@ -75,7 +77,7 @@ class Evidence:
         """The bytes of a file of evidence.
 
         Raises:
-            FalseClaim: it cannot be read.
+            FalseClaim: the file cannot be read.
         """
         try:
             return evidence_bytes(self.folder, name)
@@ -87,7 +89,7 @@ class Evidence:
     def _covered(
         self, robot: str, name: str, model: RobotModel, cheaper: CheaperRobots | None
     ) -> None:
-        """The boxes prove that the robot does not do the task."""
+        """Check that the boxes prove that the robot cannot do the task."""
         try:
             covering = self.content(name).decode("ascii")
         except UnicodeDecodeError:
@@ -97,7 +99,7 @@ class Evidence:
             raise FalseClaim(f"{name} does not refute {robot}: {reason}")
 
     def _script(self, robot: str, name: str, model: RobotModel) -> str:
-        """The script is one of this structure and task."""
+        """The script in a file, which has to be one for this robot and task."""
         content = self.content(name)
         for script in refutation_scripts(model, self.workspace, self.task):
             if script.encode() == content:
@@ -105,7 +107,7 @@ class Evidence:
         raise FalseClaim(f"{name} is not the script of {robot}")
 
     def _unsatisfiable(self, robot: str, name: str, script: str) -> None:
-        """All solvers that are to be believed refute the script."""
+        """Check that all trusted solvers refute the script."""
         match agreed(script, name, self.trust):
             case Fails():
                 return
@@ -121,20 +123,20 @@ class Evidence:
 
 
 def trusted_text(solvers: Sequence[SmtSolver]) -> str:
-    """The names of solvers that are to be believed."""
+    """The names of the trusted solvers."""
     return " and ".join(solver.name for solver in solvers)
 
 
 def _shown(name: str) -> str:
-    """A name of a file as a message has it: a certificate may name anything."""
+    """A file name for a message, shortened and made printable: a certificate may name anything."""
     return visible(name[:MOST_SHOWN]) or "``"
 
 
-# --- Every script that refutes a robot for a task: without its body first, then with it -----------
+# --- The scripts that refute a robot for a task: first without its body, then with it -------------
 
 
 def refutation_scripts(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Iterator[str]:
-    """The scripts in a fixed order, made one by one; any of them that is ``unsat`` refutes."""
+    """The scripts in a fixed order, generated lazily; the robot is refuted if any is ``unsat``."""
     demands = body_conditions(workspace, task)
     for question in pose_questions(workspace, task):
         yield refutation_script(model, question)

@@ -1,9 +1,10 @@
-"""Whether every word of a family is one of a list or satisfies one of some conditions.
+"""Whether every word of a family is listed or satisfies one of given conditions.
 
-The product of the grammar with a reader of the conditions is searched for a word that is left
-(Bar-Hillel, Perles & Shamir 1961).  Automata, products and the list are made here, of nothing that
-a searcher uses: positions for regular expressions (Glushkov 1961), not empty moves; states on
-demand, not minimal automata; one table of what each nonterminal derives.
+The product of the grammar with a reader of the conditions is searched for a word that is not
+covered (Bar-Hillel, Perles & Shamir 1961). The automata, the product and the list share no code
+with the searchers: regular expressions use positions (Glushkov 1961) instead of empty moves, states
+are built on demand instead of as minimal automata, and one table holds what each nonterminal
+derives.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ State: TypeAlias = Hashable
 
 @dataclass(frozen=True, slots=True)
 class Reader:
-    """Reads words symbol by symbol: the first state, the next one, and whether one accepts.
+    """Reads words symbol by symbol: a first state, a step function, and an acceptance test.
 
-    ``settled``: what becomes of all words that lead on from a state; None where that may differ.
+    ``settled``: the answer for all words that lead on from a state; None if it may differ.
     """
 
     first: State
@@ -56,7 +57,7 @@ def reader(condition: ir.Accept) -> Reader:
 
 
 def _with_factor(word: Sequence[str], *, kept: bool) -> Reader:
-    """A state is the end of what was read, as far as ``word`` begins with it."""
+    """A state is the longest suffix of the text read so far that is a prefix of ``word``."""
     whole = tuple(word)
 
     def step(state: State, symbol: str) -> State:
@@ -127,7 +128,7 @@ def _opposite(inner: Reader) -> Reader:
 
 
 def _together(parts: Sequence[Reader], *, every: bool) -> Reader:
-    """The reader of what all of some accept; not ``every``: any of them."""
+    """The reader of words that all parts accept, or, without ``every``, that any part accepts."""
     whether = all if every else any
 
     def step(state: State, symbol: str) -> State:
@@ -154,13 +155,13 @@ def _states(state: State) -> tuple[State, ...]:
 
 @dataclass(slots=True)
 class _Positions:
-    """The symbols at the positions of an expression, from 1, and what may follow each (0: none)."""
+    """The symbols at the positions of an expression, from 1, and the successors of each."""
 
     symbols: list[str] = field(default_factory=lambda: [""])
     follow: dict[int, set[int]] = field(default_factory=lambda: {0: set[int]()})
 
     def add(self, regex: ir.Regex) -> tuple[set[int], set[int], bool]:
-        """The first and the last positions of an expression, and whether it may be empty."""
+        """The first and last positions of an expression, and whether it can be empty."""
         match regex:
             case ir.RSymbol(name):
                 number = len(self.symbols)
@@ -202,7 +203,7 @@ class _Positions:
 
 
 def _matching(regex: ir.Regex) -> Reader:
-    """A state is the set of positions at which what was read may end; 0 is before the first."""
+    """A state is the set of positions where the text read so far may end; 0 is the start."""
     positions = _Positions()
     first, last, empty = positions.add(regex)
     positions.follow[0] = first
@@ -222,11 +223,11 @@ def _set(state: State) -> frozenset[int]:
     return state if isinstance(state, frozenset) else frozenset()
 
 
-# --- The words of a grammar that are left ---------------------------------------------------------
+# --- The words of a grammar that are not covered --------------------------------------------------
 
 
 def listed(words: Iterable[Sequence[str]]) -> Reader:
-    """The reader of some words: a state is a node of the tree of their prefixes, None outside."""
+    """The reader of given words: a state is a node of their prefix tree, None outside it."""
     tree: list[dict[str, int]] = [{}]
     ends: set[int] = set()
     for word in words:
@@ -245,15 +246,15 @@ def listed(words: Iterable[Sequence[str]]) -> Reader:
 
 
 def within(modules: Iterable[str], bound: int) -> Reader:
-    """The reader of the words with at most so many modules."""
+    """The reader of the words with at most ``bound`` modules."""
     counted = frozenset(modules)
     return _counting(counted.__contains__, "<=", bound)
 
 
 def weighing(weights: Mapping[str, Fraction], bound: Fraction, *, strict: bool) -> Reader:
-    """The reader of the words whose symbols weigh at most ``bound`` together; ``strict``: less.
+    """The reader of the words whose symbols weigh at most ``bound`` in total; ``strict``: less.
 
-    A state is the weight of what was read, None once it is too much; none is negative.
+    A state is the weight of what was read so far, None once it is too large; no weight is negative.
     """
 
     def kept(weight: Fraction) -> Fraction | None:
@@ -272,9 +273,9 @@ def _lost(state: State) -> bool | None:
 
 
 def word_left(grammar: ir.Grammar, asked: Sequence[Reader], covered: Sequence[Reader]) -> bool:
-    """Whether some word of a grammar that all of ``asked`` accept is accepted by no ``covered``.
+    """Whether the grammar derives a word that all ``asked`` accept and that no ``covered`` accepts.
 
-    ``grammar`` without its own condition, which is to be among those asked.
+    The grammar's own condition is ignored; include it in ``asked``.
     """
     return _Search(grammar, asked, covered).finds()
 
@@ -285,9 +286,9 @@ _Item: TypeAlias = tuple[_Call, int, int, int]
 
 @dataclass(slots=True)
 class _Search:
-    """For each nonterminal and each state before it the states after the words that it derives.
+    """For each nonterminal and each state before it, the states after the words that it derives.
 
-    States that lead to no word that is left are not looked at.
+    States that lead to no uncovered word are skipped.
     """
 
     grammar: ir.Grammar
@@ -299,7 +300,7 @@ class _Search:
     moves: dict[tuple[int, str], int] = field(default_factory=dict[tuple[int, str], int])
 
     def finds(self) -> bool:
-        """Whether the start symbol derives a word that leads to a state that is left."""
+        """Whether the start symbol derives a word that is asked for and not covered."""
         rules: dict[str, list[int]] = {}
         for number, production in enumerate(self.grammar.productions):
             rules.setdefault(production.left, []).append(number)
@@ -347,7 +348,7 @@ class _Search:
         return self.moves[key]
 
     def _leads_nowhere(self, state: tuple[State, ...]) -> bool:
-        """Whether no word that leads on from a state is left."""
+        """Whether all words that lead on from a state are covered or not asked for."""
         known = [r.settled(s) for r, s in zip(self._readers(), state, strict=True)]
         count = len(self.asked)
         return False in known[:count] or True in known[count:]
