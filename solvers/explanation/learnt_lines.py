@@ -109,7 +109,9 @@ def robots_of_lemmas(
     found: list[tuple[str, ...]] = []
     every = candidates(narrowed, module_bound(family, posed.task), posed.task.origin)
     for candidate in islice(every, MOST_STRUCTURES):
-        if candidate.model is None or len(seen) == MOST_ROBOTS:
+        if len(seen) == MOST_ROBOTS:
+            break
+        if candidate.model is None:
             continue
         key = robot_key_in_task(candidate.model, posed.task)
         if key not in seen and candidate.derivation.labels not in known:

@@ -97,6 +97,12 @@ def test_a_solver_that_reads_nothing_answers_all_the_same() -> None:
     assert solver.run(SAT * 20_000) == Fails(None)
 
 
+def test_a_wrapper_may_end_before_the_solver_that_it_started() -> None:
+    late = "import time; time.sleep(1); print('unsat')"
+    answer = says(f"import subprocess; subprocess.Popen([sys.executable, '-c', {late!r}])").run(SAT)
+    assert answer == Fails(None)
+
+
 def test_a_limit_of_time_ends_it() -> None:
     with time_limit(lambda: True), pytest.raises(OutOfTimeError):
         says("import time; time.sleep(60)").run(SAT)

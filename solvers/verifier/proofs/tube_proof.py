@@ -209,7 +209,7 @@ class Followed:
             name = "equations of motion defined"
             found.append(CheckedCondition(name, item.status, NO_MARGIN, "", item.time))
         found += [
-            CheckedCondition(c.name, c.status, c.margin, "m", c.time, c.place)
+            CheckedCondition(c.name, c.status, c.margin, c.unit, c.time, c.place)
             for c in self.constraints
         ]
         found += [

@@ -33,6 +33,8 @@ SECONDS = 600.0
 """A process is ended after this time: most solvers have no other budget."""
 PULSE = 0.2
 """Seconds between two checks of a time limit."""
+REST = 10.0
+"""Seconds to read the output of an ended process, whose children may keep the pipe open."""
 SHOWN = 200
 """The most characters of a process's output that a message quotes."""
 MOST = 1_000_000
@@ -206,12 +208,20 @@ class _Talk:
         while left > 0 and not self.flooded:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(min(PULSE, left))
-                for each in self.said:
-                    each.join(PULSE)
+                self._read_rest()
                 return not self.flooded
             left -= PULSE
             check_time()
         return False
+
+    def _read_rest(self) -> None:
+        """Read what an ended process has printed, which takes time on a busy machine."""
+        left = REST
+        while left > 0 and any(each.is_alive() for each in self.said):
+            for each in self.said:
+                each.join(PULSE)
+            left -= PULSE
+            check_time()
 
     def close(self) -> None:
         """End the process and those that it started."""
