@@ -253,7 +253,7 @@ class Family:
 class ModuleSet:
     """The result of a reader.
 
-    ``remarks`` say what could not be carried over, one a line; ``warnings`` say the same of things
+    ``remarks`` say what could not be carried over, one a line; ``warnings`` say the same for things
     that have a place in the file.
     """
 

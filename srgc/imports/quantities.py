@@ -127,7 +127,7 @@ class Quantities:
         return f"[{', '.join(texts)}] {unit}"
 
     def inertia(self, values: Sequence[float]) -> str:
-        """Six moments of inertia; those that are negligible beside the largest are 0.
+        """Six moments of inertia; those negligible compared with the largest are 0.
 
         They get more digits if with fewer the inertia of a thin body would not be physical.
         """

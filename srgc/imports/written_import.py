@@ -1,4 +1,4 @@
-"""Write the files of an import: the spec, and the meshes beside it."""
+"""Write the files of an import: the spec and its meshes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Imported:
         text: the spec.
         files: maps the paths of the meshes, relative to the spec and with ``/``, to their bytes.
         remarks: what could not be carried over or was changed, one a line.
-        warnings: the same of things that have a place in the file.
+        warnings: the same for things that have a place in the file.
     """
 
     name: str
@@ -33,9 +33,9 @@ class Imported:
 
 
 def mesh_folder(stem: str) -> str:
-    """The name of the folder beside a spec for its meshes: ``ur5_meshes`` for ``ur5.srg``.
+    """The name of the folder for the meshes of a spec: ``ur5_meshes`` for ``ur5.srg``.
 
-    Characters that a path in a spec cannot hold become ``_``.
+    It is in the folder of the spec.  Characters that a path in a spec cannot hold become ``_``.
     """
     plain = re.sub(r"[^\w .+-]", "_", stem)
     return f"{plain}_meshes"
@@ -78,7 +78,7 @@ def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:
 
 
 def _refuse_shared(meshes: list[Path], path: Path) -> None:
-    """Refuse to change meshes that other specs in the folder of ``path`` name.
+    """Reject changes to meshes that other specs in the folder of ``path`` name.
 
     Raises:
         UsageFault: another spec names one of them.
@@ -102,7 +102,7 @@ def _same(place: Path, data: bytes) -> bool:
 
 
 def _empty_beside(place: Path) -> Path:
-    """Create an empty file beside another one, to replace it once all are written."""
+    """Create an empty file in the same folder, to replace ``place`` once all files are written."""
     descriptor, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
     os.close(descriptor)
     Path(name).chmod(0o666 & ~_umask())

@@ -29,7 +29,7 @@ class CarriedSet:
         ground: the port that carries the base.
         unbounded: the kinds of joints of which at least one has no effort limit.
         modules: the modules to write with the task.
-        files: the files to write beside it.
+        files: the files to write next to it.
         accel: whether any joint has an acceleration limit.
     """
 

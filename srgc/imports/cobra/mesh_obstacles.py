@@ -32,7 +32,7 @@ class MeshObstacles:
         names: the names of obstacles in the workspace, which files share.
         pieces: the most convex pieces of a mesh.
         detail: the share of its volume that they may add.
-        folder: the folder of the pieces beside the spec.
+        folder: the folder of the pieces, next to the spec.
         written: maps paths to the files of pieces.
     """
 

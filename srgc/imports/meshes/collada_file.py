@@ -48,7 +48,8 @@ APPEARANCE = (
 def collada_mesh(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) -> Mesh:
     """All triangles of the scene in a file, in metres if ``own_unit``, otherwise in its unit.
 
-    With ``own_axes`` the axes of the file are kept, whatever its up axis; otherwise z is made up.
+    With ``own_axes`` the axes of the file are kept, whatever its up axis; otherwise the mesh is
+    rotated so that z is up.
 
     Raises:
         SourceFault: the file is not COLLADA, or has no scene with triangles.

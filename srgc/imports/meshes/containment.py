@@ -96,7 +96,7 @@ def surely_inside(points: Floats, piece: ConvexPiece) -> Bools:
 MOST_PARTS = 64
 """With more parts than this, integers decide."""
 STEPS = 1 << 24
-"""Edges are cut at multiples of this fraction of their length."""
+"""Edges are cut at multiples of their length divided by this."""
 
 
 def _surely_covered(crossings: Sequence[Crossing]) -> bool:

@@ -33,7 +33,7 @@ MOST_PIECES = 1500
 """The most pieces, whatever the detail."""
 
 TRIALS, LESS = 4, 0.85
-"""The number of tries if grown pieces add too much, and the factor on what each may add."""
+"""If grown pieces add too much, how often and by which factor the budget is reduced."""
 ROUNDS = 40
 """The most rounds of growing; in the second half whatever is missing becomes a piece."""
 

@@ -98,9 +98,9 @@ class ExactPlaces:
         return replace(self, axes=(x, y, z))
 
     def placed(self, turn: NDArray[np.float64], shift: Sequence[Fraction]) -> ExactPlaces:
-        """The vertices after a rotation by right angles (3, 3), with entries -1, 0, 1.
+        """The vertices after a rotation by right angles and a translation.
 
-        Then they are shifted.
+        The rotation (3, 3) has entries -1, 0 and 1.
         """
         axes = list[Axis]()
         for row, by in zip(turn.tolist(), shift, strict=True):

@@ -35,7 +35,8 @@ INSTANCES = "EXT_mesh_gpu_instancing"
 def gltf_mesh(content: bytes, path: Path, *, own_axes: bool) -> Mesh:
     """All triangles of the scene in a file, in metres; each primitive is an object.
 
-    With ``own_axes`` the axes of the file are kept, with y up; otherwise z is made up.
+    With ``own_axes`` the axes of the file are kept, with y up; otherwise the mesh is rotated so
+    that z is up.
 
     Raises:
         SourceFault: the file is not binary glTF 2.0, was cut off, needs another file or an

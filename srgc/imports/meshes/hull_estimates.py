@@ -43,7 +43,7 @@ class Estimates:
         return self._side(below, between, cut) + self._side(above, between, cut)
 
     def both_hulls(self, normal: Floats, offset: float) -> float:
-        """The exact sum of hull volumes below and above a plane; inf if a side is empty."""
+        """The sum of the hull volumes on both sides, from all points; inf if a side is empty."""
         below, above, between = self._cut(normal, offset)
         sides = [np.concatenate([self.points[side], between]) for side in (below, above)]
         return sum(map(hull_volume, sides)) if below.any() and above.any() else float("inf")

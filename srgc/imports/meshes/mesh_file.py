@@ -36,8 +36,8 @@ def read_mesh(path: Path, unit: float | None = None, *, own_axes: bool = False) 
         path: a file whose name ends with one of :data:`SUFFIXES`.
         unit: the length unit of the file in metres.  If None, it is the unit that a COLLADA file
             states, and metres for others.
-        own_axes: keep the axes of the file; otherwise z is made up, by what the file or its format
-            says.
+        own_axes: keep the axes of the file; otherwise the mesh is rotated so that z is up,
+            according to the file or its format.
 
     Raises:
         SourceFault: the file is of another kind, is cut off, has too many triangles, or has

@@ -212,7 +212,7 @@ def _rewound(faces: Ints) -> Ints:
 
 
 def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:
-    """The surface with its holes filled by cones; None if these exceed :data:`HOLES`."""
+    """The surface with its holes filled by cones; None if they are larger than :data:`HOLES`."""
     rings = _borders(faces)
     caps, tops = list[tuple[int, int, int]](), list[Floats]()
     for ring in rings:

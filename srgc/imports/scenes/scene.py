@@ -17,7 +17,7 @@ from srgc.imports.source_fault import SourceFault
 Fault: TypeAlias = Callable[[str], SourceFault]
 """A function that makes a fault with a message, at a certain place in a file."""
 ALIGNED = 1e-6
-"""Rotations that differ by less from one by right angles are rounded to it, as decimals were."""
+"""Rotations this close to one by right angles are rounded to it, since files have decimals."""
 
 ORIGIN: Point = (Fraction(0), Fraction(0), Fraction(0))
 

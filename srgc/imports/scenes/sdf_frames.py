@@ -64,7 +64,7 @@ class Scope:
         return Pose() if self.parent is None else self.parent.in_world().then(self.place())
 
     def place(self) -> Pose:
-        """The pose of the origin in the enclosing scope; a pose may refer to another of its frames.
+        """The pose of the origin in the enclosing scope; the file may place another frame instead.
 
         Raises:
             SourceFault: see :meth:`in_world`.

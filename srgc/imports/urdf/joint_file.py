@@ -33,7 +33,7 @@ class JointFile:
 
 
 def joint_file(files: SourceFiles, robot: UrdfRobot, remarks: list[str]) -> JointFile | None:
-    """Read the file beside a URDF; None if there is no file of our format.
+    """Read the file next to a URDF; None if there is no file of our format.
 
     Friction is in both files; if they differ, the URDF is used, and a remark says so.
 

@@ -48,7 +48,7 @@ class JointMotions:
     """Reads joints.
 
     ``held`` maps joints to be fixed to their values (rad, m), ``beside`` joints to the parameters
-    from the file beside the URDF.
+    from the file next to the URDF.
     """
 
     robot: UrdfRobot

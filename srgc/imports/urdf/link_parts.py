@@ -40,7 +40,8 @@ class LinkParts:
         """The body of a link in the frame of the given name.
 
         Raises:
-            UsageFault: the mass or the moments of inertia are negative, or the inertia is missing.
+            UsageFault: the mass or a principal moment of inertia is negative, or the inertia is
+                missing.
         """
         link = self.robot.links[name]
         inertial = link.inertial
