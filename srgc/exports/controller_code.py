@@ -130,7 +130,7 @@ def _c_unwound(controller: ExportedController, precision: Precision, turns: int)
 
 
 def _python_unwound(controller: ExportedController, turns: int) -> str:
-    """The same in Python."""
+    """The same statements in Python."""
     lines = list[str]()
     for joint in controller.winding:
         off = f"off[{joint}]"
@@ -145,7 +145,7 @@ def _python_unwound(controller: ExportedController, turns: int) -> str:
 
 
 def _python_again(controller: ExportedController) -> str:
-    """The same in Python."""
+    """The same statements in Python."""
     first = controller.loop
     if first is None:
         return ""

@@ -20,7 +20,7 @@ from srgc.results.found_design import FoundDesign, found_tube
 C, C_SINGLE, PYTHON, NPZ = "controller.c", "controller_single.c", "controller.py", "controller.npz"
 CONTROLLER_FILES = (C, C_SINGLE, PYTHON, NPZ)
 MOST_TURNS = (1_000_000, 100_000, 10_000, 1_000, 100, 10)
-"""How many turns away winding coordinates may be given, the most that rounding allows for."""
+"""How many turns away winding coordinates may be given; the largest allowed number is used."""
 UPWARDS = 1.05
 """A number times this, rounded to two digits, is not less than the number."""
 

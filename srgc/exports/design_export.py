@@ -218,7 +218,7 @@ def _encoded(content: str | bytes) -> bytes:
 
 
 def urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
-    """A URDF, first, and the files beside it; all names begin with ``stem``.
+    """A URDF, first, and the files that it names; all names begin with ``stem``.
 
     Raises:
         UsageFault: the robot cannot be exported.
@@ -258,7 +258,7 @@ def mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) ->
 
 
 def left_out_of(design: FoundDesign, form: str) -> tuple[str, ...]:
-    """The visuals of a robot that its export, with files beside it, does not show."""
+    """Notes on the visuals that the export of a robot with its files does not show."""
     if form != "mjcf":
         return ()
     return tuple(unread_by_mujoco(exported_robot(design).visuals))

@@ -26,7 +26,7 @@ from srgc.version import VERSION
 
 @dataclass(frozen=True, slots=True)
 class PartNames:
-    """Unique names of the links and effectors of a rigid tree, and of joints by their number."""
+    """Unique names of the links and effectors of a rigid tree, and of its degrees of freedom."""
 
     links: tuple[str, ...]
     joints: tuple[str, ...]
@@ -92,7 +92,7 @@ def _forms(wanted: str) -> Iterator[str]:
 
 
 def _owners(model: RobotModel, tree: RigidTree, graph: LabelledGraph) -> dict[int, int]:
-    """The link of every module, by place: that of the joint module below it, or its own.
+    """The link of every module, by place: the link moved by it or by the joint module below it.
 
     If a joint module moves several links, it is the last of them.
     """
@@ -120,10 +120,10 @@ def effector_modules(
     semantics: Mapping[str, ir.SemanticBlock],
     modules: Mapping[str, ir.Module],
 ) -> tuple[int | None, ...]:
-    """For every effector, in the order of their numbers in the language, a place in the word.
+    """The place in the word of every effector, in the order of their numbers in the language.
 
     An effector belongs to a module if the production that emits it emits no other and has exactly
-    one module of the role effector; otherwise it is None.
+    one module of the role effector; otherwise its place is None.
     """
     found: list[int | None] = []
     for number in emission_order(derivation):

@@ -1,4 +1,4 @@
-"""Write the collision hulls of a robot's links as STL files beside its URDF."""
+"""Write the collision hulls of a robot's links as STL files next to its URDF."""
 
 from __future__ import annotations
 

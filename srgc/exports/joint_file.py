@@ -1,4 +1,4 @@
-"""Write what URDF cannot express of joints, rotors and acceleration limits, to a file beside it.
+"""Write rotors and acceleration limits of joints, which URDF cannot express, to a separate file.
 
 The file is JSON, and thus also YAML.  Its ``joint_limits`` have the form of MoveIt's file of that
 name, which extends or replaces what a URDF says of joints.  Its ``drives`` have for each joint the
@@ -24,8 +24,8 @@ UNSAID = (
 def joints_json(robot: ExportedRobot) -> str:
     """The document in SI units, with a line for each joint; empty if the URDF says everything.
 
-    Keys are the names of joints in the URDF.  The velocity limit is the larger of two bounds, as
-    there.
+    Keys are the names of joints in the URDF.  The velocity limit is the larger of two bounds, as in
+    the URDF.
     """
     if not any(each.armature or each.acceleration is not None for each in robot.drives):
         return ""

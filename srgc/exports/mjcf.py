@@ -32,7 +32,7 @@ AT_ONCE = (1e-9, 1.0)
 So friction changes its sign with the rate, at most two steps early; the default is 20 ms.
 """
 HARD = (0.9999, 0.9999)
-"""The hardest dry friction that MuJoCo accepts, from the first creep on: what sticks stays."""
+"""The hardest dry friction that MuJoCo accepts, from the first creep on: joints stick."""
 _SEEN: Mapping[str, Value] = {"group": "2", "contype": "0", "conaffinity": "0"}
 JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
 
@@ -51,7 +51,7 @@ def substeps(step: Fraction) -> int:
 
 
 def mjcf_text(robot: ExportedRobot, visuals: Mapping[str, str] | None = None) -> str:
-    """The robot as MJCF; ``visuals`` maps the digests of visuals to files beside it.
+    """The robot as MJCF; ``visuals`` maps the digests of visuals to their files.
 
     Other visuals, and those that MuJoCo cannot read, are left out.
 

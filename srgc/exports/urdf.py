@@ -29,7 +29,7 @@ def urdf_text(
     meshes: Mapping[tuple[float, ...], str] | None = None,
     visuals: Mapping[str, str] | None = None,
 ) -> str:
-    """The robot as URDF; ``meshes`` maps the corners of hulls to files beside it.
+    """The robot as URDF; ``meshes`` maps the corners of hulls to their files.
 
     Other hulls are replaced by their bounding boxes.  ``visuals`` maps digests to the files of
     visuals; others are left out.

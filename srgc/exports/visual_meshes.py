@@ -1,4 +1,4 @@
-"""Place the meshes of visuals in a robot's links, and write them as files beside its export."""
+"""Place the meshes of visuals in a robot's links, and write them as files for its export."""
 
 from __future__ import annotations
 

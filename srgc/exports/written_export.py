@@ -60,7 +60,7 @@ def written_export(
         form: one of the ``FORMS`` or ``FOLDERS``.
         output: the file to write, or for ``FOLDERS`` the folder; missing folders are created.  If
             None, nothing is written.  Files such as ``arm.joints.json`` and ``arm.hull_1.stl`` may
-            be written beside ``arm.urdf``.
+            be written next to ``arm.urdf``.
         efforts: whether a ROS 2 message has efforts.
 
     Raises:
@@ -109,7 +109,7 @@ def _one_file(
 
 
 def _left_to_files(design: FoundDesign, form: str) -> tuple[str, ...]:
-    """Notes on what a URDF or MJCF without files beside it does not include."""
+    """Notes on what a URDF or MJCF without further files does not include."""
     robot = exported_robot(design)
     seen = (NO_VISUALS,) if robot.visuals else ()
     if form != "urdf":
@@ -119,7 +119,7 @@ def _left_to_files(design: FoundDesign, form: str) -> tuple[str, ...]:
 
 
 def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str]:
-    """Notes on files beside a URDF that belong to an earlier one."""
+    """Notes on files next to a URDF that belong to an earlier one."""
     meshes = [path for kind in ("hull_*.stl", "visual_*.*")
               for path in sorted(folder.glob(f"{glob.escape(stem)}.{kind}"))]  # fmt: skip
     for path in (folder / f"{stem}{SUFFIX}", *meshes):

@@ -14,7 +14,7 @@ from srgc.results.folder_writer import FolderOutput, part_name, refuse_other
 
 
 def write_files(files: Sequence[tuple[FolderOutput, bytes]]) -> None:
-    """Write files, each beside its place first; they are moved only when all are written.
+    """Write files, each under a temporary name first; they are moved only when all are written.
 
     Anything but a plain file, such as a pipe or a link, is written directly, after the others.
 
@@ -47,7 +47,7 @@ class _Writer:
             raise
 
     def _put_beside(self, output: FolderOutput, content: bytes) -> bool:
-        """Write a file beside its place; False if it has to be written in another way."""
+        """Write a file under a temporary name; False if it has to be written in another way."""
         path = output.path
         if output.name is not None:  # in the result folder, which has its own rules
             refuse_other(output.folder / output.name, "file")

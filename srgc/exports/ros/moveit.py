@@ -1,4 +1,4 @@
-"""Write the files that MoveIt and its controllers read besides an SRDF (moveit.picknik.ai)."""
+"""Write the files that MoveIt and its controllers need beyond an SRDF (moveit.picknik.ai)."""
 
 from __future__ import annotations
 
