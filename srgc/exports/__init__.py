@@ -1,1 +1,1 @@
-"""Designs for other tools."""
+"""Export designs to other tools."""

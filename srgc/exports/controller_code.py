@@ -1,8 +1,7 @@
-"""The controller of a design as C99, as a Python module, and as NumPy arrays (npz).
+"""Write the controller of a design as C99, as a Python module, and as NumPy arrays (npz).
 
-All compute with one order of operations: of each input the planned one, less gain times deviation,
-measured quantity by measured quantity.  So the doubles of C and Python are the same to the last
-bit.
+All compute each input in the same order of operations: the planned input, less gain times deviation
+for one measured quantity after another.  So the doubles of C and Python are bitwise equal.
 """
 
 from __future__ import annotations
@@ -28,9 +27,9 @@ def c_text(
     notes: Sequence[str] = (),
     turns: int = 0,
 ) -> str:
-    """The file in a precision; ``notes`` are lines for a reader behind those that describe it.
+    """The C file in a precision; ``notes`` are lines that follow its description.
 
-    From up to ``turns`` whole turns away coordinates that wind may be given.
+    Winding coordinates may be given up to ``turns`` whole turns away.
     """
     return "\n".join(_c_lines(controller, precision, notes, turns)) + "\n"
 
@@ -96,7 +95,7 @@ def _c_use(controller: ExportedController, precision: Precision) -> Iterator[str
 
 
 def _c_comment(text: str) -> str:
-    """A line that no C compiler takes for anything but comment: no end of one, no trigraph."""
+    """A line that cannot end a C comment: without comment delimiters and trigraphs."""
     shown = plain_line(text).encode("ascii", "backslashreplace").decode()
     for pair in ("*/", "/*", "??"):
         while pair in shown:
@@ -105,7 +104,7 @@ def _c_comment(text: str) -> str:
 
 
 def _c_again(controller: ExportedController) -> str:
-    """Statements that take samples behind the last to those of the loop."""
+    """Statements that map samples after the last one to those of the loop."""
     first, name = controller.loop, controller.name
     if first is None:
         return ""
@@ -114,7 +113,7 @@ def _c_again(controller: ExportedController) -> str:
 
 
 def _c_unwound(controller: ExportedController, precision: Precision, turns: int) -> str:
-    """Statements that bring deviations of joints that wind to within half a turn."""
+    """Statements that reduce the deviations of winding joints to within half a turn."""
     lines, suffix = list[str](), precision.suffix
     most, zero = f"{turns + 1}.0{suffix}", f"0.0{suffix}"
     for joint in controller.winding:
@@ -131,7 +130,7 @@ def _c_unwound(controller: ExportedController, precision: Precision, turns: int)
 
 
 def _python_unwound(controller: ExportedController, turns: int) -> str:
-    """The same in Python."""
+    """The same statements in Python."""
     lines = list[str]()
     for joint in controller.winding:
         off = f"off[{joint}]"
@@ -146,7 +145,7 @@ def _python_unwound(controller: ExportedController, turns: int) -> str:
 
 
 def _python_again(controller: ExportedController) -> str:
-    """The same in Python."""
+    """The same statements in Python."""
     first = controller.loop
     if first is None:
         return ""
@@ -155,7 +154,7 @@ def _python_again(controller: ExportedController) -> str:
 
 
 WHOLE_TURN = "6.283185307179586"
-"""Rad: what is read is the nearest number to 2 pi in either precision."""
+"""In rad; it is read as the number nearest to 2 pi in either precision."""
 
 C_CHECKS = """\
 #include <float.h>
@@ -169,7 +168,7 @@ C_CHECKS = """\
 #if defined(__clang__) || !defined(__GNUC__)
 #pragma STDC FP_CONTRACT OFF
 #endif"""
-"""GCC does not know the pragma; there the option of the command line is needed."""
+"""GCC does not know the pragma, so it needs the command-line option."""
 
 C_CLOSED = """\
 {{
@@ -211,7 +210,7 @@ C_OPEN = """\
 def _c_table(
     name: str, rows: Sequence[Sequence[str]], precision: Precision, group: int | None = None
 ) -> Iterator[str]:
-    """A table of constants; rows in groups of ``group`` where that is given."""
+    """A table of constants; its rows are in groups of ``group`` if given."""
     width, shape = len(rows[0]), f"[{len(rows)}]"
     if group is not None:
         shape = f"[{len(rows) // group}][{group}]"
@@ -230,7 +229,7 @@ def _c_table(
 
 
 def python_text(controller: ExportedController, notes: Sequence[str] = (), turns: int = 0) -> str:
-    """The module; it needs no other. ``turns`` and ``notes`` are as of :func:`c_text`."""
+    """The Python module, which imports nothing; for the arguments see :func:`c_text`."""
     return "\n".join(_python_lines(controller, notes, turns)) + "\n"
 
 
@@ -303,7 +302,7 @@ def controller(sample, measured=()):
 
 
 def controller_arrays(controller: ExportedController) -> bytes:
-    """The file: ``planned`` (k, m); with feedback ``reference``, ``gains``, ``rounding``, too."""
+    """The npz file: ``planned`` (k, m), and for feedback ``reference``, ``gains``, ``rounding``."""
     numbers = {
         "period": np.array([float(controller.period)]),
         "planned": np.array(controller.planned, dtype=np.float64),

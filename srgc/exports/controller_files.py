@@ -1,4 +1,4 @@
-"""The files of a controller, in the precisions whose rounding its proof allows for."""
+"""Write the files of a controller, in the precisions whose rounding its proof allows for."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from srgc.results.found_design import FoundDesign, found_tube
 C, C_SINGLE, PYTHON, NPZ = "controller.c", "controller_single.c", "controller.py", "controller.npz"
 CONTROLLER_FILES = (C, C_SINGLE, PYTHON, NPZ)
 MOST_TURNS = (1_000_000, 100_000, 10_000, 1_000, 100, 10)
-"""From so many turns away a coordinate that winds may be given, if rounding allows for it."""
+"""How many turns away winding coordinates may be given; the largest allowed number is used."""
 UPWARDS = 1.05
-"""Two digits of a number that is larger by this part are no less than the number."""
+"""A number times this, rounded to two digits, is not less than the number."""
 
 
 def controller_files(folder: Path, design: FoundDesign) -> tuple[dict[str, bytes], tuple[str, ...]]:
-    """The files by their names, and what is not among them, for a reader.
+    """The files by their names, and notes on those that are missing.
 
     Args:
-        folder: the result folder, whose tube holds all that may be measured.
+        folder: the result folder, whose tube contains all possible measurements.
         design: the design in it.
 
     Raises:
-        UsageFault: there are no inputs, or the proof does not allow for what doubles round.
-        NoAnswer: the tube does not get to the end of the motion.
+        UsageFault: there are no inputs, or the proof does not allow for rounding in doubles.
+        NoAnswer: the tube does not reach the end of the motion.
     """
     controller = exported_controller(design)
     if controller.gains is None:
@@ -60,9 +60,10 @@ def _covered(
     precision: Precision,
     allowed: Sequence[Fraction],
 ) -> tuple[int, list[arb], str | None]:
-    """From how many turns away coordinates that wind may be given, bounds of rounding then (m,).
+    """The number of turns that the proof allows, and bounds on rounding then (m,).
 
-    As many as the proof allows for; where it does not allow for the least, why, in words.
+    Winding coordinates may be given up to this many turns away.  If even the least number is not
+    allowed, the third value says why.
     """
     least = controller.least_turns
     choices = [most for most in MOST_TURNS if most > least] if controller.winding else []
@@ -78,7 +79,7 @@ def _covered(
 def _encoded(
     controller: ExportedController, notes: Sequence[str], turns: int = 0
 ) -> dict[str, bytes]:
-    """The files in doubles."""
+    """The files in double precision."""
     return {
         C: c_text(controller, DOUBLE, notes, turns).encode(),
         PYTHON: python_text(controller, notes, turns).encode(),
@@ -87,10 +88,10 @@ def _encoded(
 
 
 def _allowances(controller: ExportedController) -> list[Fraction]:
-    """How far from the law the proof allows each input to be (m,), in its unit.
+    """How far the proof allows each input (m,) to be from the law, in its unit.
 
     Raises:
-        UsageFault: it does not allow for anything.
+        UsageFault: the proof allows for no rounding.
     """
     claim = controller.design.claim.controller
     if claim is None or claim.rounding is None:
@@ -104,7 +105,7 @@ def _allowances(controller: ExportedController) -> list[Fraction]:
 
 
 def _measured(folder: Path, design: FoundDesign) -> list[list[arb]]:
-    """Per sample all that may be measured in the tube of a design (2n,), as balls."""
+    """All possible measurements (2n,) at each sample in the tube of a design, as balls."""
     noise = measurement_radii(design.task, design.model)
     with working_precision(BITS):
         errors = [ball(radius) * arb(0, 1) for radius in noise]
@@ -120,7 +121,7 @@ def _measured(folder: Path, design: FoundDesign) -> list[list[arb]]:
 def _excess(
     controller: ExportedController, rounding: Sequence[arb], allowed: Sequence[Fraction]
 ) -> str | None:
-    """Where rounding may be more than the proof allows for, in words."""
+    """A text on the first input whose rounding may exceed what the proof allows, or None."""
     for item, bound, most in zip(controller.inputs, rounding, allowed, strict=True):
         if not bool(bound <= ball(most)):
             return (
@@ -158,5 +159,5 @@ def _open_loop_notes(controller: ExportedController) -> tuple[str, ...]:
 
 
 def _shown(bound: arb) -> str:
-    """Two digits, rounded upwards."""
+    """A bound with two digits, rounded up."""
     return f"{UPWARDS * float(bound.upper()):.1e}"

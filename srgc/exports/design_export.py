@@ -1,4 +1,4 @@
-"""A design in the formats of other tools: as one file, or as a folder of files."""
+"""Export a design in the formats of other tools, as one file or as a folder."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ FILE_NAMES = {
     "npz": "trajectory.npz",
 }
 SCENES = {"gltf": "robot.glb", "mcap": "run.mcap", "svg": "motion.svg"}
-"""Of a robot in motion among regions; no part of ``all``."""
+"""Formats that show the robot moving among regions; ``all`` does not include them."""
 FREQUENCY = 30
-"""Instants per second at which it is there, at least."""
+"""The least number of instants per second in scenes."""
 JOINTS = f"robot{SUFFIX}"
 TORQUES, GAINS, SCRIPT = "torques.csv", "gains.csv", "replay.py"
 FORMS = (*ROBOTS, *MOTIONS, *SCENES)
@@ -75,7 +75,7 @@ FOLDER_FILES = {
 
 @dataclass(frozen=True, slots=True)
 class ExportFolder:
-    """Files by their names, and what is not among them, for a reader."""
+    """Files by their names, and notes on what they do not include."""
 
     files: Mapping[str, bytes]
     notes: tuple[str, ...]
@@ -90,7 +90,7 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
         efforts: whether a ROS 2 message has efforts.
 
     Raises:
-        UsageFault: the format cannot hold it.
+        UsageFault: the format cannot represent the design.
     """
     if form in ROBOTS:
         return _robot_text(design, ROBOTS[form]).encode()
@@ -105,12 +105,12 @@ def export_bytes(design: FoundDesign, form: str, *, efforts: bool = True) -> byt
 def export_folder(folder: Path, form: str) -> ExportFolder:
     """The design of a result folder as one of the ``FOLDERS``.
 
-    That is what MuJoCo replays, its controller, a package of ROS 2, or everything.
+    These are a replay in MuJoCo, the controller, a ROS 2 package, or everything.
 
     Raises:
-        UsageFault: ``mujoco``: the robot cannot be replayed there; ``controller``: it has no
-            inputs, or a proof that does not allow for rounding.
-        NoAnswer: ``controller``: the tube does not get to the end of the motion.
+        UsageFault: ``mujoco``: MuJoCo cannot replay the robot; ``controller``: the robot has no
+            inputs, or its proof does not allow for rounding.
+        NoAnswer: ``controller``: the tube does not reach the end of the motion.
     """
     design = found_design(folder)
     if form == "mujoco":
@@ -145,7 +145,7 @@ def export_folder(folder: Path, form: str) -> ExportFolder:
 
 
 def scene_file(design: FoundDesign, form: str) -> tuple[bytes, tuple[str, ...]]:
-    """One of the ``SCENES``, and what it does not hold.
+    """A design in one of the ``SCENES``, and notes on what it does not include.
 
     Raises:
         UsageFault: a number is too large, or a library is missing.
@@ -168,12 +168,12 @@ def _package(design: FoundDesign) -> dict[str, bytes]:
 
 
 def mujoco_text(design: FoundDesign, factors: Sequence[float] = ()) -> str:
-    """The MJCF of a robot that moves as planned if the torques of the plan are held.
+    """The MJCF of a robot that moves as planned if the planned torques are applied.
 
-    Masses and moments of inertia of each body are times its factor, default 1.
+    The mass and the moments of inertia of each body are multiplied by its factor, by default 1.
 
     Raises:
-        UsageFault: the format cannot hold the robot or its dynamics.
+        UsageFault: MJCF cannot represent the robot or its dynamics.
     """
     _refuse_own(design)
     return _robot_text(design, mjcf_text, factors)
@@ -218,7 +218,7 @@ def _encoded(content: str | bytes) -> bytes:
 
 
 def urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
-    """A URDF, the first, and what stands beside it, by names that begin with ``stem``.
+    """A URDF, first, and the files that it names; all names begin with ``stem``.
 
     Raises:
         UsageFault: the robot cannot be exported.
@@ -239,9 +239,9 @@ def urdf_files(design: FoundDesign, stem: str) -> dict[str, bytes]:
 
 
 def mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) -> dict[str, bytes]:
-    """An MJCF, the first, and the visuals that it names, by names that begin with ``stem``.
+    """An MJCF, first, and the visuals that it names; all names begin with ``stem``.
 
-    Masses and moments of inertia of each body are times its factor, default 1.
+    The mass and the moments of inertia of each body are multiplied by its factor, by default 1.
 
     Raises:
         UsageFault: the robot cannot be exported.
@@ -258,7 +258,7 @@ def mjcf_files(design: FoundDesign, stem: str, factors: Sequence[float] = ()) ->
 
 
 def left_out_of(design: FoundDesign, form: str) -> tuple[str, ...]:
-    """What of its visuals the export of a robot, written with files beside it, does not show."""
+    """Notes on the visuals that the export of a robot with its files does not show."""
     if form != "mjcf":
         return ()
     return tuple(unread_by_mujoco(exported_robot(design).visuals))

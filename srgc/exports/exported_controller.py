@@ -1,4 +1,4 @@
-"""The controller of a design as it is exported: the numbers of its law, and what they mean."""
+"""The controller of a design for export: the numbers of its law, and their description."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ RATE_UNITS = {"revolute": "rad/s", "prismatic": "m/s"}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExportedController:
-    """The inputs u = u* - K (x - x*) of each of k samples, as decimals in SI units.
+    """The inputs u = u* - K (x - x*) at each of k samples, as decimals in SI units.
 
     Attributes:
         design: the design.
-        measured: x, coordinates of the joints, then their rates (2n,).
+        measured: x, the coordinates of the joints, then their rates (2n,).
         inputs: u (m,).
         planned: u*, (k, m).
         reference: x*, (k, 2n); None for an open loop, which measures nothing.
@@ -51,15 +51,15 @@ class ExportedController:
 
     @property
     def loop(self) -> int | None:
-        """The first sample of a loop, which comes again after the last; None: the motion ends."""
+        """The first sample of a loop, which follows the last one; None if the motion ends."""
         claim = self.design.claim.loop
         return None if claim is None else claim.first
 
     @property
     def winding(self) -> tuple[int, ...]:
-        """The measured coordinates of joints that come back by whole turns.
+        """The measured coordinates of joints that make whole turns in a loop.
 
-        They may be given in any turn.
+        They may be given modulo a turn.
         """
         claim = self.design.claim.loop
         if claim is None or claim.turns is None or self.reference is None:
@@ -68,7 +68,7 @@ class ExportedController:
 
     @property
     def least_turns(self) -> int:
-        """From so many turns away a sensor of one turn reads a coordinate that winds, at most."""
+        """The most turns between a winding coordinate and its reading by a single-turn sensor."""
         rows = self.reference or ()
         return max(
             (ceil(abs(float(row[joint])) / (2 * pi)) + 1 for row in rows for joint in self.winding),
@@ -77,7 +77,7 @@ class ExportedController:
 
     @property
     def loads(self) -> frozenset[int]:
-        """The inputs that say what is carried, 1 or 0: nothing that is measured counts for them."""
+        """The inputs that state what is carried, 1 or 0; they do not depend on measurements."""
         inputs = robot_inputs(self.design.model)
         return frozenset(place for place, item in enumerate(inputs) if item.is_load)
 
@@ -88,20 +88,20 @@ class ExportedController:
 
     @property
     def name(self) -> str:
-        """What names in a program begin with: the task, whose name is one in C and Python."""
+        """The prefix of names in a program: the task, whose name is valid in C and Python."""
         return self.design.task.name
 
 
 def exported_controller(design: FoundDesign) -> ExportedController:
-    """The controller of a design; of one without feedback, the inputs that it holds.
+    """The controller of a design; without feedback, its planned inputs.
 
     Raises:
-        UsageFault: the robot has no inputs, or the numbers of the certificate do not fit it.
+        UsageFault: the robot has no inputs, or the numbers of the certificate do not match it.
     """
     model, claim = design.model, design.claim
     if not robot_inputs(model):
         raise UsageFault("the robot has no inputs, so there is nothing to control")
-    # They refuse what does not fit.
+    # This rejects inputs that do not match the robot.
     planned_inputs(design)
     joints = design_names(design, design_tree(design)).joints
     positions = [f"position of {name}" for name in joints]
@@ -109,7 +109,7 @@ def exported_controller(design: FoundDesign) -> ExportedController:
     measured = quantities(positions, [POSITION_UNITS[dof.kind] for dof in model.dofs])
     measured += quantities(rates, [RATE_UNITS[dof.kind] for dof in model.dofs])
     reference, gains = None, None
-    # Of a robot without joints there is nothing to measure.
+    # A robot without joints has nothing to measure.
     if claim.controller is not None and design.feedback is not None and measured:
         reference = tuple(map(_literals, claim.controller.reference))
         gains = tuple(tuple(map(_literals, gain)) for gain in claim.controller.gains)
@@ -126,7 +126,7 @@ def literal(text: str) -> str:
     """A number of a certificate as a decimal with a point; a quotient is rounded to a double.
 
     Raises:
-        CertificateError: the text is no number.
+        CertificateError: the text is not a number.
     """
     value = exact(text)
     if "/" in text:
@@ -135,9 +135,9 @@ def literal(text: str) -> str:
 
 
 def described(controller: ExportedController, turns: int = 0) -> Iterator[str]:
-    """Lines for a reader: what the numbers are, of what, and when they are read and held.
+    """Lines that describe the numbers, and when they are read and held.
 
-    ``turns``: from so many whole turns away coordinates that wind may be given.
+    Winding coordinates may be given up to ``turns`` whole turns away.
     """
     period, last = decimal(float(controller.period)), controller.samples - 1
     if controller.gains is None:

@@ -1,4 +1,8 @@
-"""The planned motion of a design, sampled at the steps of its task, with names for its columns."""
+"""The planned motion of a design, sampled at the steps of its task, with named columns.
+
+It is integrated anew from the certificate (start, parameters, inputs), like ``trajectory.csv``; no
+proof rests on it.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +27,14 @@ from srgc.exports.joint_drives import joint_drives
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
 
-# --- What a certificate says of a motion, as doubles: its start, its inputs, its parameters -------
+# --- The start, inputs and parameters in a certificate, as doubles --------------------------------
 
 
 def planned_inputs(design: FoundDesign) -> Trajectory:
-    """The initial state alone (1, 2n + r), the inputs (k, m) and the parameters (p,).
+    """The initial state (1, 2n + r), the inputs (k, m) and the parameters (p,).
 
     Raises:
-        UsageFault: there are not as many inputs as the task has steps, or one is no number.
+        UsageFault: the number of inputs is not that of the task's steps, or one is not a number.
     """
     model = design.model
     if len(design.claim.inputs) != design.task.steps:
@@ -46,12 +50,12 @@ def planned_inputs(design: FoundDesign) -> Trajectory:
 
 
 def planned_motion(design: FoundDesign, numeric: NumericRobot) -> Trajectory:
-    """The motion without disturbances at the samples (k + 1, N), with its inputs (k, m).
+    """The undisturbed motion at the samples (k + 1, N), with its inputs (k, m).
 
-    It is integrated finely; a controller keeps an unstable one to its reference.
+    It is integrated in fine steps; a controller keeps an unstable motion on its reference.
 
     Raises:
-        UsageFault: the numbers of the certificate do not fit the robot.
+        UsageFault: the numbers of the certificate do not match the robot.
     """
     planned, dt, feedback = planned_inputs(design), float(design.task.step), design.feedback
     if feedback is None:
@@ -65,20 +69,17 @@ def planned_motion(design: FoundDesign, numeric: NumericRobot) -> Trajectory:
 
 
 def free_inputs(model: RobotModel) -> list[int]:
-    """The column of the free input of every degree of freedom.
+    """The column of the free input of each degree of freedom.
 
     Raises:
-        KeyError: one has none, since its module's own dynamics do without.
+        KeyError: a degree of freedom has none, since its module's own dynamics do not use one.
     """
     columns = {item.dof: column for column, item in enumerate(robot_inputs(model))}
     return [columns[dof] for dof in range(len(model.dofs))]
 
 
 # --------------------------------------------------------------------------------------------------
-# The planned motion of a design, sampled at the steps of its task, with names for its columns.
-#
-# It is integrated anew from the certificate (start, parameters, inputs), as ``trajectory.csv`` was:
-# no proof rests on it.
+# The motion at the samples.
 
 
 POSITION_UNITS = {"revolute": "rad", "prismatic": "m"}
@@ -87,21 +88,21 @@ EFFORT_UNITS = {"revolute": "N*m", "prismatic": "N"}
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A column by its name and SI unit."""
+    """The name and SI unit of a column."""
 
     name: str
     unit: str
 
 
 def quantities(names: Sequence[str], units: Sequence[str]) -> tuple[Quantity, ...]:
-    """Columns by names and units."""
+    """Columns with these names and units."""
     return tuple(Quantity(name, unit) for name, unit in zip(names, units, strict=True))
 
 
 def input_quantities(model: RobotModel, joints: Sequence[str]) -> tuple[Quantity, ...]:
-    """The inputs of a robot: free ones are called after their joints, others after modules.
+    """The inputs of a robot: free ones are named after their joints, others after modules.
 
-    Loads have names of their own.
+    Loads have their own names.
     """
 
     def name(item: RobotInput) -> str:
@@ -115,17 +116,17 @@ def input_quantities(model: RobotModel, joints: Sequence[str]) -> tuple[Quantity
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExportedMotion:
-    """What happens at the k + 1 samples of a motion under k rows of held inputs, in SI units.
+    """The k + 1 samples of a motion with k rows of held inputs, in SI units.
 
     Attributes:
         times: (k + 1,) exact, in seconds.
         position, velocity: (k + 1, n) of the joints.
-        acceleration: (k + 1, n) right after the sample; at the end, right before it.
-        effort: (k + 1, n) what a motor at each joint gives at the same instants.
+        acceleration: (k + 1, n) just after each sample; at the end, just before it.
+        effort: (k + 1, n) of a motor at each joint, at the same instants.
         input: (k, m) held from each sample to the next.
-        state: (k + 1, r) of the modules' own.
+        state: (k + 1, r) of the modules' own dynamics.
         effector: (k + 1, e, d) positions.
-        joints, efforts, inputs, states: the columns of position, effort, input, state.
+        joints, efforts, inputs, states: the columns of position, effort, input and state.
         effectors: the names of the effectors.
     """
 
@@ -149,7 +150,7 @@ def exported_motion(design: FoundDesign) -> ExportedMotion:
     """The motion that the inputs of a design cause.
 
     Raises:
-        UsageFault: it has numbers that are no doubles.
+        UsageFault: the motion has numbers that are not finite doubles.
     """
     with np.errstate(all="ignore"):
         motion = _integrated(design)
@@ -202,22 +203,22 @@ def _efforts(
     held: Array,
     theta: Array,
 ) -> Array:
-    """What motors at the joints give: the free inputs, or else what causes the accelerations.
+    """The efforts of motors at the joints: the free inputs, or what causes the accelerations.
 
-    The friction of a joint whose own dynamics are that and no more is no part of it.
+    If a module's own dynamics are only viscous friction, that is not part of the effort.
     """
     n = len(design.model.dofs)
     if left_out(design) is None:
         return held[:, free_inputs(design.model)]
     q, v = x[:, :n], x[:, n : 2 * n]
-    # At no acceleration, what the bodies ask of the joints is the bias.
+    # The bias is the generalized force of the bodies at zero acceleration.
     bodies = (tuple(range(len(design.model.bodies))),)
     mass = numeric.mass_matrix(q, theta, held)
     slowed = numeric.slowed(bodies, x, np.zeros_like(q), held, theta)
     bias: Array = (mass @ slowed)[:, :, 0]
     inertial: Array = (mass @ acceleration[:, :, None])[:, :, 0]
     drives = joint_drives(design.model, design.stated)
-    # Where a joint rests, dry friction is against what it is about to do.
+    # At a joint at rest, dry friction opposes the motion that is about to begin.
     way = np.sign(np.where(v == 0, acceleration, v))
     friction: Array = np.array([drive.damping for drive in drives]) * v
     friction += np.array([drive.friction for drive in drives]) * way

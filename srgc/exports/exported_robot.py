@@ -1,4 +1,4 @@
-"""What an export of a robot is made of, whatever the format: its links, and their names."""
+"""The robot of a design for export in any format: its links, joints and names."""
 
 from __future__ import annotations
 
@@ -21,15 +21,12 @@ from srgc.results.found_design import FoundDesign
 from srgc.version import VERSION
 
 # --------------------------------------------------------------------------------------------------
-# What the links, joints and effectors of a robot are called: after modules and their places.
+# Names of links, joints and effectors: from modules and their places.
 
 
 @dataclass(frozen=True, slots=True)
 class PartNames:
-    """Names of the links and effectors of a rigid tree, and of its joints by degree of freedom.
-
-    No two are equal.
-    """
+    """Unique names of the links and effectors of a rigid tree, and of its degrees of freedom."""
 
     links: tuple[str, ...]
     joints: tuple[str, ...]
@@ -45,11 +42,11 @@ def part_names(
 ) -> PartNames:
     """Names like ``L_4``: the module and its index in the word.
 
-    A joint has the names of the joint modules that it was merged from; a link that of its first
-    module with the role link, the base that of the first base; a link without one that of its
-    joint.  An effector has that of its module, whose place ``tools`` holds (``effector_modules``),
-    or else, where that is None, is called ``effector_1`` and so on by its own number.  Of a robot
-    that is no tree of rigid links (None), no links are named.
+    A joint is named after the joint modules that it was merged from, a link after its first module
+    with the role link, the base after the first base, and a link without such a module after its
+    joint.  An effector is named after its module at the place in ``tools`` (``effector_modules``),
+    or if that is None, ``effector_1`` and so on by its own number.  If the robot is not a tree of
+    rigid links (None), links get no names.
     """
     unused = _Unused()
     role = {node.place: modules[node.module].role for node in graph.nodes}
@@ -74,7 +71,7 @@ def part_names(
 
 
 class _Unused:
-    """Gives every name once; what is wanted again gets a number."""
+    """Gives every name once; a name that is taken gets a number."""
 
     def __init__(self) -> None:
         self.given: set[str] = set()
@@ -95,9 +92,9 @@ def _forms(wanted: str) -> Iterator[str]:
 
 
 def _owners(model: RobotModel, tree: RigidTree, graph: LabelledGraph) -> dict[int, int]:
-    """The link of every module, by place: that of the joint module that it stands on, or its own.
+    """The link of every module, by place: the link moved by it or by the joint module below it.
 
-    Where a joint module moves several links, the last of them.
+    If a joint module moves several links, it is the last of them.
     """
     owners = {
         place: number for number, joint in tree.carried() for place in model.dofs[joint.dof].symbols
@@ -111,7 +108,7 @@ def _owners(model: RobotModel, tree: RigidTree, graph: LabelledGraph) -> dict[in
 
 
 def _climb(place: int, lower: Mapping[int, int], known: Mapping[int, int]) -> Sequence[int]:
-    """The modules below a place, down to the first whose link is known, or to a root."""
+    """The modules below a place, down to the first with a known link, or to a root."""
     places = [place]
     while places[-1] not in known and places[-1] in lower:
         places.append(lower[places[-1]])
@@ -123,10 +120,10 @@ def effector_modules(
     semantics: Mapping[str, ir.SemanticBlock],
     modules: Mapping[str, ir.Module],
 ) -> tuple[int | None, ...]:
-    """For every effector, in the order in which the language numbers them, a place in the word.
+    """The place in the word of every effector, in the order of their numbers in the language.
 
-    An effector belongs to a module if the production that emits it emits no other and has one
-    module of the role effector only; of others (None) nobody can say.
+    An effector belongs to a module if the production that emits it emits no other and has exactly
+    one module of the role effector; otherwise its place is None.
     """
     found: list[int | None] = []
     for number in emission_order(derivation):
@@ -144,11 +141,11 @@ def _modules(node: DerivationNode) -> list[tuple[int, str]]:
     return [(place, symbol.name) for place, symbol in symbols if symbol.kind == "module"]
 
 
-# --- The names that the parts of a design have in whatever it is exported as ----------------------
+# --- Names of the parts of a design ---------------------------------------------------------------
 
 
 def design_tree(design: FoundDesign) -> RigidTree | None:
-    """The tree of rigid links of a design, if its robot is one."""
+    """The tree of rigid links of a design, or None if its robot is not one."""
     try:
         return rigid_tree(design.model, design.stated)
     except RigidTreeError:
@@ -156,7 +153,7 @@ def design_tree(design: FoundDesign) -> RigidTree | None:
 
 
 def design_names(design: FoundDesign, tree: RigidTree | None) -> PartNames:
-    """The names of joints and effectors, and of the links of a tree."""
+    """The names of joints and effectors, and of links if there is a tree."""
     grammar = design.program.grammars[design.task.grammar]
     modules = design.program.modules
     graph = labelled_graph(design.program, grammar, design.derivation)
@@ -164,11 +161,11 @@ def design_names(design: FoundDesign, tree: RigidTree | None) -> PartNames:
     return part_names(design.model, tree, graph, modules, tools)
 
 
-# --- What of the modules' own dynamics other formats do not hold ----------------------------------
+# --- Dynamics that other formats cannot represent -------------------------------------------------
 
 
 def left_out(design: FoundDesign) -> str | None:
-    """The modules whose dynamics URDF and MJCF do not hold, or None where there are none."""
+    """The modules whose dynamics URDF and MJCF cannot represent, as text; None if there is none."""
     others = [own for own in design.model.own if viscous_friction(own, design.stated) is None]
     modules = sorted({(own.symbol, own.module) for own in others})
     if not modules:
@@ -177,11 +174,11 @@ def left_out(design: FoundDesign) -> str | None:
     return f"the dynamics of their own of {names}"
 
 
-# --- The robot of a design as it is exported: its tree of links with names, motors and remarks ----
+# --- The exported robot ---------------------------------------------------------------------------
 
 
 def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> ExportedRobot:
-    """What the export of a design is made of; ``factors`` are those of its bodies' masses.
+    """The robot of a design for export; ``factors`` multiply the masses of its bodies.
 
     Raises:
         RigidTreeError: a number of the robot has no value.
@@ -208,7 +205,7 @@ def exported_robot(design: FoundDesign, factors: Sequence[float] = ()) -> Export
 
 
 def motor_bound(model: RobotModel, task: ir.Task, dof: int) -> float | None:
-    """The least bound on the free input of a degree of freedom (N m or N)."""
+    """The smallest bound on the free input of a degree of freedom (N m or N), or None."""
     if all(item.dof != dof for item in robot_inputs(model)):
         return None
     kind, own = model.dofs[dof].kind, model.dofs[dof].effort
@@ -218,7 +215,7 @@ def motor_bound(model: RobotModel, task: ir.Task, dof: int) -> float | None:
 
 
 def remarks(design: FoundDesign) -> tuple[str, ...]:
-    """What of a robot an export does not hold."""
+    """Remarks on parts of a robot that an export leaves out."""
     others = left_out(design)
     found = [f"{others} are left out; every joint has a plain motor"] if others else []
     if design.task.carries:
@@ -226,23 +223,23 @@ def remarks(design: FoundDesign) -> tuple[str, ...]:
     return tuple(found)
 
 
-# --- What a design carries, step by step ----------------------------------------------------------
+# --- Loads in each step ---------------------------------------------------------------------------
 
 
 def load_rows(design: FoundDesign) -> tuple[tuple[float, ...], ...]:
-    """Which loads are there, 1 or 0, a row (c,) per step."""
+    """Which loads are carried, 1 or 0, in a row (c,) for each step."""
     first = len(robot_inputs(design.model)) - len(design.task.carries)
     return tuple(tuple(float(exact(text)) for text in row[first:]) for row in design.claim.inputs)
 
 
 def load_states(design: FoundDesign) -> tuple[tuple[float, ...], ...]:
-    """The different rows of loads in a motion, that without any first."""
+    """The distinct rows of loads in a motion, beginning with no load."""
     none = (0.0,) * len(design.task.carries)
     return tuple(dict.fromkeys([none, *load_rows(design)]))
 
 
 def body_factors(design: FoundDesign, loads: Sequence[float]) -> list[float]:
-    """The factors of the masses of bodies, of which those of loads are there as ``loads`` say."""
+    """The factors of the masses of bodies: those of ``loads`` for loads, 1 for others."""
     found = [1.0] * len(design.model.bodies)
     for body, there in zip(loads_of(design.model), loads, strict=True):
         found[body] = there
@@ -250,7 +247,7 @@ def body_factors(design: FoundDesign, loads: Sequence[float]) -> list[float]:
 
 
 def origin(design: FoundDesign) -> tuple[str, ...]:
-    """Lines that say what a file is made from."""
+    """Lines that state the source of a file."""
     claim = design.claim
     return (
         f"robot: {' '.join(claim.word)}",
@@ -259,12 +256,12 @@ def origin(design: FoundDesign) -> tuple[str, ...]:
     )
 
 
-# --- What an export of a robot is made of, whatever the format ------------------------------------
+# --- Types ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """A joint by its name, the number of the link that it carries, and the bound of its effort."""
+    """The motor of a joint: its name, the index of the link it moves, and its effort limit."""
 
     name: str
     link: int
@@ -277,10 +274,10 @@ class Motor:
 class ExportedRobot:
     """A robot with the numbers of its task.
 
-    ``efforts`` are the bounds of the motors by degree of freedom (N m, N), None without one, and
-    ``drives`` what else drives them; ``gravity`` is in m/s^2, ``step`` that of the task in
-    seconds; ``start`` holds coordinates and rates, or nothing; ``remarks`` are lines for a reader.
-    A link with ``visuals`` is seen as these alone.
+    ``efforts`` are the effort limits of the motors by degree of freedom (N m, N), None for no
+    limit; ``drives`` are their drives.  ``gravity`` is in m/s^2, and ``step`` is the step of the
+    task in seconds.  ``start`` has coordinates and rates, or is empty; ``remarks`` are lines for
+    readers.  A link with ``visuals`` is shown only by these.
     """
 
     name: str
@@ -298,7 +295,8 @@ class ExportedRobot:
         """The motors in the order of the degrees of freedom.
 
         Raises:
-            RigidTreeError: one moves several links, which no motor at one joint does.
+            RigidTreeError: a degree of freedom moves several links, which no motor at one joint
+                does.
         """
         if (coupled := self.tree.coupled) is not None:
             raise RigidTreeError(f"degree of freedom {coupled + 1} moves several frames")

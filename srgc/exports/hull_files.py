@@ -1,4 +1,4 @@
-"""The hulls that links of a robot collide as, as files of triangles (STL) beside its URDF."""
+"""Write the collision hulls of a robot's links as STL files next to its URDF."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _HEADER, _TRIANGLE = struct.Struct("<80sI"), struct.Struct("<12fH")
 
 
 def hull_files(robot: ExportedRobot) -> dict[tuple[float, ...], bytes]:
-    """By the corners (x, y, z, x, …) of each different hull its triangles, in order of the links.
+    """Map the corners (x, y, z, x, …) of each distinct hull to its STL file, in order of links.
 
-    Lengths are in metres, to single precision, as binary STL has them.  A flat hull has none.
+    Lengths are in metres, in single precision, as in binary STL.  Flat hulls are omitted.
     """
     shapes = (g for link in robot.tree.links for g in (*link.looks, *link.collisions))
     corners = dict.fromkeys(shape.size for shape in shapes if shape.kind == "hull")
@@ -24,8 +24,8 @@ def hull_files(robot: ExportedRobot) -> dict[tuple[float, ...], bytes]:
 
 
 def _triangles(size: tuple[float, ...]) -> bytes | None:
-    """The boundary of a hull, each triangle seen against the sun from outside."""
-    # It is loaded for robots that have hulls alone.
+    """The boundary of a hull, with triangles counter-clockwise from outside; None if it is flat."""
+    # SciPy is only loaded for robots with hulls.
     from scipy.spatial import ConvexHull, QhullError
 
     points = np.array(size).reshape(-1, 3)

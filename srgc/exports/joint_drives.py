@@ -1,4 +1,4 @@
-"""What drives the joints of a robot, in the numbers that other tools have for it."""
+"""The drives of a robot's joints, in the quantities that other tools use."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from grammar_lang import ir
 
 @dataclass(frozen=True, slots=True)
 class JointDrive:
-    """The drive of a joint in SI units, of a revolute joint and of a prismatic one.
+    """The drive of a joint, in SI units for a revolute and for a prismatic joint.
 
     ``damping`` is its viscous friction (N m s, N s/m), ``friction`` the effort of its dry friction
-    (N m, N), ``armature`` the inertia of its rotor as the joint feels it, gears included (kg m^2,
-    kg): each 0 without.  ``acceleration`` bounds the size of the joint's own (rad/s^2, m/s^2), and
-    ``gear`` is how far the motor turns for the joint (1, rad/m): each None without.
+    (N m, N), ``armature`` the inertia of its rotor at the joint, after the gear (kg m^2, kg); each
+    is 0 if absent.  ``acceleration`` is the limit of the joint's acceleration (rad/s^2, m/s^2),
+    ``gear`` the motion of the motor per motion of the joint (1, rad/m); each is None if absent.
     """
 
     damping: float = 0.0
@@ -34,7 +34,7 @@ class JointDrive:
 def joint_drives(model: RobotModel, theta: Sequence[Fraction]) -> tuple[JointDrive, ...]:
     """The drive of every degree of freedom of a robot with these parameters (SI).
 
-    Of modules with more dynamics of their own than viscous friction, that is no part of it.
+    Own dynamics of modules other than viscous friction are not included.
 
     Raises:
         ValueError: a number is too large for a double.
@@ -55,13 +55,13 @@ def joint_drives(model: RobotModel, theta: Sequence[Fraction]) -> tuple[JointDri
 
 
 def _double(closed: ir.Expr) -> float:
-    """A closed amount, rounded once."""
+    """The value of a closed expression, rounded once."""
     with working_precision(PRECISION):
         return nearest(closed_ball(closed))
 
 
 # --------------------------------------------------------------------------------------------------
-# What of the modules' own dynamics other formats can hold: viscous friction, and nothing else.
+# The own dynamics of modules that other formats can represent: viscous friction, and nothing else.
 #
 # That is torque(q) = u - b rate(q).
 
@@ -76,7 +76,7 @@ class _Linear:
 
     @property
     def number(self) -> Fraction | None:
-        """The value, if it is one."""
+        """The value if the expression is constant, otherwise None."""
         return None if self.effort or self.rate else self.constant
 
     def plus(self, other: _Linear, factor: int) -> _Linear:
@@ -88,14 +88,14 @@ class _Linear:
         )
 
     def times(self, factor: Fraction) -> _Linear:
-        """All of it times a number."""
+        """The product with a number."""
         return _Linear(self.constant * factor, self.effort * factor, self.rate * factor)
 
 
 def viscous_friction(own: OwnDynamics, theta: Sequence[Fraction]) -> dict[int, Fraction] | None:
     """The damping b >= 0 (SI) of each degree of freedom that a module's own dynamics act on.
 
-    None if they are anything else for parameters with these values, or are not rational.
+    None if for these parameter values the dynamics are anything else, or not rational.
     """
     values = {name: theta[index] for name, index in own.parameters}
     found: dict[int, Fraction] = {}
@@ -108,7 +108,7 @@ def viscous_friction(own: OwnDynamics, theta: Sequence[Fraction]) -> dict[int, F
 
 
 def _linear(expression: ir.Expr, dof: str, values: dict[str, Fraction]) -> _Linear | None:
-    """An expression as a linear one in the input and the rate of a degree of freedom."""
+    """The expression as a linear one in the input and rate of a degree of freedom, or None."""
     match expression:
         case ir.Num(value):
             return _Linear(value)
@@ -129,7 +129,7 @@ def _linear(expression: ir.Expr, dof: str, values: dict[str, Fraction]) -> _Line
 
 
 def _combined(operator: str, a: _Linear, b: _Linear) -> _Linear | None:
-    """An operation on two linear expressions, if the result is one."""
+    """The result of an operation on two linear expressions, or None if it is not linear."""
     if operator in ("+", "-"):
         return a.plus(b, 1 if operator == "+" else -1)
     left, right = a.number, b.number

@@ -1,8 +1,8 @@
-"""What of its joints URDF has no place for, as a file beside it: rotors, accelerations.
+"""Write rotors and acceleration limits of joints, which URDF cannot express, to a separate file.
 
-The file is JSON, which is YAML, too.  ``joint_limits`` is in it as in the file of that name of
-MoveIt, where it adds to a URDF or replaces what that says of joints; ``drives`` has for each joint
-what libraries of dynamics keep in arrays.
+The file is JSON, and thus also YAML.  Its ``joint_limits`` have the form of MoveIt's file of that
+name, which extends or replaces what a URDF says of joints.  Its ``drives`` have for each joint the
+values that libraries of dynamics keep in arrays.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ UNSAID = (
 
 
 def joints_json(robot: ExportedRobot) -> str:
-    """The document, a line per joint, in SI units; empty where URDF says all of the robot.
+    """The document in SI units, with a line for each joint; empty if the URDF says everything.
 
-    Keys are the names of joints in the URDF.  Velocities have the larger of two bounds, as there.
+    Keys are the names of joints in the URDF.  The velocity limit is the larger of two bounds, as in
+    the URDF.
     """
     if not any(each.armature or each.acceleration is not None for each in robot.drives):
         return ""
@@ -37,7 +38,10 @@ def joints_json(robot: ExportedRobot) -> str:
 
 
 def moveit_limits(motor: Motor) -> Iterator[tuple[str, float]]:
-    """Rates and accelerations in MoveIt's words, which else takes some velocity from the URDF."""
+    """The limits of rates and accelerations in MoveIt's terms, all of them explicit.
+
+    Without them MoveIt would take some velocity limit from the URDF.
+    """
     rate, most = motor.joint.rate, motor.drive.acceleration
     yield "has_velocity_limits", rate is not None
     if rate is not None:
@@ -59,7 +63,7 @@ def _row(entries: Mapping[str, float]) -> str:
 
 
 def _number(value: float) -> str:
-    """A double, or a truth value, as JSON and YAML 1.1 read it: 1e-05 is a text in the latter."""
+    """A double or truth value that JSON and YAML 1.1 read alike: in YAML 1e-05 would be a text."""
     return re.sub(r"^(-?\d+)e", r"\1.0e", _text(value))
 
 

@@ -1,9 +1,9 @@
-r"""How far a computer's evaluation of a controller's law is from the law, at most.
+r"""Bound how far a computer's evaluation of a controller's law is from the law.
 
-In a binary format with p bits, a number z that is read, or is the exact result of an operation, is
-rounded to one that is off by at most :math:`2^{-p} |z| + \eta`, where :math:`\eta` is the least
-number with all its bits, so that those below it may be taken for zero.  Such errors are added up
-along the operations of ``controller_code.py``, in their order, in balls.
+In a binary format with p bits, a number z that is read, or that is the exact result of an
+operation, is rounded with an error of at most :math:`2^{-p} |z| + \eta`.  Here :math:`\eta` is the
+least number with full precision, so smaller numbers may be flushed to zero.  The errors are
+propagated in balls along the operations of ``controller_code.py``, in their order.
 
 Source: Higham, *Accuracy and Stability of Numerical Algorithms* (2002), sections 2.2 and 3.1.
 """
@@ -21,15 +21,15 @@ from solvers.verifier.claims.certificate import exact
 from srgc.exports.exported_controller import ExportedController, literal
 
 BITS = 64
-"""Of the balls: what they add to a bound is far below what doubles round."""
+"""The precision of the balls: what they add to a bound is far below the rounding of doubles."""
 
 
 @dataclass(frozen=True, slots=True)
 class Precision:
-    """A binary format of IEEE 754 by its name in C, with ``bits`` significant bits.
+    """A binary format of IEEE 754 with its name in C and ``bits`` significant bits.
 
-    Constants end in ``suffix``.  Numbers are below 2^``exponent``; those from 2^(2 - ``exponent``)
-    on have all their bits.
+    Constants end in ``suffix``.  Numbers are below 2^``exponent``; from 2^(2 - ``exponent``) on
+    they have full precision.
     """
 
     name: str
@@ -44,7 +44,7 @@ SINGLE = Precision("float", "f", 24, 128)
 
 @dataclass(frozen=True, slots=True)
 class _Rounded:
-    """Bounds of the size of a number as it is computed, and of its distance from the exact one."""
+    """Bounds on the size of a number as computed, and on its distance from the exact one."""
 
     size: arb
     error: arb
@@ -58,12 +58,12 @@ class _Rounding:
     least: arb
 
     def of(self, size: arb, error: arb) -> _Rounded:
-        """What becomes of numbers up to ``size`` that are off by up to ``error``."""
+        """Round numbers up to ``size`` with errors up to ``error``."""
         added = (self.unit * size + self.least).upper()
         return _Rounded((size + added).upper(), (error + added).upper())
 
     def constant(self, text: str) -> _Rounded:
-        """A number of the certificate, which is written as a decimal and read as the nearest."""
+        """A number of the certificate, written as a decimal and read as the nearest number."""
         value, written = exact(text), Fraction(literal(text))
         return self.of(abs(ball(written)).upper(), ball(abs(written - value)).upper())
 
@@ -74,14 +74,14 @@ def rounding_bounds(
     precision: Precision,
     turns: int = 0,
 ) -> list[arb]:
-    """Per input (m,) how far from the law what is held may be, in its unit.
+    """Bounds on how far each held input (m,) may be from the law, in its unit.
 
     Args:
         controller: the law, with its gains.
-        measured: per sample all that may be measured (2n,) as balls; the program gets the nearest
-            numbers of the precision.
-        precision: that of all constants and operations.
-        turns: from so many whole turns away coordinates that wind may be given.
+        measured: all possible measurements (2n,) at each sample, as balls; the program gets the
+            nearest numbers of the precision.
+        precision: the precision of all constants and operations.
+        turns: up to how many whole turns away winding coordinates may be given.
 
     Raises:
         ValueError: the controller has no gains.
@@ -112,7 +112,7 @@ def rounding_bounds(
 
 @dataclass(frozen=True, slots=True)
 class _Deviation:
-    """A measured quantity less its reference: as computed, and ``true``, a bound of the exact."""
+    """A measured quantity less its reference, as computed; ``true`` bounds the exact value."""
 
     computed: _Rounded
     true: arb
@@ -120,18 +120,18 @@ class _Deviation:
 
 
 def _deviation(rounding: _Rounding, measured: arb, text: str, turns: int) -> _Deviation:
-    """Of an angle that is given from up to ``turns`` whole turns away, which are taken off.
+    """The deviation of an angle given up to ``turns`` whole turns away, which are removed.
 
-    Where the right number of them may not be seen, the error is infinite.
+    If the number of turns may be determined wrongly, the error is infinite.
     """
-    # Less than one turn more is not refused.
+    # The program accepts anything less than one turn more.
     farther = 2 * arb.pi() * (turns + 1) if turns else arb(0)
     read, planned = rounding.of((abs(measured) + farther).upper(), arb(0)), rounding.constant(text)
     true = abs(measured - ball(exact(text))).upper()
     error = read.error + planned.error
     computed = rounding.of((true + farther + error).upper(), error)
     if turns:
-        # How many there are is rounded three times, and 2 pi; so is their product.
+        # The number of turns is rounded three times, 2 pi once, and so is their product.
         unsure = (computed.error + 4 * rounding.unit * (farther + arb.pi())).upper()
         if not bool(true + unsure < arb.pi()):
             unsure = arb("inf")
@@ -142,7 +142,7 @@ def _deviation(rounding: _Rounding, measured: arb, text: str, turns: int) -> _De
 def _held(
     rounding: _Rounding, text: str, row: Sequence[str], off: Sequence[_Deviation], largest: arb
 ) -> arb:
-    """The error of one input; infinite where a number may be beyond the precision."""
+    """The error of one input; infinite if a number may exceed the range of the precision."""
     held = rounding.constant(text)
     most = held.size
     for gain_text, each in zip(row, off, strict=True):

@@ -1,4 +1,4 @@
-"""The designs of a mission in the formats of other tools: a folder for each task."""
+"""Export the designs of a mission to other tools, with a folder for each task."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ def written_mission_export(
     """Export the designs of a mission, each into a folder with the name of its task.
 
     Args:
-        folder: one that ``synth --mission`` or ``evolve`` has written, with the verdict found.
-        form: as of one design.
-        output: the folder of these folders; it is made with those that it is in.
+        folder: a folder that ``synth --mission`` or ``evolve`` has written, with the verdict found.
+        form: a format for single designs.
+        output: the folder for these folders; it is created with its parents.
         efforts: whether a ROS 2 message has efforts.
 
     Raises:
-        UsageFault: there are no robots, no folder is named, or the form cannot hold a robot. Then
-            nothing is written.
-        NoAnswer: ``controller``: a tube does not get to the end of the motion.
+        UsageFault: there are no robots, no folder is given, or the format cannot represent a robot;
+            then nothing is written.
+        NoAnswer: ``controller``: a tube does not reach the end of the motion.
     """
     mission = mission_folder(folder)
     if not mission.robots:

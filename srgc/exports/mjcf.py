@@ -1,7 +1,7 @@
-"""MJCF: the model format of MuJoCo (mujoco.readthedocs.io, XML reference).
+"""Write MJCF, the model format of MuJoCo (mujoco.readthedocs.io, XML reference).
 
-A link without mass that carries nothing but one joint is no body of its own: MuJoCo gives several
-joints to one body instead, which is exact.
+A massless link that only carries one joint is not written as a body: MuJoCo allows several joints
+in one body instead, which is exact.
 """
 
 from __future__ import annotations
@@ -21,39 +21,39 @@ from srgc.exports.visual_meshes import VisualMesh, mujoco_reads
 from srgc.exports.xml_lines import Value, XmlLines
 
 LEAST = Fraction(1, 10**12)
-"""The least moment (kg m^2) of a moving body, and its mass (kg) if it has none."""
+"""The least moment of inertia (kg m^2) of a moving body, and its mass (kg) if it has none."""
 LIGHTEST = 1e-15
-"""It refuses lighter moving bodies (mjMINVAL)."""
+"""MuJoCo rejects lighter moving bodies (mjMINVAL)."""
 LONGEST_STEP = Fraction(1, 1000)
-"""Of the simulation, in seconds."""
+"""The longest step of the simulation, in seconds."""
 AT_ONCE = (1e-9, 1.0)
-"""Time constant (s) and damping ratio of dry friction: MuJoCo makes two steps of it (refsafe).
+"""The time constant (s) and damping ratio of dry friction; MuJoCo raises it to two steps (refsafe).
 
-So friction changes its sign with the rate, two steps early at most; else it is 20 ms.
+So friction changes its sign with the rate, at most two steps early; the default is 20 ms.
 """
 HARD = (0.9999, 0.9999)
-"""As hard as MuJoCo takes dry friction, from the first creep on: what sticks does not move."""
+"""The hardest dry friction that MuJoCo accepts, from the first creep on: joints stick."""
 _SEEN: Mapping[str, Value] = {"group": "2", "contype": "0", "conaffinity": "0"}
 JOINT_TYPES = {"revolute": "hinge", "prismatic": "slide"}
 
 
 @dataclass(frozen=True, slots=True)
 class _BodyJoint:
-    """A joint by its place in the frame of the body that it moves."""
+    """A joint with its place in the frame of the body that it moves."""
 
     joint: LinkJoint
     place: Pose
 
 
 def substeps(step: Fraction) -> int:
-    """Into how many steps of the simulation a step of the task is divided."""
+    """The number of simulation steps in a step of the task."""
     return max(1, ceil(step / LONGEST_STEP))
 
 
 def mjcf_text(robot: ExportedRobot, visuals: Mapping[str, str] | None = None) -> str:
-    """The robot as MJCF; ``visuals`` are the files of visuals, by their digests, beside it.
+    """The robot as MJCF; ``visuals`` maps the digests of visuals to their files.
 
-    Other visuals are left out, and those that MuJoCo does not read.
+    Other visuals, and those that MuJoCo cannot read, are left out.
 
     Raises:
         ValueError: a link has an inertia that no body has, or MuJoCo would not load the robot.
@@ -82,7 +82,7 @@ class _Writer:
             xml.comment(remark)
         xml.comment(f"{count} steps of the simulation are one step of the task ({robot.step} s)")
         xml.open("mujoco", model=robot.name)
-        # inertiafromgeom: geoms are for the eye alone.
+        # inertiafromgeom: geoms do not define inertia.
         xml.element("compiler", angle="radian", inertiafromgeom="false", balanceinertia="false")
         timestep = float(robot.step / count)
         xml.open("option", timestep=timestep, integrator="RK4", gravity=robot.gravity)
@@ -99,7 +99,7 @@ class _Writer:
         return xml.document()
 
     def meshes(self) -> None:
-        """The hulls that links collide as, by their corners, and the files of visuals."""
+        """Write the collision hulls of links, each once, and the files of visuals."""
         links = self.robot.tree.links
         found = [g.size for link in links for g in (*link.looks, *link.collisions)
                  if g.kind == "hull"]  # fmt: skip
@@ -119,12 +119,12 @@ class _Writer:
             return
         name = self.seen[key] = f"visual_{len(self.seen) + 1}"
         scale = (float(visual.scale),) * 3
-        # As a shell it may be flat, or open.
+        # With the inertia of a shell, the mesh may be flat or open.
         file = self.files[visual.file.digest]
         self.xml.element("mesh", name=name, file=file, scale=scale, inertia="shell")
 
     def bodies(self) -> None:
-        """All bodies, depth first; None on the stack closes one."""
+        """Write all bodies, depth first; a None on the stack closes a body."""
         todo: list[tuple[int, tuple[LinkJoint, ...]] | None] = [(0, ())]
         while todo:
             item = todo.pop()
@@ -143,14 +143,14 @@ class _Writer:
             todo += [(child, ()) for child in reversed(self.children[number])]
 
     def passed_over(self, number: int) -> bool:
-        """Whether a link is no body of its own."""
+        """Whether a link is not written as a body."""
         link = self.robot.tree.links[number]
         bare = number > 0 and link.moments.massless and not link.looks and not link.collisions
         bare = bare and all(visual.link != number for visual in self.visuals)
         return bare and len(self.children[number]) == 1 and not self.tools[number]
 
     def body(self, number: int, joints: tuple[LinkJoint, ...]) -> None:
-        """The start of a body with all that is fixed in it."""
+        """Write the start of a body with everything that is fixed in it."""
         robot, xml = self.robot, self.xml
         pose, placed = _placed(joints)
         xml.open(
@@ -227,7 +227,7 @@ class _Writer:
         self.xml.element("geom", **what, **place, **more)
 
     def exclusions(self) -> None:
-        """Pairs of bodies that the task lets touch; MuJoCo itself lets a body and its parent."""
+        """Exclude pairs of bodies that the task lets touch; MuJoCo itself exempts adjacent ones."""
         pairs = self.robot.tree.touching
         if not pairs:
             return
@@ -249,7 +249,7 @@ class _Writer:
         self.xml.close()
 
     def keyframe(self) -> None:
-        """The start of the motion, in the order in which MuJoCo numbers the joints."""
+        """Write the start of the motion, in the order in which MuJoCo numbers the joints."""
         start, n = self.robot.start, len(self.order)
         state: dict[str, Value] = {}
         if start:
@@ -263,7 +263,7 @@ class _Writer:
 
 
 def _placed(joints: tuple[LinkJoint, ...]) -> tuple[Pose, list[_BodyJoint]]:
-    """The pose of a body in the one below while all joints are zero; its joints in its frame."""
+    """The pose of a body relative to the one below at zero joints, and its joints in its frame."""
     whole = WORLD_POSE
     poses = []
     for joint in joints:
@@ -272,6 +272,6 @@ def _placed(joints: tuple[LinkJoint, ...]) -> tuple[Pose, list[_BodyJoint]]:
     back = whole.inverse()
     placed = [_BodyJoint(joint, back * pose) for joint, pose in zip(joints, poses, strict=True)]
     if placed:
-        # The last joint is where the body is, exactly.
+        # The last joint is exactly at the origin of the body.
         placed[-1] = _BodyJoint(joints[-1], WORLD_POSE)
     return whole, placed

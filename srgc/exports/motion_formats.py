@@ -1,4 +1,4 @@
-"""The motion of a design as JSON, as a table (CSV), as arrays (npz), and as a ROS 2 message."""
+"""Write the motion of a design as JSON, as CSV, as arrays (npz), and as a ROS 2 message."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from srgc.exports.joint_drives import joint_drives
 from srgc.exports.xml_lines import plain_line
 from srgc.faults import UsageFault
 
-# --- The motion of a design as JSON, with all that its numbers mean -------------------------------
+# --- JSON, with the meaning of all numbers --------------------------------------------------------
 
 
 FORMAT = "srgc trajectory 1"
 
 
 def trajectory_json(motion: ExportedMotion) -> str:
-    """The document: a line per key, and per row of a table."""
+    """The JSON document, with a line for each key and each row of a table."""
     parts = [f" {json.dumps(key)}: {text}" for key, text in _parts(motion)]
     return "{\n" + ",\n".join(parts) + "\n}\n"
 
@@ -109,7 +109,7 @@ def _text(value: object) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-# --- The motion of a design as a table (CSV), a row per sample ------------------------------------
+# --- A table (CSV), with a row for each sample ----------------------------------------------------
 
 
 AXES = "xyz"
@@ -118,18 +118,18 @@ AXES = "xyz"
 def trajectory_table(motion: ExportedMotion) -> str:
     """The table; numbers read back as the same doubles.
 
-    Columns are ``t`` and then ``kind.name``, so that no two are called the same.  The last row has
-    no inputs.
+    Columns are ``t`` and then ``kind.name``, so that their names are unique.  The last row has no
+    inputs.
     """
     rows = [["t", *_columns(motion)], *_rows(motion)]
     return csv_text(rows)
 
 
 def torque_table(motion: ExportedMotion) -> str:
-    """The efforts alone, each held from its time on, in columns called after the joints.
+    """A table of only the efforts, held from their time on, in columns named after the joints.
 
-    Where loads are taken up and put down, the last column has the number of the robot with what is
-    there, from 0 for the robot alone.
+    If loads are picked up and put down, the last column has the number of the robot with its
+    current loads; 0 is the robot without loads.
     """
     head = ["t", *(joint.name for joint in motion.joints)]
     states = load_states(motion.design)
@@ -145,9 +145,10 @@ def torque_table(motion: ExportedMotion) -> str:
 
 
 def gain_table(motion: ExportedMotion) -> str | None:
-    """What feedback takes away from each torque by deviations from the planned motion.
+    """A table of the gains by which feedback reduces torques per deviation from the plan.
 
-    A row per step; a column per position or velocity and torque. None for an open loop.
+    It has a row for each step, and a column for each position or velocity and torque.  None for an
+    open loop.
     """
     feedback = motion.design.feedback
     if feedback is None:
@@ -198,25 +199,25 @@ def _rows(motion: ExportedMotion) -> Iterator[list[str]]:
 
 
 def _stated(text: str, value: float) -> str:
-    """An input as the certificate says it, or as a decimal where that is a quotient."""
+    """An input as the certificate states it, or as a decimal if that is a quotient."""
     return decimal(value) if "/" in text else text
 
 
-# --- The motion of a design as NumPy arrays in one file (npz) -------------------------------------
+# --- NumPy arrays in one file (npz) ---------------------------------------------------------------
 
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Of every member: the earliest time that zip files know."""
+"""The time of all members: the earliest that zip files can express."""
 UNIX = 3
 
 
 def trajectory_arrays(motion: ExportedMotion) -> bytes:
-    """The file of a motion."""
+    """The npz file of a motion."""
     return array_file(*_arrays(motion))
 
 
 def array_file(numbers: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> bytes:
-    """Arrays of any shape by their names; same content, same bytes, none compressed or pickled."""
+    """An uncompressed npz file of named arrays, without pickles; equal content, equal bytes."""
     arrays: dict[str, NDArray[np.generic]] = {
         name: np.ascontiguousarray(value, dtype="<f8") for name, value in numbers.items()
     }
@@ -261,29 +262,29 @@ def _texts(values: Sequence[str]) -> NDArray[np.generic]:
 
 
 # --------------------------------------------------------------------------------------------------
-# The motion of a design as a ROS 2 message, ``trajectory_msgs/msg/JointTrajectory``, in YAML.
+# A ROS 2 message, ``trajectory_msgs/msg/JointTrajectory``, in YAML.
 #
-# A point has no accelerations: those of held torques jump at the samples, and a message can have
-# only one there.  With positions and velocities controllers interpolate by cubic polynomials, as
-# they should where a motion is smooth between its samples.
+# Points have no accelerations: with held torques these jump at the samples, and a message can have
+# only one there.  From positions and velocities controllers interpolate by cubic polynomials, as
+# they should if a motion is smooth between its samples.
 
 
 NANO = 10**9
 OPEN_LOOP = "open loop: efforts are held from point to point, and nothing that is measured counts"
 NO_GAINS = "the gains of its feedback are not in here; `srgc export --to controller` writes them"
 MOST_SECONDS = 2**31
-"""builtin_interfaces/msg/Duration has seconds of 32 bits with a sign."""
+"""builtin_interfaces/msg/Duration has seconds as signed 32-bit integers."""
 
 
 def joint_trajectory(motion: ExportedMotion, *, efforts: bool = True) -> str:
-    """The message, behind lines of comment.
+    """The message, after comment lines.
 
     Args:
-        motion: what is written.
+        motion: the motion to write.
         efforts: whether the points have efforts; at the end, those of the last step.
 
     Raises:
-        UsageFault: its times cannot be told apart in nanoseconds, or are too large.
+        UsageFault: its times are not distinct in nanoseconds, or too large.
     """
     times = [_nanoseconds(time) for time in motion.times]
     if any(after <= before for before, after in pairwise(times)):

@@ -1,7 +1,7 @@
-"""A motion as a picture that moves: an SVG that any browser plays, without scripts.
+"""Draw a motion as an animated SVG that any browser plays, without scripts.
 
-Each instant is a drawing of its own, which SMIL shows while it lasts (W3C, SVG 1.1, chapter 19); so
-what moves is drawn exactly as in pictures that do not.
+Each instant is a separate drawing, which SMIL shows while it lasts (W3C, SVG 1.1, chapter 19), so
+the animation looks exactly like still pictures.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from srgc.render.workspace_drawing import (
 from srgc.results.found_design import FoundDesign
 
 PER_SECOND, FEWEST, MOST = 20, 24, 90
-"""Drawings in a second of the motion, and how many there are at least and at most."""
+"""Drawings per second of the motion, and their least and greatest number."""
 LARGEST, LEAST = 120_000, 12
-"""Letters of all drawings together: where each is long, there are fewer, down to that many."""
+"""The most characters of all drawings; if each is long there are fewer, down to the second."""
 ENTRY = 300
-"""Letters that a drawing has beside its marks."""
+"""The characters of a drawing besides its marks."""
 REST = 1.0
-"""Seconds for which the last one stays before the motion begins again."""
+"""How long the last drawing stays before the motion begins again (s)."""
 FINE = 200
-"""Instants of the line of an effector."""
+"""The number of points on the path of an effector."""
 
 
 def motion_picture(design: FoundDesign) -> str:
-    """The robot of a design on its way among regions, as SVG; space is seen obliquely.
+    """The robot of a design moving among regions, as SVG; three-dimensional scenes are oblique.
 
     Raises:
         UsageFault: a map cannot be read, or numbers are too large.
@@ -88,13 +88,13 @@ def _points(robot: DrawnRobot, motion: FineInstants, times: Array) -> Array:
 
 
 def _lines(robot: DrawnRobot, motion: FineInstants, end: float) -> list[Array]:
-    """The ways of the effectors, each (K, d)."""
+    """The paths of the effectors, each (K, d)."""
     points = _points(robot, motion, np.linspace(0, end, FINE))
     return [points[:, effector] for effector in robot.effectors]
 
 
 def _frames(robot: DrawnRobot, poses: Array, times: Array, view: View) -> str:
-    """A drawing for each instant, of which one is shown; the last one stays for a while."""
+    """A drawing for each instant, shown one at a time; the last one stays for a while."""
     step, whole = float(times[1]), float(times[-1]) + REST
     found = []
     for index, (points, time) in enumerate(zip(poses, times, strict=True)):
@@ -113,7 +113,7 @@ def _frames(robot: DrawnRobot, poses: Array, times: Array, view: View) -> str:
             f'keyTimes="{";".join(f"{key:.4f}".rstrip("0").rstrip(".") for key in keys)}" '
             f'dur="{number(whole)}s" repeatCount="indefinite"/>'
         )
-        # What plays no animations shows where the motion ends.
+        # A viewer without animations shows the end of the motion.
         shown = "visible" if last else "hidden"
         clock = label(view.width - 8, 16, "end", f"{time:.2f} s")
         found.append(

@@ -1,9 +1,9 @@
-"""Hold the planned torques in MuJoCo, with the controller's gains, and compare with the plan.
+"""Replay the planned torques in MuJoCo, with the controller's gains, and compare with the plan.
 
 It needs the files that were exported with it, in its own folder, and MuJoCo (pip install mujoco):
 
     python replay.py                    print the largest differences
-    python replay.py --timestep 0.01    with steps of the simulation that are at most so long (s)
+    python replay.py --timestep 0.01    with simulation steps of at most this length (s)
     python replay.py --view             watch it
 """
 
@@ -27,7 +27,7 @@ MOST_STEPS = 100_000_000
 
 
 def rows(name: str, *columns: str) -> list[dict[str, float]]:
-    """The rows of a table of numbers with these columns at least; empty cells are left out."""
+    """Read a table of numbers with at least these columns; empty cells are left out."""
     try:
         with (FOLDER / name).open(encoding="utf-8", newline="") as file:
             table = [
@@ -55,12 +55,12 @@ def planned(model: mujoco.MjModel) -> list[dict[str, float]]:
 
 
 def torques(model: mujoco.MjModel) -> list[dict[str, float]]:
-    """What is held in each step."""
+    """The torques held in each step."""
     return rows("torques.csv", *(model.actuator(i).name for i in range(model.nu)))
 
 
 def gains(model: mujoco.MjModel) -> list[dict[str, float]]:
-    """Per step what feedback takes away from torques by deviations; nothing for an open loop."""
+    """The gains of torques per deviation in each step; empty for an open loop."""
     if not (FOLDER / "gains.csv").exists():
         return []
     motors = [model.actuator(i).name for i in range(model.nu)]
@@ -73,9 +73,9 @@ def gains(model: mujoco.MjModel) -> list[dict[str, float]]:
 
 
 def robots(model: mujoco.MjModel) -> list[mujoco.MjModel]:
-    """The robot, then with what it carries at times, as the column `robot` of torques.csv counts.
+    """The robot without loads, then with each set of loads that the column `robot` counts.
 
-    They have the settings of the first.
+    All have the settings of the first.
     """
     found = [model]
     for number in range(1, 1 + max(int(row.get("robot", 0)) for row in torques(model))):
@@ -91,14 +91,14 @@ def robots(model: mujoco.MjModel) -> list[mujoco.MjModel]:
 
 
 def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
-    """The robot at its start, and how many steps of the simulation are one of the task."""
+    """Load the robot at its start, and count the simulation steps in a step of the task."""
     try:
         model = mujoco.MjModel.from_xml_string((FOLDER / "robot.xml").read_text(encoding="utf-8"))
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"robot.xml cannot be loaded: {error}")
-    # A simulation that diverges is not to begin anew unseen.
+    # A diverging simulation must not restart unnoticed.
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     mujoco.mj_forward(model, data)
     samples = planned(model)
@@ -115,7 +115,7 @@ def start(timestep: float | None) -> tuple[mujoco.MjModel, mujoco.MjData, int]:
 
 
 def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[None]:
-    """Hold every row of torques for its step; stop after every step of the simulation."""
+    """Hold each row of torques for its step, and yield after each simulation step."""
     samples, taken, loaded = planned(model), gains(model), robots(model)
     for step, row in enumerate(torques(model)):
         off = {
@@ -133,7 +133,7 @@ def moved(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> Iterator[No
 
 
 def differences(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> tuple[float, float]:
-    """The largest differences of a position and of a velocity at the samples of the plan."""
+    """The largest differences in a position and in a velocity at the samples of the plan."""
     samples = planned(model)
     largest = [0.0, 0.0]
 
@@ -154,7 +154,7 @@ def differences(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> tuple
 
 
 def view(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> None:
-    """Show the motion again and again, until the window is closed."""
+    """Show the motion repeatedly until the window is closed."""
     import mujoco.viewer
 
     with mujoco.viewer.launch_passive(model, data) as window:

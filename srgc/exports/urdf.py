@@ -1,7 +1,7 @@
-"""URDF: the robot description format of ROS (wiki.ros.org/urdf/XML).
+"""Write URDF, the robot description format of ROS (wiki.ros.org/urdf/XML).
 
-Every link has an inertial, as many readers demand; what an effector's frame must be given is taken
-from the link that carries it, so that the sum is that of the robot.
+Every link has an inertial, as many readers require.  What the frame of an effector has to have is
+taken from the link that carries it, so the sum is that of the robot.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from srgc.exports.visual_meshes import VisualMesh
 from srgc.exports.xml_lines import XmlLines
 
 LEAST = Fraction(1, 10**9)
-"""Masses (kg) and principal moments (kg m^2) below it are refused by some readers."""
+"""Some readers reject smaller masses (kg) and principal moments of inertia (kg m^2)."""
 UNLIMITED = 1e9
-"""URDF demands numbers where a robot has no limit (SI)."""
+"""Written if a robot has no limit where URDF requires a number (SI)."""
 
 
 def urdf_text(
@@ -29,10 +29,10 @@ def urdf_text(
     meshes: Mapping[tuple[float, ...], str] | None = None,
     visuals: Mapping[str, str] | None = None,
 ) -> str:
-    """The robot as URDF; ``meshes`` are the files of hulls, by their corners, beside it.
+    """The robot as URDF; ``meshes`` maps the corners of hulls to their files.
 
-    In place of another hull it has a box about it.  ``visuals`` are the files of visuals, by their
-    digests; others are left out.
+    Other hulls are replaced by their bounding boxes.  ``visuals`` maps digests to the files of
+    visuals; others are left out.
 
     Raises:
         ValueError: a link has an inertia that no body has.
@@ -86,10 +86,10 @@ class _Writer:
         self.xml.close()
 
     def remaining(self, number: int) -> MassMoments:
-        """The moments of a link without what the frames of its effectors are given.
+        """The moments of a link less those given to the frames of its effectors.
 
-        What it then lacks is as little as ``legal`` allows; a link with too little mass for that
-        is left as it is.
+        The difference is corrected as little as ``legal`` allows; a link with too little mass for
+        that is not changed.
         """
         tree = self.robot.tree
         whole = tree.links[number].moments
@@ -98,7 +98,7 @@ class _Writer:
             left = left - token(LEAST, tree.effectors[tool].pose.origin)
         if left is whole or not left.mass > ball(LEAST):
             return whole
-        inertial(whole, tree.dimension, LEAST)  # an inertia that no body has is refused
+        inertial(whole, tree.dimension, LEAST)  # this rejects an inertia that no body has
         return legal(left, tree.dimension, LEAST)
 
     def inertial(self, moments: MassMoments) -> None:
@@ -193,19 +193,19 @@ class _Writer:
         xml.text("hardwareInterface", "hardware_interface/EffortJointInterface")
         xml.close()
         xml.open("actuator", name=f"{joint}_motor")
-        # A reduction of 0 is none, and then nothing is felt of the rotor, either.
+        # A reduction of 0 is not valid; with it the rotor has no effect at the joint either.
         xml.text("mechanicalReduction", _ratio(gear or 1.0))
         xml.close()
         xml.close()
 
 
 def _ratio(gear: float) -> str:
-    """The number as it reads back, a whole one without a point."""
+    """The number as it reads back; a whole number has no point."""
     return repr(gear).removesuffix(".0")
 
 
 def _box_about(hull: Geometry) -> Geometry:
-    """The box along the axes of a hull's frame that holds it."""
+    """The bounding box of a hull along the axes of its frame."""
     sides = [hull.size[axis::3] for axis in range(3)]
     middle = [(Fraction(min(side)) + Fraction(max(side))) / 2 for side in sides]
     pose = hull.pose.moved(column([ball(value) for value in middle]))
@@ -213,7 +213,7 @@ def _box_about(hull: Geometry) -> Geometry:
 
 
 def _parts(geometry: Geometry) -> list[Geometry]:
-    """What URDF has: a capsule is a cylinder and two spheres."""
+    """The geometry in shapes of URDF: a capsule becomes a cylinder and two spheres."""
     if geometry.kind != "capsule":
         return [geometry]
     radius, length = geometry.size

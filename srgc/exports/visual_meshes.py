@@ -1,4 +1,4 @@
-"""The meshes of visuals: where they are in the links of a robot, and as files beside its export."""
+"""Place the meshes of visuals in a robot's links, and write them as files for its export."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 UNSAID = "visuals are files of their own; name a file with -o, and they stand beside it"
 _READ_BY_MUJOCO = (".stl", ".obj")
 _MOST_FACES, _LEAST_CORNERS = 200_000, 4
-"""MuJoCo refuses an STL file of more, and a mesh of fewer."""
+"""MuJoCo rejects an STL file with more faces, and a mesh with fewer corners."""
 _HEADER, _TRIANGLE = struct.Struct("<80sI"), struct.Struct("<12fH")
 
 
 @dataclass(frozen=True, slots=True)
 class VisualMesh:
-    """A mesh that is seen at a pose in a link, its unit of ``scale`` metres."""
+    """A mesh shown at a pose in a link; its unit is ``scale`` metres."""
 
     link: int
     pose: Pose
@@ -41,7 +41,7 @@ class VisualMesh:
 def pictured_model(design: FoundDesign) -> RobotModel:
     """The robot of a design with the frames of its visuals.
 
-    Its links are those of the design, and after these such as a coupled degree of freedom moves and
+    Its links are those of the design, followed by links that a coupled degree of freedom moves and
     that have nothing but visuals.
     """
     family = family_of(design.program, design.task)
@@ -70,7 +70,7 @@ def visual_meshes(design: FoundDesign, model: RobotModel) -> tuple[VisualMesh, .
 
 
 def visual_names(meshes: Sequence[VisualMesh], stem: str) -> dict[str, str]:
-    """The names of the files of visuals, by their digests; they begin with ``stem``."""
+    """Map the digests of visuals to names of their files, which begin with ``stem``."""
     found: dict[str, str] = {}
     for mesh in meshes:
         if mesh.file.digest not in found:
@@ -80,9 +80,9 @@ def visual_names(meshes: Sequence[VisualMesh], stem: str) -> dict[str, str]:
 
 
 def visual_files(meshes: Sequence[VisualMesh], names: Mapping[str, str]) -> dict[str, bytes]:
-    """The contents of these files by their names, each as it is; STL that is text as binary.
+    """Map the names of visuals' files to their contents, which are unchanged except for text STL.
 
-    MuJoCo reads no other STL.
+    That becomes binary, since MuJoCo does not read it.
     """
     return {names[mesh.file.digest]: _content(mesh.file) for mesh in meshes}
 
@@ -120,7 +120,7 @@ def _binary(file: ir.VisualFile) -> Iterator[tuple[tuple[float, ...], ...]] | No
 
 
 def _content(file: ir.VisualFile) -> bytes:
-    """The bytes of a file; of STL that is text the same triangles as binary."""
+    """The bytes of a file; text STL is converted to binary STL with the same triangles."""
     if _suffix(file) != ".stl":
         return file.data
     try:

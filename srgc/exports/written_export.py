@@ -1,4 +1,4 @@
-"""The export of a result folder, written where its user wants it."""
+"""Write the export of a result folder to the place that the user names."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from srgc.results.found_design import FoundDesign, found_design
 
 @dataclass(frozen=True, slots=True)
 class WrittenExport:
-    """The files that were written, or the content where none was named; notes for a reader."""
+    """The files written, or the content if no file was named; and notes for the reader."""
 
     files: tuple[Path, ...]
     content: bytes | None
@@ -43,7 +43,7 @@ class WrittenExport:
 
 @dataclass(frozen=True, slots=True)
 class PreparedExport:
-    """What an export is to write, or the content where no file was named; notes for a reader."""
+    """The files to write, or the content if no file was named; and notes for the reader."""
 
     files: tuple[tuple[FolderOutput, bytes], ...]
     content: bytes | None
@@ -56,17 +56,18 @@ def written_export(
     """Export a result folder.
 
     Args:
-        folder: one that ``synth`` has written, with the verdict found.
+        folder: a folder that ``synth`` has written, with the verdict found.
         form: one of the ``FORMS`` or ``FOLDERS``.
-        output: the file to write, or for ``FOLDERS`` the folder; folders on the way are made;
-            None: nothing is written. Beside ``arm.urdf`` there may be ``arm.joints.json`` and
-            ``arm.hull_1.stl``.
+        output: the file to write, or for ``FOLDERS`` the folder; missing folders are created.  If
+            None, nothing is written.  Files such as ``arm.joints.json`` and ``arm.hull_1.stl`` may
+            be written next to ``arm.urdf``.
         efforts: whether a ROS 2 message has efforts.
 
     Raises:
-        UsageFault: there is no robot, the format cannot hold it, the output is one of the results
-            or cannot be written, or a folder is due and none is named. Then nothing is written.
-        NoAnswer: ``controller``: the tube does not get to the end of the motion.
+        UsageFault: there is no robot, the format cannot represent it, the output is one of the
+            results or cannot be written, or a folder is required and none is named; then nothing is
+            written.
+        NoAnswer: ``controller``: the tube does not reach the end of the motion.
     """
     prepared = prepared_export(folder, form, output, efforts=efforts)
     write_files(prepared.files)
@@ -108,7 +109,7 @@ def _one_file(
 
 
 def _left_to_files(design: FoundDesign, form: str) -> tuple[str, ...]:
-    """What a URDF or an MJCF without files beside it does not say of a robot."""
+    """Notes on what a URDF or MJCF without further files does not include."""
     robot = exported_robot(design)
     seen = (NO_VISUALS,) if robot.visuals else ()
     if form != "urdf":
@@ -118,7 +119,7 @@ def _left_to_files(design: FoundDesign, form: str) -> tuple[str, ...]:
 
 
 def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str]:
-    """Notes on what stands beside a URDF and belongs to another one."""
+    """Notes on files next to a URDF that belong to an earlier one."""
     meshes = [path for kind in ("hull_*.stl", "visual_*.*")
               for path in sorted(folder.glob(f"{glob.escape(stem)}.{kind}"))]  # fmt: skip
     for path in (folder / f"{stem}{SUFFIX}", *meshes):
@@ -127,7 +128,7 @@ def _earlier(folder: Path, stem: str, written: Collection[Path]) -> Iterator[str
 
 
 def _strays(package: Path, written: Collection[Path]) -> Iterator[str]:
-    """Notes on robots and meshes in a package that are none of this one's."""
+    """Notes on robots and meshes in a package that do not belong to this export."""
     kinds = ("urdf/*.urdf", "urdf/*.urdf.xacro", f"urdf/*{SUFFIX}", "config/*.srdf", "meshes/*.stl")
     for path in (path for kind in kinds for path in sorted(package.glob(kind))):
         if path not in written:
@@ -147,7 +148,7 @@ def _prepared_folder(folder: Path, form: str, output: Path | None) -> PreparedEx
     files = [
         (folder_output(folder, output / name), made.files[name]) for name in sorted(made.files)
     ]
-    # Gains or single precision of another design, say, would be taken for this one's.
+    # Otherwise files of another design, such as its gains, would be taken for this one's.
     other = sorted({*FOLDER_FILES[form]} - made.files.keys())
     left = [name for name in other if (output / name).exists()]
     paths = {output / name for name in (*made.files, *other)}

@@ -1,4 +1,4 @@
-"""The files of an export, in folders that are made: all of them, or none."""
+"""Write the files of an export and create their folders: all of them, or none."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from srgc.results.folder_writer import FolderOutput, part_name, refuse_other
 
 
 def write_files(files: Sequence[tuple[FolderOutput, bytes]]) -> None:
-    """Write files, each beside its place first; only when all are there are they moved.
+    """Write files, each under a temporary name first; they are moved only when all are written.
 
-    What is no plain file, as a pipe or a link, is written as it is, behind the others.
+    Anything but a plain file, such as a pipe or a link, is written directly, after the others.
 
     Raises:
-        UsageFault: one cannot be written.  Then none is, and no folder was made.
+        UsageFault: a file cannot be written; then none is written, and no folder is created.
     """
     _Writer().write(files)
 
@@ -47,9 +47,9 @@ class _Writer:
             raise
 
     def _put_beside(self, output: FolderOutput, content: bytes) -> bool:
-        """Write a file beside its place; False where it has to be written in another way."""
+        """Write a file under a temporary name; False if it has to be written in another way."""
         path = output.path
-        if output.name is not None:  # in the result folder, which has rules of its own
+        if output.name is not None:  # in the result folder, which has its own rules
             refuse_other(output.folder / output.name, "file")
             return False
         refuse_impossible(path)
@@ -71,7 +71,7 @@ class _Writer:
         return True
 
     def _make(self, folder: Path) -> None:
-        """Make a folder and those that it is in, and remember which were not there."""
+        """Create a folder and its parents, and remember which were missing."""
         if folder.is_dir():
             return
         self._make(folder.parent)

@@ -1,1 +1,1 @@
-"""Robots, module sets, tasks and scenes of other tools, written as `.srg` text."""
+"""Import robots, module sets, tasks and scenes of other tools as `.srg` text."""

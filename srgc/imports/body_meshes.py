@@ -1,4 +1,4 @@
-"""Meshes of bodies: convex pieces to collide as, and the files as they are for pictures."""
+"""Meshes of bodies: convex pieces for collision checking, unchanged files for pictures."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ VISUALS = (".stl", ".obj", ".dae", ".glb")
 
 @dataclass(slots=True)
 class BodyMeshes:
-    """Reads the meshes that a description of bodies names.
+    """Reads the meshes that the description of a robot or scene names.
 
-    ``folder`` is where they are written, relative to the spec.  ``written`` holds their bytes by
-    path.  ``pieces`` and ``detail`` bound how many convex pieces there are and what they add.
+    ``folder`` is where they are written, relative to the spec, and ``written`` maps their paths to
+    their bytes.  ``pieces`` bounds the number of convex pieces of a mesh, ``detail`` the share of
+    its volume that they may add.
     """
 
     files: SourceFiles
@@ -42,7 +43,7 @@ class BodyMeshes:
     def hulls(
         self, owner: str, file: str, scale: Sequence[float], place: Placement
     ) -> Iterator[Shape]:
-        """The convex pieces of a mesh whose lengths are scaled along its axes."""
+        """The convex pieces of a mesh after scaling along its axes."""
         key = (file, (scale[0], scale[1], scale[2]))
         if key not in self._cut:
             self._cut[key] = self._written_pieces(owner, file, scale)
@@ -72,7 +73,7 @@ class BodyMeshes:
         return [f"{self.folder}/{name}.obj" for name in names]
 
     def _mesh(self, file: str, scale: Sequence[float]) -> Mesh:
-        """A mesh in metres, in the axes of its file."""
+        """Read a mesh in metres, keeping the axes of its file."""
         from srgc.imports.meshes.exact_places import rational
         from srgc.imports.meshes.mesh_file import read_mesh
 
@@ -80,7 +81,7 @@ class BodyMeshes:
         return mesh.scaled([rational(factor) for factor in scale])
 
     def moments(self, file: str, scale: Sequence[float]) -> Moments | None:
-        """The moments of a closed mesh for a density of 1 kg/m^3, None of an open one."""
+        """The moments of a mesh for a density of 1 kg/m^3; None if the mesh is not closed."""
         import numpy as np
         import trimesh
 
@@ -96,7 +97,7 @@ class BodyMeshes:
     def visual(
         self, owner: str, file: str, scale: Sequence[float], place: Placement
     ) -> Iterator[Shape]:
-        """A mesh for pictures, whose file is copied."""
+        """A mesh for pictures, whose file is copied; none if it cannot be shown."""
         if not file.lower().endswith(VISUALS):
             self.remarks.append(f"{owner}: pictures of `{visible(file)}` are left out")
             return
@@ -116,7 +117,7 @@ class BodyMeshes:
 
 
 def _told(owner: str, file: str, cut: Pieces) -> str:
-    """What convex pieces make of a mesh."""
+    """A remark on the number of convex pieces of a mesh and the volume that they add."""
     one = len(cut.pieces) == 1
     count = "1 convex piece, which adds" if one else f"{len(cut.pieces)} convex pieces, which add"
     notes = "".join(f"; {note}" for note in cut.notes)

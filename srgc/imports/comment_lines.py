@@ -1,4 +1,4 @@
-"""Lines of a comment, as wide as a person writes them."""
+"""Comments of specs, wrapped to the usual width."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import textwrap
 from collections.abc import Iterable
 
 WIDTH = 97
-"""Columns of a comment behind its slashes."""
+"""The most columns of a line of a comment, after its slashes."""
 
 
 def comment_lines(lines: Iterable[str]) -> str:
-    """Lines as a comment; long ones are wrapped."""
+    """A comment with these lines; long lines are wrapped."""
     found = list[str]()
     for line in lines:
         indent = "  " if line.startswith("- ") else ""
@@ -21,5 +21,5 @@ def comment_lines(lines: Iterable[str]) -> str:
 
 
 def printable(line: str) -> str:
-    """A line without what would end the comment or upset a terminal."""
+    """A line without characters that would end the comment or disturb a terminal."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in line)

@@ -1,4 +1,4 @@
-"""A JSON file of others, read value by value; each fault names the file and where in it it is."""
+"""Read JSON files of other tools value by value; each fault says where in the file it is."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ from srgc.imports.source_fault import SourceFault, file_fault
 from srgc.imports.source_files import SourceFiles
 
 MOST_ENTRIES = 20_000
-"""A list of more is refused: nothing that is imported needs so many."""
+"""Longer lists are rejected: nothing that is imported needs so many entries."""
 LARGEST = 1e12
-"""No finite number of a file is larger, in SI units."""
+"""The largest absolute value of a finite number in a file, in SI units."""
 _DECODER, _BLANKS = json.JSONDecoder(), re.compile(r"[ \t\n\r]*")
 _KINDS = {dict: "an object", list: "a list", str: "a text", bool: "true or false"}
 
 
 class _Repeated(dict[str, Any]):
-    """An object in which a key stands twice."""
+    """An object with a repeated key."""
 
     key: str
 
 
 @dataclass(slots=True)
 class Unread:
-    """What of a file was not asked for, as places, in their order."""
+    """The places in a file that were not read, in their order."""
 
     places: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A value of a JSON file, and the keys and numbers of entries that lead to it."""
+    """A value in a JSON file, with the keys and indices that lead to it."""
 
     source: Source
     steps: tuple[str | int, ...]
@@ -53,21 +53,21 @@ class Place:
         return "".join(map(_step, self.steps)).removeprefix(".")
 
     def fault(self, said: str) -> SourceFault:
-        """A fault at this place, or at the nearest one about it that the file has."""
+        """A fault at this place, or at the innermost place in the file that encloses it."""
         message = f"{self.path}: {said}" if self.steps else said
         span = _span(self.source.text, self.steps)
         return SourceFault(Code.FOREIGN_CONTENT, message, self.source, span)
 
-    # --- What the value is ------------------------------------------------------------------------
+    # --- Values -----------------------------------------------------------------------------------
 
     def text(self) -> str:
-        """A text, or a whole number as one, which IDs may be."""
+        """The value as a text; a whole number is accepted too, since IDs may be numbers."""
         if isinstance(self.value, bool) or not isinstance(self.value, str | int):
             raise self._wrong("a text")
         return str(self.value)
 
     def truth(self) -> bool:
-        """True or false; also as texts, which Timor takes."""
+        """The value as a truth value; Timor also accepts the texts "true" and "false"."""
         if self.value in ("true", "True", "false", "False"):
             return bool(self.value in ("true", "True"))
         if not isinstance(self.value, bool):
@@ -75,7 +75,7 @@ class Place:
         return self.value
 
     def number(self, *, least: float = -math.inf) -> float:
-        """A finite number, not below ``least``."""
+        """The value as a finite number of at least ``least``."""
         found = self.limit()
         if math.isinf(found):
             raise self.fault("expected a finite number, found Infinity")
@@ -84,7 +84,7 @@ class Place:
         return found
 
     def limit(self) -> float:
-        """A number that may be infinite."""
+        """The value as a number that may be infinite."""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             raise self._wrong("a number")
         if self.value != self.value:
@@ -96,21 +96,24 @@ class Place:
         return self.value
 
     def numbers(self, count: int, *, least: float = -math.inf) -> tuple[float, ...]:
-        """A list of so many finite numbers."""
+        """The value as a list of ``count`` finite numbers, each at least ``least``."""
         entries = self.entries()
         if len(entries) != count:
             raise self.fault(f"expected {count} numbers, found {len(entries)}")
         return tuple(entry.number(least=least) for entry in entries)
 
     def matrix(self, rows: int, columns: int) -> NDArray[np.float64]:
-        """A list of rows of finite numbers."""
+        """The value as a list of rows of finite numbers."""
         entries = self.entries()
         if len(entries) != rows:
             raise self.fault(f"expected {rows} rows, found {len(entries)}")
         return np.array([entry.numbers(columns) for entry in entries])
 
     def pose(self) -> NDArray[np.float64]:
-        """A homogeneous matrix (4, 4) whose rotation is one to 1e-6; it is made one to rounding."""
+        """The value as a homogeneous matrix (4, 4).
+
+        Its rotation has to be orthogonal to 1e-6; it is made orthogonal to rounding.
+        """
         matrix = self.matrix(4, 4)
         rotation = matrix[:3, :3]
         if np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-9:
@@ -122,10 +125,10 @@ class Place:
             matrix[:3, :3] = left @ right
         return matrix
 
-    # --- What it holds ----------------------------------------------------------------------------
+    # --- Parts ------------------------------------------------------------------------------------
 
     def entries(self, most: int = MOST_ENTRIES) -> Sequence[Place]:
-        """The entries of a list, which are not more than ``most``."""
+        """The entries of a list; a list with more than ``most`` is rejected."""
         if not isinstance(self.value, list):
             raise self._wrong("a list")
         if len(self.value) > most:
@@ -136,11 +139,11 @@ class Place:
         ]
 
     def one_or_more(self, most: int = MOST_ENTRIES) -> Sequence[Place]:
-        """The entries of a list, or the value itself, which Timor takes for a list of one."""
+        """The entries of a list, or the value itself, as Timor accepts it for a list of one."""
         return self.entries(most) if isinstance(self.value, list) else [self]
 
     def keys(self, known: Sequence[str]) -> None:
-        """Note which keys of an object are none of those that are read."""
+        """Record the keys of an object that are not ``known`` as unread."""
         for key in self._object():
             if key not in known:
                 self.unread.places.append(self._of(key, None).path)
@@ -159,7 +162,7 @@ class Place:
         return self._of(key, self.value[key])
 
     def get(self, key: str, default: Any) -> Place:
-        """The value of a key, or of a default where it is missing or null."""
+        """The value of a key, or ``default`` if the key is missing or null."""
         return self._of(key, self.value[key] if key in self else default)
 
     def _object(self) -> dict[str, Any]:
@@ -183,10 +186,11 @@ class Place:
 def json_file(files: SourceFiles) -> Place:
     """The value of the JSON file that is imported.
 
-    ``Infinity`` and numbers such as 1e500 are read, for limits; NaN is a number for nobody.
+    ``Infinity`` and numbers such as 1e500 are accepted, for limits.  NaN is accepted here, and
+    rejected when it is read as a number.
 
     Raises:
-        SourceFault: it cannot be read, is too large, or is no JSON.
+        SourceFault: the file cannot be read, is too large, or is not JSON.
     """
     path, content = files.main, files.main_bytes()
     try:
@@ -200,12 +204,12 @@ def json_file(files: SourceFiles) -> Place:
         raise SourceFault(Code.FOREIGN_FILE, message, source, span) from None
     except RecursionError:
         raise file_fault(path, "its values are nested too deeply") from None
-    except ValueError:  # which Python says of such a number alone
+    except ValueError:  # Python raises it only for such a number
         raise file_fault(path, "it has a whole number of thousands of digits") from None
     return Place(source, (), value, Unread())
 
 
-# --- Where values stand ---------------------------------------------------------------------------
+# --- Positions in the text ------------------------------------------------------------------------
 
 
 def _step(key: str | int) -> str:
@@ -215,7 +219,7 @@ def _step(key: str | int) -> str:
 
 
 def _span(text: str, steps: Sequence[str | int]) -> Span:
-    """Where the value at the end of steps stands, or what holds it where the text has none."""
+    """The position of the value at the end of steps, or of the innermost value that is present."""
     start = _after_blanks(text, 0)
     for step in steps:
         inner = next((at for found, at in _children(text, start) if found == step), None)
@@ -228,7 +232,7 @@ def _span(text: str, steps: Sequence[str | int]) -> Span:
 
 
 def _children(text: str, start: int) -> Iterator[tuple[str | int, int]]:
-    """The keys or numbers of the values in an object or list, and where these begin."""
+    """The keys or indices of the values in an object or list, with their positions."""
     opened = text[start : start + 1]
     at, number = _after_blanks(text, start + 1), 0
     while opened in "[{" and text[at] not in "]}":
@@ -259,5 +263,5 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _constant(name: str) -> float:
-    """NaN stays one, so that the fault can say where it stands."""
+    """Keep NaN as a number, so that a fault can say where it is."""
     return float(name)

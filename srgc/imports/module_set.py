@@ -1,7 +1,7 @@
-"""Modules as other formats describe them, before they are text: what all readers hand on.
+"""Modules from other formats, as readers pass them on to ``spec_text``, which writes the text.
 
-All numbers are floats in SI units and radians; vectors are tuples.  A reader of a format makes a
-:class:`ModuleSet`; ``spec_text`` writes it.
+A reader of a format makes a :class:`ModuleSet`.  All numbers are floats in SI units and radians;
+vectors are tuples.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ Axis: TypeAlias = Literal["x", "y", "z", "-x", "-y", "-z"]
 MotionKind: TypeAlias = Literal["revolute", "prismatic"]
 Role: TypeAlias = Literal["base", "joint", "link", "effector"]
 
-# --- Where things are -----------------------------------------------------------------------------
+# --- Placements -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """A shift by a vector (m)."""
+    """A translation by a vector (m)."""
 
     by: Vector
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """A turn about an axis by an angle (rad)."""
+    """A rotation about a coordinate axis by an angle (rad)."""
 
     axis: Literal["x", "y", "z"]
     angle: float
@@ -41,7 +41,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A degree of freedom of the module, where it moves what comes after it."""
+    """The motion of a degree of freedom, which moves all that follows it."""
 
     dof: str
 
@@ -52,14 +52,14 @@ Steps: TypeAlias = tuple[Step, ...]
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """A frame of the module, by its name, and steps from there."""
+    """A named frame of the module, and steps from there."""
 
     base: str = "in"
     steps: Steps = ()
 
 
 def acts(step: Step) -> bool:
-    """Whether a step does anything."""
+    """Whether a step is not the identity."""
     match step:
         case Move():
             return any(step.by)
@@ -70,7 +70,7 @@ def acts(step: Step) -> bool:
 
 
 def joined(first: Steps, second: Steps) -> Steps:
-    """Steps one after the other; two shifts with nothing between them are one."""
+    """Concatenate steps; two adjacent translations are merged into one."""
     before = tuple(step for step in first if acts(step))
     after = tuple(step for step in second if acts(step))
     if before and after and isinstance(before[-1], Move) and isinstance(after[0], Move):
@@ -81,10 +81,10 @@ def joined(first: Steps, second: Steps) -> Steps:
 
 
 def steps_of(matrix: NDArray[np.float64]) -> Steps:
-    """The shift and the turns of a homogeneous matrix (4, 4): ``move * rot z * rot y * rot x``.
+    """The translation and rotations of a homogeneous matrix: ``move * rot z * rot y * rot x``.
 
     Raises:
-        ValueError: the matrix is no rigid displacement.
+        ValueError: the matrix (4, 4) is not a rigid displacement.
     """
     rotation = matrix[:3, :3]
     if not np.all(np.isfinite(matrix)) or np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-9:
@@ -96,15 +96,16 @@ def steps_of(matrix: NDArray[np.float64]) -> Steps:
 
 
 def turns_of(rotation: NDArray[np.float64]) -> Steps:
-    """Turns about z, y and x, in this order, whose product is a rotation (3, 3).
+    """Rotations about z, y and x, in this order, whose product is a rotation matrix (3, 3).
 
-    Of the two ways to say it the one with fewer turns, else with a pitch of at most 90 degrees.
+    Of the two solutions this is the one with fewer rotations, otherwise the one with a pitch of at
+    most 90 degrees.
     """
     pitch = math.atan2(-rotation[2, 0], math.hypot(rotation[0, 0], rotation[1, 0]))
     if abs(math.cos(pitch)) > 1e-9:
         roll = math.atan2(rotation[2, 1], rotation[2, 2])
         yaw = math.atan2(rotation[1, 0], rotation[0, 0])
-    else:  # only the difference or the sum of the two counts
+    else:  # only the sum or difference of roll and yaw matters
         roll = 0.0
         yaw = math.atan2(-rotation[0, 1], rotation[1, 1])
     said = (yaw, pitch, roll)
@@ -119,7 +120,11 @@ def _opposite(angle: float) -> float:
 
 
 def matrix_of(steps: Steps) -> NDArray[np.float64]:
-    """The homogeneous matrix (4, 4) of steps without a motion."""
+    """The homogeneous matrix (4, 4) of steps.
+
+    Raises:
+        ValueError: one of the steps is a motion.
+    """
     found = np.eye(4)
     for step in steps:
         match step:
@@ -141,12 +146,12 @@ def _rotation(turn: Turn) -> NDArray[np.float64]:
     return found
 
 
-# --- What modules have ----------------------------------------------------------------------------
+# --- Parts of modules -----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Gear (rad per rad, or per m), rotor (kg m^2), viscous and dry friction; None: not said."""
+    """Gear ratio (rad/rad or rad/m), rotor inertia (kg m^2), viscous and dry friction, or None."""
 
     gear: float | None = None
     rotor: float | None = None
@@ -156,10 +161,10 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class Dof:
-    """A degree of freedom; None where nothing bounds it.
+    """A degree of freedom; a limit is None if there is no bound.
 
-    ``range`` in rad or m, ``rate`` per s, ``accel`` per s^2, ``effort`` in N m or N.  Nothing
-    drives a ``passive`` one.
+    ``range`` is in rad or m, ``rate`` per s, ``accel`` per s^2, ``effort`` in N m or N.  A
+    ``passive`` degree of freedom has no drive.
     """
 
     name: str
@@ -176,7 +181,7 @@ class Dof:
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """Where modules meet; ``in`` is the module's own end."""
+    """A port, where modules are joined; ``in`` is the module's own end."""
 
     name: str
     type: str
@@ -193,7 +198,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A rigid body: mass (kg), centre (m) and inertia about it, (xx, yy, zz, xy, xz, yz) kg m^2."""
+    """A rigid body: mass (kg), centre (m), inertia about it (xx, yy, zz, xy, xz, yz) in kg m^2."""
 
     place: Placement
     mass: float
@@ -204,11 +209,11 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """Collision geometry.
+    """Collision geometry, or a mesh for pictures.
 
-    ``size``: of a sphere (radius,), of a box its edges, of a cylinder or capsule (radius, length)
-    about the z axis of its frame, where it begins; of a hull (unit of its file in m,).  A
-    ``visual`` is a mesh for pictures alone, with the unit of its file.
+    ``size`` is (radius,) of a sphere, the edges of a box, (radius, length) of a cylinder or
+    capsule, which extends along the z axis from the origin of its frame, and (unit of the file in
+    m,) of a ``hull`` or ``visual``.  A ``visual`` is a mesh for pictures only.
     """
 
     kind: Literal["sphere", "box", "cylinder", "capsule", "hull", "visual"]
@@ -220,7 +225,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """A module as text is to say it; ``comments`` are lines above it."""
+    """A module to be written as text; ``comments`` are the lines above it."""
 
     name: str
     role: Role
@@ -235,7 +240,7 @@ class Module:
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A grammar from ports; ``accept`` is a condition as text, empty where there is none."""
+    """A grammar from ports; ``accept`` is a condition as text, empty if there is none."""
 
     name: str
     start: str
@@ -246,10 +251,10 @@ class Family:
 
 @dataclass(slots=True)
 class ModuleSet:
-    """What a reader has read.
+    """The result of a reader.
 
-    ``remarks`` say what could not be carried over, one a line, and ``warnings`` what of it has a
-    place in the file.
+    ``remarks`` say what could not be carried over, one a line; ``warnings`` say the same for things
+    that have a place in the file.
     """
 
     comments: list[str] = field(default_factory=list)

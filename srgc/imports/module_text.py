@@ -1,4 +1,4 @@
-"""A module as a person would have written it in the language."""
+"""Write modules and grammars in the language, as a person would."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _AXES = "xyz"
 
 
 def module_text(module: Module, quantities: Quantities) -> str:
-    """The block of a module, with the comments above it; not in canonical form yet."""
+    """The block of a module with the comments above it, not yet in canonical form."""
     lines = [comment_lines(module.comments)] if module.comments else []
     lines.append(f"module {module.name} {{")
     lines += [f"  {line}" for line in _Writer(module, quantities).items()]
@@ -128,7 +128,7 @@ class _Writer:
         return f"{text}{_behind(shape.comment)}"
 
     def place(self, place: Placement) -> str:
-        """A frame: its base, times what each step does; steps that do nothing are left out."""
+        """A frame as the product of its base and its steps; steps that do nothing are left out."""
         factors = [place.base]
         for step in place.steps:
             match step:

@@ -1,4 +1,4 @@
-"""Names of the language for what other formats call as they like."""
+"""Make names of the language from the free names of other formats."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from grammar_lang.parsing.tables import RESERVED
 
 LONGEST = 60
-"""Names are cut after so many characters."""
+"""The most characters of a name; longer ones are cut."""
 _OTHERS = re.compile(r"[^A-Za-z0-9_]+")
 _SINGLE = dict(
     zip(
@@ -24,13 +24,13 @@ _SEVERAL = {
     "þ": "th",
 }  # fmt: skip
 _LATIN = _SINGLE | _SEVERAL
-"""Cyrillic, Greek and other letters in Latin ones, without their accents."""
+"""Maps Cyrillic, Greek and other letters without accents to Latin ones."""
 
 
 class Names:
-    """Gives each thing a name of its own; one that is wanted again gets a number.
+    """Gives each thing a unique name; a name that is taken gets a number.
 
-    With ``ignore_case`` names that differ only in case are the same, as those of files are on some
+    With ``ignore_case`` names that differ only in case are equal, like names of files on some
     disks.
     """
 
@@ -39,7 +39,7 @@ class Names:
         self.given = set(map(self._key, taken))
 
     def name(self, wanted: str, otherwise: str = "part") -> str:
-        """The name, changed as little as the language demands; see :func:`legible`."""
+        """A unique name close to the one wanted, valid in the language; see :func:`legible`."""
         plain = legible(wanted, otherwise)
         if not plain or plain[0].isdigit() or plain in RESERVED:
             plain = f"_{plain}"
@@ -50,11 +50,11 @@ class Names:
         return found
 
     def take(self, name: str) -> None:
-        """Give a name to nothing else."""
+        """Reserve a name."""
         self.given.add(self._key(name))
 
     def camel(self, wanted: str, otherwise: str = "Part") -> str:
-        """The name with a capital for each word, as modules have it: ``UpperArm``."""
+        """A unique name with a capital for each word, as modules have: ``UpperArm``."""
         words = legible(wanted, otherwise).split("_")
         return self.name("".join(word[:1].upper() + word[1:] for word in words))
 
@@ -63,10 +63,10 @@ class Names:
 
 
 def legible(text: str, otherwise: str) -> str:
-    """A text in the characters of names, ``_`` for others, of at most :data:`LONGEST`.
+    """A text reduced to the characters of names, with ``_`` for others, cut at :data:`LONGEST`.
 
-    Letters of other alphabets become Latin ones where that is usual.  Where no letter is left,
-    ``otherwise`` says what it is: the joint ``関節1`` is ``joint_1``.
+    Letters of other alphabets become Latin ones where there is a usual transliteration.  If no
+    letter is left, ``otherwise`` is used: the joint ``関節1`` becomes ``joint_1``.
     """
     plain = _OTHERS.sub("_", _latin(text)).strip("_")[:LONGEST].rstrip("_")
     if any(map(str.isalpha, plain)) or not any(map(str.isalpha, text)):
@@ -75,12 +75,12 @@ def legible(text: str, otherwise: str) -> str:
 
 
 def is_legible(text: str) -> bool:
-    """Whether a text can be told from the name that was made of it."""
+    """Whether a text can be recognised in the name that was made from it."""
     return text.isascii() and len(text) <= LONGEST
 
 
 def _latin(text: str) -> str:
-    """Letters without accents, and in Latin ones where the table has them."""
+    """The text without accents, with Latin letters for those in the table."""
     found = list[str]()
     for each in unicodedata.normalize("NFKD", text):
         if unicodedata.combining(each):

@@ -1,10 +1,10 @@
-"""Numbers with units as a person writes them, and what rounding them has changed.
+"""Write numbers with units as a person would, and count what rounding has changed.
 
-Files of other tools hold 1.570796325 for a right angle and 1e-17 for nothing.  Such noise is taken
-away: lengths and angles get at most twelve decimals in SI units, other numbers ten digits, which
-changes no effort by more than 1e-9 of itself; an angle that is within 1e-5 rad of a multiple of
-15 degrees is that multiple, a length below a micrometre is 0.  With ``exact`` numbers keep the
-fifteen digits that a double holds, and angles and lengths stay as they are.
+Files of other tools hold 1.570796325 for a right angle and 1e-17 for 0.  Such noise is removed:
+lengths and angles get at most twelve decimals in SI units, other numbers ten digits, which changes
+no effort by more than 1e-9 of itself.  An angle within 1e-5 rad of a multiple of 15 degrees becomes
+that multiple, and a length below a micrometre becomes 0.  With ``exact`` numbers keep the fifteen
+digits of a double, and angles and lengths are not changed.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from decimal import Decimal
 import numpy as np
 
 NOISE = 1e-5
-"""Angles this near a multiple of 15 degrees are taken for it (rad)."""
+"""Angles this close to a multiple of 15 degrees are rounded to it (rad)."""
 SHORT = 1e-6
-"""Lengths below it are taken for 0 (m)."""
+"""Lengths below this are rounded to 0 (m)."""
 WORTH_SAYING = 1e-9
-"""What is rounded by less (rad, m) is not told of."""
+"""Rounding by less than this is not reported (rad, m)."""
 DIGITS, ALL_DIGITS = 10, 15
-"""Digits of what is no length and no angle; those of a double."""
+"""Digits of numbers other than lengths and angles, and the digits of a double."""
 THIN = 5e-15
-"""What rounding may take from the least second moment of a body, as a share of their sum."""
+"""How much rounding may reduce the least second moment of a body, as a share of their sum."""
 _DECIMALS = Decimal("1e-12")
 _STEP = 15
 
 
 def decimal_text(value: float | Decimal, digits: int = DIGITS) -> str:
-    """A number to so many digits without an exponent; 0 where it is below 1e-12."""
+    """A number to ``digits`` significant digits without an exponent; below 1e-12 it is 0."""
     number = value if isinstance(value, Decimal) else Decimal(repr(float(value)))
     if not number.is_finite():
         raise ValueError(f"{value} is not a finite number")
@@ -41,16 +41,16 @@ def decimal_text(value: float | Decimal, digits: int = DIGITS) -> str:
 
 
 def placed_text(value: float) -> str:
-    """A number with the decimals of lengths and angles, or the digits of a double."""
+    """A number with the decimals of lengths and angles, and at most the digits of a double."""
     return decimal_text(Decimal(repr(float(value))).quantize(_DECIMALS), ALL_DIGITS)
 
 
 @dataclass(slots=True)
 class Quantities:
-    """Writes quantities.
+    """Writes quantities, and records what was rounded.
 
-    It remembers how many angles it has rounded and by how much at most (rad), and how many lengths
-    it has left out.
+    ``rounded`` counts the angles that were rounded, by at most ``most`` (rad), and ``left_out`` the
+    lengths that were rounded to 0.
     """
 
     exact: bool = False
@@ -59,7 +59,7 @@ class Quantities:
     left_out: int = 0
 
     def angle(self, value: float) -> str:
-        """An angle, in degrees where that is short and in radians else."""
+        """An angle, in degrees if that is short, otherwise in radians."""
         degrees = math.degrees(value)
         near = round(degrees / _STEP) * _STEP
         shift = abs(value - math.radians(near))
@@ -75,7 +75,7 @@ class Quantities:
         return f"{placed_text(value)} rad"
 
     def number(self, value: float) -> str:
-        """What is no length and no angle."""
+        """A number that is neither a length nor an angle."""
         return decimal_text(value, ALL_DIGITS if self.exact else DIGITS)
 
     def angles(self, low: float, high: float) -> str:
@@ -89,7 +89,7 @@ class Quantities:
         return f"[{first.split()[0]}, {second.split()[0]}] {unit}"
 
     def lengths(self, values: Sequence[float]) -> tuple[list[str], str]:
-        """Lengths in metres or millimetres, whichever is shorter, and that unit."""
+        """Lengths in metres or millimetres, whichever is shorter, and the unit."""
         exact = [Decimal(repr(float(self._kept(value)))).quantize(_DECIMALS) for value in values]
         in_m = [decimal_text(value, ALL_DIGITS) for value in exact]
         in_mm = [decimal_text(value * 1000, ALL_DIGITS) for value in exact]
@@ -97,7 +97,7 @@ class Quantities:
         return (in_m, "m") if use_m else (in_mm, "mm")
 
     def _kept(self, value: float) -> float:
-        """A length; one below a micrometre is noise."""
+        """A length, with 0 for one below a micrometre."""
         if self.exact or abs(value) >= SHORT:
             return value
         self.left_out += abs(value) > WORTH_SAYING
@@ -114,7 +114,7 @@ class Quantities:
         return f"({', '.join(texts)}) {unit}"
 
     def centre(self, values: Sequence[float]) -> str:
-        """A centre of mass: a vector whose largest part has so many digits as a mass."""
+        """A centre of mass, whose largest coordinate has as many digits as a mass."""
         largest = max(map(abs, values))
         if self.exact or not largest:
             return self.vector(values)
@@ -127,9 +127,9 @@ class Quantities:
         return f"[{', '.join(texts)}] {unit}"
 
     def inertia(self, values: Sequence[float]) -> str:
-        """Six moments of inertia; what is noise beside the largest is 0.
+        """Six moments of inertia; those negligible compared with the largest are 0.
 
-        They get more digits where a thin body would be none with fewer.
+        They get more digits if with fewer the inertia of a thin body would not be physical.
         """
         largest = max(map(abs, values), default=0.0)
         kept = [0.0 if abs(value) < 1e-9 * largest else value for value in values]
@@ -148,13 +148,13 @@ def _rounded(value: float, digits: int) -> float:
 
 
 def _digits(value: float, digits: int) -> str:
-    """A number to so many digits, however small it is."""
+    """A number to ``digits`` significant digits, however small it is."""
     text = f"{Decimal(f'{value:.{digits}g}').normalize():f}" if value else "0"
     return text if len(text) <= digits + 5 else f"{value:.{digits}g}"
 
 
 def _thinness(six: Sequence[float]) -> float:
-    """The least second moment of a body as a share of their sum; below 0 there is no such body."""
+    """The least second moment of a body as a share of their sum; below 0 no such body exists."""
     xx, yy, zz, xy, xz, yz = six
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     total = float(np.trace(tensor)) / 2

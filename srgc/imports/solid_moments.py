@@ -1,4 +1,4 @@
-"""Mass, centre and inertia of bodies of one density, from their shapes."""
+"""Mass, centre and inertia of bodies of uniform density, from their shapes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """Mass (kg), centre (m), and inertia about the centre (3, 3) in kg m^2; or per density 1."""
+    """Mass (kg), centre (m) and inertia about the centre (3, 3) in kg m^2, or for unit density."""
 
     mass: float
     centre: NDArray[np.float64]
@@ -25,7 +25,7 @@ class Moments:
 
     @property
     def com(self) -> Vector:
-        """The centre."""
+        """The centre as a tuple."""
         x, y, z = (float(value) for value in self.centre)
         return (x, y, z)
 
@@ -38,20 +38,20 @@ class Moments:
         return (xx, yy, zz, xy, xz, yz)
 
     def placed(self, steps: Steps) -> Moments:
-        """The same body, seen from where the steps to its frame begin."""
+        """The moments in the frame where the steps to the body's frame begin."""
         matrix = matrix_of(steps)
         turn = matrix[:3, :3]
         return Moments(self.mass, matrix[:3, 3] + turn @ self.centre, turn @ self.inertia @ turn.T)
 
     def times(self, factor: float) -> Moments:
-        """A body of so many times the density."""
+        """The moments for a density multiplied by ``factor``."""
         return Moments(self.mass * factor, self.centre, self.inertia * factor)
 
     def __add__(self, other: Moments) -> Moments:
         mass = self.mass + other.mass
         centre = (self.mass * self.centre + other.mass * other.centre) / mass
         inertia = np.zeros((3, 3))
-        for part in (self, other):  # Steiner
+        for part in (self, other):  # parallel axis theorem
             arm = part.centre - centre
             inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         return Moments(mass, centre, inertia)
@@ -60,7 +60,7 @@ class Moments:
 def moments_of_shape(geometry: Geometry, *, round_ends: bool = False) -> Moments | None:
     """The moments of a box, sphere or cylinder about its middle, for a density of 1 kg/m^3.
 
-    ``round_ends``: the cylinder is that of a capsule, with half a ball at each end.
+    With ``round_ends`` the cylinder is part of a capsule, and half a ball is added at each end.
     """
     if geometry.box is not None:
         a, b, c = (float(value) for value in geometry.box.size)
@@ -79,7 +79,7 @@ def moments_of_shape(geometry: Geometry, *, round_ends: bool = False) -> Moments
 
 
 def _with_half_balls(cylinder: Moments, radius: float, length: float) -> Moments:
-    """A cylinder along z with half a ball at each end."""
+    """The moments of a cylinder along z with half a ball at each end."""
     across = 83 / 320 * radius**2  # about the centre, which is 3/8 of the radius from the flat side
     ball = _diagonal(2 / 3 * math.pi * radius**3, across, across, 0.4 * radius**2)
     height = length / 2 + 3 / 8 * radius
@@ -89,5 +89,5 @@ def _with_half_balls(cylinder: Moments, radius: float, length: float) -> Moments
 
 
 def _diagonal(mass: float, xx: float, yy: float, zz: float) -> Moments:
-    """A body at the middle of its frame; moments of inertia are per mass."""
+    """The moments of a body at the origin of its frame; ``xx``, ``yy`` and ``zz`` are per mass."""
     return Moments(mass, np.zeros(3), mass * np.diag([xx, yy, zz]))

@@ -1,4 +1,4 @@
-"""Faults of files of other tools: where in the file, what is wrong, and what to do."""
+"""Faults in files of other tools: where in the file, what is wrong, and what to do."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ WHOLE = Span(0, 0)
 
 
 class SourceFault(UsageFault):
-    """A file that cannot be imported; as a text it reads like a finding of ``srgc check``.
+    """A file that cannot be imported; as text it looks like a finding of ``srgc check``.
 
     Attributes:
         message: what is wrong, without the place.
-        source: the file; its text is empty where no line of it is shown.
-        span: where in the text; its beginning where the fault is of the whole file.
+        source: the file; its text is empty if no line of it is shown.
+        span: where in the text; its beginning if the fault concerns the whole file.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class SourceFault(UsageFault):
 def file_fault(
     path: Path | str, message: str, hint: str | None = None, code: Code = Code.FOREIGN_FILE
 ) -> SourceFault:
-    """A fault of a whole file."""
+    """A fault that concerns a whole file."""
     return SourceFault(code, message, Source(str(path), ""), hint=hint)
 
 

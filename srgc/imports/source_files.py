@@ -1,4 +1,4 @@
-"""Files that an import may read: those below the folder of its file, and below packages given."""
+"""Files that an import may read: those below the folder of its file or of a given package."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from srgc.faults import UsageFault
 from srgc.imports.source_fault import WHOLE, SourceFault, file_fault
 
 LIMIT = 200_000_000
-"""So many bytes may a file have that an import reads."""
+"""The largest size of a file that an import reads, in bytes."""
 XML_LIMIT = 50_000_000
-"""So many may a mesh in XML have: its tree takes about ten times its size."""
+"""The largest size of a mesh in XML, in bytes: its tree takes about ten times its size."""
 TEXT_LIMIT = 16 * 2**20
-"""So many may another file of XML or JSON have."""
+"""The largest size of any other file of XML or JSON, in bytes."""
 PACKED = {
     b"PK\x03\x04": "a zip archive",
     b"\x1f\x8b": "packed with gzip",
@@ -29,14 +29,14 @@ PACKED = {
     b"\xfd7zXZ": "packed with xz",
     b"\x28\xb5\x2f\xfd": "packed with zstd",
 }
-"""How packed files begin, whatever their names say: they are never unpacked."""
+"""How packed files begin, whatever their names are: they are never unpacked."""
 
 
 def source_bytes(path: Path, limit: int = LIMIT) -> bytes:
     """The content of a file.
 
     Raises:
-        SourceFault: it cannot be read, is empty, packed, or has more than ``limit`` bytes.
+        SourceFault: the file cannot be read, is empty or packed, or has more than ``limit`` bytes.
     """
     try:
         content = read_file(path, limit)
@@ -50,10 +50,10 @@ def source_bytes(path: Path, limit: int = LIMIT) -> bytes:
 
 
 def refuse_content(content: bytes, path: Path, limit: int = LIMIT) -> None:
-    """Refuse the content of a file, which is called ``path`` in messages.
+    """Reject the content of a file that messages call ``path``.
 
     Raises:
-        SourceFault: it is empty, packed, or has more than ``limit`` bytes.
+        SourceFault: the content is empty or packed, or has more than ``limit`` bytes.
     """
     if len(content) > limit:
         message = f"it has {len(content):,} bytes, more than {limit:,} are not read"
@@ -67,38 +67,38 @@ def refuse_content(content: bytes, path: Path, limit: int = LIMIT) -> None:
 
 @dataclass(frozen=True, slots=True)
 class SourceFiles:
-    """The folder of the file that is imported, and folders of packages by name, without links."""
+    """The folder of the imported file, and folders of packages by name, with links resolved."""
 
     main: Path
     folder: Path
     packages: Mapping[str, Path]
 
     def main_bytes(self) -> bytes:
-        """The bytes of the file that is imported.
+        """The bytes of the imported file.
 
         Raises:
-            SourceFault: it cannot be read, or is too large.
+            SourceFault: the file cannot be read, or is too large.
         """
         return source_bytes(self.main, TEXT_LIMIT)
 
     def bytes_of(self, written: str, base: Path | None = None) -> bytes:
-        """The bytes of a file that is named in another one.
+        """The bytes of a file that another file names.
 
         Args:
-            written: a path relative to ``base``, ``package://NAME/...``, ``model://NAME/...`` or
-                ``file://`` with either.
-            base: the folder of the file in which it stands, that of the main file if None.
+            written: a path relative to ``base``, ``package://NAME/...``, ``model://NAME/...``, or
+                ``file://`` and a path.
+            base: the folder of the file that names it; if None, the folder of the main file.
 
         Raises:
-            SourceFault: it resolves nowhere, leads out of the folders, or cannot be read.
+            SourceFault: the path cannot be resolved, leads out of the folders, or cannot be read.
         """
         return source_bytes(self.path_of(written, base))
 
     def path_of(self, written: str, base: Path | None = None) -> Path:
-        """The file that a path or URI means, without links.
+        """The file that a path or URI refers to, with links resolved.
 
         Raises:
-            SourceFault: it resolves nowhere, or leads out of the folders.
+            SourceFault: the path cannot be resolved, or leads out of the folders.
         """
         scheme, separator, rest = written.partition("://")
         if not separator:
@@ -116,9 +116,9 @@ class SourceFiles:
         return self._below(place, path, written)
 
     def _found_above(self, name: str, path: str) -> Path | None:
-        """The folder of a package that the folder of the file is in, or that is beside it there.
+        """Find the folder of a package in the folder of the main file, or that folder itself.
 
-        Only folders below that of the main file, and that folder itself, are looked at.
+        No other folder is searched.
         """
         candidates = [self.folder / name, self.folder] if self.folder.name == name else [
             self.folder / name
@@ -139,7 +139,7 @@ class SourceFiles:
         return real
 
     def _fault(self, written: str, message: str, hint: str | None = None) -> SourceFault:
-        """A fault of a path, at the place where the main file has it, if it does."""
+        """A fault of a path, placed where the main file has this path, if it does."""
         text = self.main_bytes().decode("utf-8-sig", errors="replace")
         place = re.search(rf"(?<=[\"'>\s]){re.escape(written)}(?=[\"'<\s])", text)
         source = Source(str(self.main), text if place else "")
@@ -149,14 +149,14 @@ class SourceFiles:
 
 
 def source_files(path: Path, packages: Iterable[str] = ()) -> SourceFiles:
-    """What may be read of an import.
+    """The files that an import may read.
 
     Args:
         path: the file that is imported.
         packages: each ``NAME=DIR``.
 
     Raises:
-        UsageFault: a package is written otherwise, or its folder is not there.
+        UsageFault: a package is not of this form, or its folder does not exist.
     """
     found = dict[str, Path]()
     for text in packages:

@@ -1,4 +1,4 @@
-"""What an import leaves out, told with its place in the file, as ``srgc check`` tells findings."""
+"""Warnings of what an import leaves out, with its place in the file, as ``srgc check`` has them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grammar_lang.source import Source, Span
 
 @dataclass(frozen=True, slots=True)
 class SourceWarning:
-    """Something in a file that is not carried over; ``message`` says what, without the place."""
+    """A part of a file that is not carried over; ``message`` says which, without the place."""
 
     message: str
     source: Source
@@ -27,6 +27,6 @@ class SourceWarning:
         return to_text([found], [self.source], colour=colour).rstrip("\n")
 
     def in_comment(self) -> str:
-        """The message behind the name of the file and the line."""
+        """The message, preceded by the name of the file and the line."""
         line, _ = self.source.position(self.span.start)
         return f"{Path(self.source.name).name}:{line}: {self.message}"

@@ -1,4 +1,4 @@
-"""The whole text of an import: what it comes from, modules, grammars; in canonical form."""
+"""The whole text of an import in canonical form: its source, modules and grammars."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def spec_text(modules: ModuleSet, *, exact: bool = False) -> str:
     """The text of a set of modules.
 
     Args:
-        modules: what was read; a remark about rounded angles is added to it.
-        exact: whether angles stay as they are.
+        modules: what was read; remarks about rounded angles and lengths are added to it.
+        exact: whether angles and lengths are kept as they are.
     """
     blocks = modules_text(modules, exact=exact)
     head = [*modules.comments]
@@ -48,7 +48,7 @@ def canonical_text(blocks: Iterable[str]) -> str:
     """Blocks of text with empty lines between them, in canonical form.
 
     Raises:
-        AssertionError: the text has a syntax error, which is a fault of the import.
+        AssertionError: the text has a syntax error, which is a fault of the importer.
     """
     sink = Sink()
     text = canonical("\n\n".join(filter(None, blocks)) + "\n", sink)

@@ -1,4 +1,4 @@
-"""An import as files: the text, and the meshes beside it."""
+"""Write the files of an import: the spec and its meshes."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from srgc.imports.source_warning import SourceWarning
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """What an import gives.
+    """The result of an import.
 
     Attributes:
-        name: how its file is called if nothing else is asked for, without the end.
+        name: the default name of its file, without the extension.
         text: the spec.
-        files: by their paths relative to the spec, with ``/``, meshes that it names.
+        files: maps the paths of the meshes, relative to the spec and with ``/``, to their bytes.
         remarks: what could not be carried over or was changed, one a line.
-        warnings: what of it has a place in the file.
+        warnings: the same for things that have a place in the file.
     """
 
     name: str
@@ -33,21 +33,22 @@ class Imported:
 
 
 def mesh_folder(stem: str) -> str:
-    """The folder of the meshes of a spec, beside it: that of ``ur5.srg`` is ``ur5_meshes``.
+    """The name of the folder for the meshes of a spec: ``ur5_meshes`` for ``ur5.srg``.
 
-    What a path in a text would not hold becomes ``_``.
+    It is in the folder of the spec.  Characters that a path in a spec cannot hold become ``_``.
     """
     plain = re.sub(r"[^\w .+-]", "_", stem)
     return f"{plain}_meshes"
 
 
 def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:
-    """Write the files of an import, the spec last; the paths written.
+    """Write the files of an import, the spec last; return their paths.
+
+    If it fails, no file is written, and existing files are kept.
 
     Raises:
-        UsageFault: a file is there already and ``force`` is not set, another spec in the folder
-            names a mesh that would change, or a file cannot be written; then none is, and those
-            that were there stay.
+        UsageFault: a file exists already and ``force`` is not set, another spec in the folder names
+            a mesh that would change, or a file cannot be written.
     """
     if path.is_dir():
         raise UsageFault(f"{path} is a folder; `-o` names a file")
@@ -77,10 +78,10 @@ def write_import(imported: Imported, path: Path, *, force: bool) -> list[Path]:
 
 
 def _refuse_shared(meshes: list[Path], path: Path) -> None:
-    """Refuse to change meshes that other specs in the folder of ``path`` name.
+    """Reject changes to meshes that other specs in the folder of ``path`` name.
 
     Raises:
-        UsageFault: one does.
+        UsageFault: another spec names one of them.
     """
     if not meshes:
         return
@@ -101,7 +102,7 @@ def _same(place: Path, data: bytes) -> bool:
 
 
 def _empty_beside(place: Path) -> Path:
-    """A new file beside another one, which takes its place when all are written."""
+    """Create an empty file in the same folder, to replace ``place`` once all files are written."""
     descriptor, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
     os.close(descriptor)
     Path(name).chmod(0o666 & ~_umask())

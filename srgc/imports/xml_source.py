@@ -1,4 +1,4 @@
-"""XML from strangers: parsed by lxml without entities, documents of others, or endless depth."""
+"""Parse untrusted XML with lxml: no entities, no other documents, bounded depth."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 Element: TypeAlias = "_Element"
 
 _TAG = re.compile(r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|(?P<start><[^\s/>!?]+)", re.DOTALL)
-"""Start tags, and what may hold text that looks like one; no attribute value has a `<`."""
+"""Start tags, and parts whose text may look like one; an attribute value has no `<`."""
 
 
 @dataclass(frozen=True, slots=True)
 class XmlFile:
-    """A document: its text, for messages, and the root of its elements."""
+    """A document: its text, for messages, and its root element."""
 
     source: Source
     root: Element
@@ -32,14 +32,14 @@ class XmlFile:
     def fault(
         self, element: Element, message: str, hint: str | None = None, attribute: str | None = None
     ) -> SourceFault:
-        """A fault of an element, which is one of those that were read, or of its attribute."""
+        """A fault at an element of the document, or at one of its attributes."""
         span = self._place(element, attribute)
         return SourceFault(Code.FOREIGN_CONTENT, message, self.source, span, hint)
 
     def warning(
         self, element: Element, message: str, hint: str | None = None, attribute: str | None = None
     ) -> SourceWarning:
-        """What is left out of an element, or its attribute."""
+        """A warning at an element of the document, or at one of its attributes."""
         return SourceWarning(message, self.source, self._place(element, attribute), hint)
 
     def _place(self, element: Element, attribute: str | None) -> Span:
@@ -51,29 +51,29 @@ class XmlFile:
         return Span(*place.span()) if place else span
 
     def line(self, element: Element) -> int:
-        """The line on which an element begins."""
+        """The number of the line on which an element begins."""
         return self.source.position(self._span(element).start)[0]
 
     def lines(self, elements: Sequence[Element]) -> list[int]:
-        """The lines on which elements begin, in the order of the file."""
+        """The numbers of the lines on which elements begin, in the order of the file."""
         wanted = set(elements)
         starts = (each.start() for each in _TAG.finditer(self.source.text) if each["start"])
         pairs = zip(self.root.iter(), starts, strict=False) if wanted else ()
         return [self.source.position(at)[0] for each, at in pairs if each in wanted]
 
     def _span(self, element: Element) -> Span:
-        """The beginning of the start tag: elements are counted, as lxml knows but their lines."""
+        """The beginning of the start tag, by counting elements: lxml knows only their lines."""
         number = next(count for count, each in enumerate(self.root.iter()) if each is element)
         starts = (each.span() for each in _TAG.finditer(self.source.text) if each["start"])
         return next((Span(*span) for count, span in enumerate(starts) if count == number), WHOLE)
 
 
 def xml_file(data: bytes, path: Path | str) -> XmlFile:
-    """An XML document; comments and processing instructions are left out.
+    """Parse an XML document; comments and processing instructions are left out.
 
     Raises:
-        SourceFault: it is not well-formed, or has a document type, whose entities could stand for
-            other files or for endless text.
+        SourceFault: the document is not well-formed, or has a document type, whose entities could
+            stand for other files or for endless text.
     """
     from lxml import etree
 
@@ -117,7 +117,7 @@ def _text(data: bytes, encoding: str) -> str:
 
 
 def _offset(text: str, line: int, column: int) -> Span:
-    """A place that libxml2 tells; it may count bytes, and lines behind the last one."""
+    """A place that libxml2 reports; it may count bytes, and lines after the last one."""
     lines = text.split("\n")
     number = min(max(line, 1), len(lines))
     start = sum(len(each) + 1 for each in lines[: number - 1])

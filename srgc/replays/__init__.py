@@ -1,1 +1,1 @@
-"""The planned inputs in other simulators, compared with the certified tube."""
+"""Replay the planned inputs in other simulators, and compare with the certified tube."""

@@ -1,8 +1,9 @@
-"""Motions in MuJoCo under the disturbances of a task, many at a time.
+"""Simulate many motions in MuJoCo under the disturbances of a task.
 
-Every motion has a start, a factor of all masses, errors of what is measured and errors of inputs of
-its own, within the bounds of the task; a controller reads the state at each sample.  They are at
-random, or at corners of their bounds: motion i, of any number, depends on the seed and on i alone.
+Each motion has its own start, factor of all masses, measurement errors and input errors, within the
+bounds of the task; a controller reads the state at each sample.  The disturbances are random, or at
+corners of their bounds: those of motion i depend only on the seed and on i, not on the number of
+motions.
 """
 
 from __future__ import annotations
@@ -32,19 +33,19 @@ from srgc.replays.mujoco_replay import joint_places, loaded_model, silent
 from srgc.results.found_design import FoundDesign
 
 MOST_NUMBERS = 4_000_000
-"""So many numbers of states and inputs are in memory at a time."""
+"""The most numbers of states and inputs that are in memory at a time."""
 
-# --- What disturbs a motion -----------------------------------------------------------------------
+# --- Disturbances ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Disturbances:
-    """What disturbs each of B motions, as parts from -1 to 1 of the bounds of a task.
+    """The disturbances of B motions, as fractions from -1 to 1 of the bounds of a task.
 
     Attributes:
-        start: (B, 2 n) of coordinates and rates at first.
+        start: (B, 2 n) of the initial coordinates and rates.
         mass: (B,) of all masses.
-        measured: (B, k, 2 n) of what is read at each sample.
+        measured: (B, k, 2 n) of the measurement at each sample.
         inputs: (B, k, m) of what is added to the inputs in each step.
         masses: (B, p) of the masses of single modules.
     """
@@ -56,7 +57,7 @@ class Disturbances:
     masses: Array
 
     def of(self, chosen: Sequence[int]) -> Disturbances:
-        """Those of some of the motions."""
+        """The disturbances of some of the motions."""
         rows = list(chosen)
         return Disturbances(
             self.start[rows],
@@ -70,10 +71,11 @@ class Disturbances:
 def disturbances(
     seed: int, numbers: Sequence[int], steps: int, n: int, m: int, p: int = 0
 ) -> Disturbances:
-    """Those of motions by their numbers; p is how many modules have masses of their own.
+    """The disturbances of motions with these numbers, for p modules with uncertain masses.
 
-    Motions with an even number are random.  The others are at corners: number 4 i + 1 with errors
-    of one sign all the time, which carry it farthest; number 4 i + 3 with another sign each step.
+    Motions with an even number are random.  The others are at corners of the bounds: number 4 i + 1
+    with errors of constant sign, which carry it farthest; number 4 i + 3 with new signs in each
+    step.
     """
     drawn = [_drawn(np.random.default_rng([seed, each]), each, steps, n, m, p) for each in numbers]
     parts = [np.array(part) for part in zip(*drawn, strict=True)]
@@ -94,7 +96,7 @@ def _drawn(
         measured, inputs = np.tile(parts(2 * n), (steps, 1)), np.tile(parts(m), (steps, 1))
     else:
         measured, inputs = parts(steps, 2 * n), parts(steps, m)
-    # Last, so that the others do not depend on how many there are.
+    # This comes last, so that the others do not depend on p.
     return start, mass, measured, inputs, parts(p)
 
 
@@ -110,12 +112,12 @@ class SimulatedMotions:
 
 
 def untold(_done: int, _count: int) -> None:
-    """Nobody is told how far a simulation is."""
+    """Ignore the progress of a simulation."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Simulator:
-    """MuJoCo with the robot of a design; ``text`` is its MJCF, ``threads`` how many run at once."""
+    """MuJoCo with the robot of a design: its MJCF ``text``, and ``threads`` to run in parallel."""
 
     mujoco: ModuleType
     text: str
@@ -126,15 +128,15 @@ class Simulator:
     def motions(
         self, disturbed: Disturbances, count: int, part: Callable[[int, int], None] = untold
     ) -> SimulatedMotions:
-        """Motions with so many steps of the simulation per step of the task.
+        """Simulate motions with ``count`` simulation steps in each step of the task.
 
-        ``part`` is told how many parts of how many are done.
+        ``part`` is called with the number of parts done and their total.
 
         Raises:
             UsageFault: a simulation diverges.
         """
         model = loaded_model(self.mujoco, self.text, self.design.task.step / count, self.integrator)
-        # Inputs with errors may exceed what is commanded; and no stop at a range is to help.
+        # Inputs with errors may exceed the commanded range; stops at joint ranges must not help.
         flags = self.mujoco.mjtDisableBit
         model.opt.disableflags |= flags.mjDSBL_CLAMPCTRL | flags.mjDSBL_LIMIT
         width = count * (1 + model.nq + model.nv + model.nu)
@@ -162,8 +164,8 @@ class Simulator:
     def _together(
         self, model: Any, disturbed: Disturbances, count: int, told: Callable[[int], None]
     ) -> SimulatedMotions:
-        """Motions that are simulated at once; how many steps of the task are done, is told."""
-        # It loads a library of its own.
+        """Simulate motions together; ``told`` is called with the number of task steps done."""
+        # The import loads another library.
         from mujoco import rollout
 
         design, places = self.design, joint_places(model, self.design)
@@ -206,7 +208,7 @@ class Simulator:
     def _model(
         self, model: Any, bounds: DisturbanceBounds, parts: Array, loads: Sequence[float]
     ) -> Any:
-        """The model with loads, where some masses are off by ``parts`` (p,) of the bounds."""
+        """The model with loads, and masses changed by ``parts`` (p,) of their bounds."""
         if not bounds.masses and not any(loads):
             return model
         factors = np.array(body_factors(self.design, loads))
@@ -218,7 +220,7 @@ class Simulator:
         return found
 
     def _weighed(self, model: Any, factor: float) -> Any:
-        """The model with all masses and inertias times a factor."""
+        """The model with all masses and inertias multiplied by a factor."""
         if factor == 1:
             return model
         found = copy(model)
@@ -230,13 +232,13 @@ class Simulator:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DisturbanceBounds:
-    """The bounds of a task in doubles, in SI; ``part`` is of an input, ``mass`` of all masses.
+    """The bounds of a task in doubles and SI units.
 
     Attributes:
         start, measured: (2 n,) of coordinates and rates.
-        part, most: inputs are off by up to this part of themselves and that much more, (m,) each.
-        mass: of all masses.
-        masses: of those of single modules, besides, with the bodies of each.
+        part, most: (m,) each; an input may be off by this share of itself plus this amount.
+        mass: of all masses, as a share.
+        masses: in addition, of single modules, with the bodies of each.
     """
 
     start: Array
@@ -248,7 +250,7 @@ class DisturbanceBounds:
 
 
 def disturbance_bounds(design: FoundDesign) -> DisturbanceBounds:
-    """What the task of a design says; zeros without ``robust``."""
+    """The bounds of a design's task; zeros without ``robust``."""
     task, model = design.task, design.model
     parts, most = input_errors(task, model)
     return DisturbanceBounds(
@@ -262,7 +264,7 @@ def disturbance_bounds(design: FoundDesign) -> DisturbanceBounds:
 
 
 def module_masses(design: FoundDesign) -> tuple[UncertainMass, ...]:
-    """The uncertain masses of single modules: one per occurrence of each that the task names."""
+    """The uncertain masses of single modules, for each occurrence of a module the task names."""
     task, model = design.task, design.model
     found = uncertain_masses(task, model)
     return found[1:] if task.robust is not None and task.robust.mass and model.bodies else found

@@ -1,8 +1,8 @@
-"""A replay of many disturbed motions: whether one of them leaves the certified tube.
+"""Replay many disturbed motions, and find those that leave the certified tube.
 
-A motion leaves it where at a sample a coordinate, a rate or a commanded input is outside by more
-than the integrator's error.  That is taken as twice the largest change when motions are simulated
-again with half the step, those nearest to the faces of the tube first.
+A motion leaves the tube if at a sample a coordinate, a rate or a commanded input is outside by more
+than the integration error.  The error is taken as twice the largest change when motions are
+simulated again with half the step, beginning with those closest to the faces of the tube.
 """
 
 from __future__ import annotations
@@ -30,22 +30,23 @@ from srgc.replays.replay_run import Farthest
 from srgc.results.found_design import FoundDesign, found_design, found_tube
 
 USUAL_STEP = Fraction(1, 10_000)
-"""Of the simulation, in seconds."""
+"""The default step of the simulation, in seconds."""
 AGAIN = 8
-"""So many motions at least are simulated again with half the step."""
+"""The least number of motions that are simulated again with half the step."""
 SAFETY = 2.0
-"""A change by half the step, times this, is taken for the error."""
+"""The error is the change at half the step times this."""
 NARROW = 1e-9
-"""In SI: a tube that is narrower than this is a point, and has no faces."""
+"""A tube narrower than this (SI) is a point, and has no faces."""
 MOST_STEPS = 2_000_000_000
-"""Of all simulations together."""
+"""The most steps of all simulations together."""
 
 
 @dataclass(frozen=True, slots=True)
 class DisturbedRequest:
-    """Which motions to simulate, by their numbers, and how.
+    """The numbers of the motions to simulate, and how.
 
-    ``timestep`` is the longest step in seconds, None: the usual; ``seed`` that of the disturbances.
+    ``timestep`` is the longest step in seconds, None for the default; ``seed`` is the seed of the
+    disturbances.
     """
 
     numbers: Sequence[int]
@@ -56,14 +57,14 @@ class DisturbedRequest:
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """How near motions come to the faces of the tube, in one kind of quantity.
+    """How close motions come to the faces of the tube, in one kind of quantity.
 
     Attributes:
-        share: the largest distance from the middle, over that of the faces, after the first
-            instant: above 1 it is outside; of which quantity and at which time, in which motion.
+        share: the largest distance from the centre relative to that of the faces, after the first
+            instant, with its quantity and time; above 1 it is outside.
         motion: the number of that motion.
         outside: the largest distance from the tube, in SI.
-        error: what the integrator is taken to be off by, in SI.
+        error: the assumed integration error, in SI.
     """
 
     share: Farthest
@@ -74,10 +75,10 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class DisturbedReplay:
-    """What became of motions: ``left`` are the numbers of those that left the tube.
+    """The result of a replay; ``left`` are the numbers of the motions that left the tube.
 
-    ``again`` is how many of them were simulated with half the step, too.  ``verified`` is what the
-    verifier says of the certificate.
+    ``again`` is how many motions were also simulated with half the step, and ``verified`` the
+    report of the verifier on the certificate.
     """
 
     request: DisturbedRequest
@@ -95,13 +96,13 @@ class DisturbedReplay:
 def disturbed_replay(
     folder: Path, request: DisturbedRequest, part: Callable[[int, int], None] = untold
 ) -> DisturbedReplay:
-    """Simulate disturbed motions of a result folder, and hold them against its tube at all samples.
+    """Simulate disturbed motions of a result folder, and compare them with its tube at all samples.
 
-    ``part`` is told how many parts of how many are simulated.
+    ``part`` is called with the number of parts simulated and their total.
 
     Raises:
-        UsageFault: there is no robot, its task names no disturbances, it cannot be simulated in
-            MuJoCo, or a simulation diverges.
+        UsageFault: there is no robot, its task has no disturbances, MuJoCo cannot simulate it, or a
+            simulation diverges.
         NoAnswer: the motions cannot be enclosed.
     """
     design = found_design(folder)
@@ -164,17 +165,17 @@ class _Kind:
 
     @property
     def outside(self) -> Array:
-        """Distances (B, k, n) from the tube; 0 inside."""
+        """The distances (B, k, n) from the tube; 0 inside."""
         lower, upper = self.bounds[..., 0], self.bounds[..., 1]
         found: Array = np.maximum(np.maximum(lower - self.values, self.values - upper), 0.0)
         return found
 
     @property
     def shares(self) -> Array:
-        """Distances (B, k - 1, n) from the middle, over those of the faces.
+        """The distances (B, k - 1, n) from the centre relative to those of the faces.
 
-        Not at the first instant, where corners of what disturbs a motion are at faces, nor where
-        a tube has no width to speak of: a joint that dry friction holds.
+        The first instant is left out, since corners of the disturbances are at faces there.  Where
+        the tube has almost no width, as for a joint held by dry friction, the value is 0.
         """
         lower, upper = self.bounds[1:, :, 0], self.bounds[1:, :, 1]
         width = upper - lower
@@ -206,7 +207,7 @@ def _reached(kind: _Kind, error: float, numbers: Sequence[int], step: float) -> 
 
 
 def _names(design: FoundDesign) -> tuple[list[tuple[str, str]], ...]:
-    """Names and units of coordinates, of rates and of inputs."""
+    """The names and units of coordinates, of rates and of inputs."""
     names = design_names(design, design_tree(design)).joints
     kinds = [dof.kind for dof in design.model.dofs]
     places = [(name, POSITION_UNITS[kind]) for name, kind in zip(names, kinds, strict=True)]

@@ -1,4 +1,4 @@
-"""The planned inputs held in MuJoCo, and the motion that comes of it."""
+"""Hold the planned inputs in MuJoCo, and record the resulting motion."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from srgc.exports.exported_robot import (
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
 
-# --- A motion as another simulator has it ---------------------------------------------------------
+# --- A motion from another simulator --------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,13 +37,13 @@ class ReplayedMotion:
 
     Attributes:
         simulator: its name.
-        version: that of the simulator.
-        method: of integration.
-        timestep: of the simulation in seconds; None where it chooses its own.
+        version: its version.
+        method: its integration method.
+        timestep: its time step in seconds; None if it chooses its own.
         times: (k,) in seconds.
         states: (k, 2 n) coordinates, then rates, in the order of the degrees of freedom.
         effectors: (k, e, d) positions.
-        parts: how many instants each step of the task has; its ends are among them.
+        parts: the number of instants in each step of the task, including its end.
     """
 
     simulator: str
@@ -60,7 +60,7 @@ class ReplayedMotion:
         return self.states[:: self.parts]
 
 
-# --- The planned torques held in MuJoCo (Todorov, Erez & Tassa, IROS 2012) ------------------------
+# --- The replay in MuJoCo (Todorov, Erez & Tassa, IROS 2012) --------------------------------------
 
 
 INTEGRATORS = {
@@ -71,12 +71,12 @@ INTEGRATORS = {
 }
 MOST_STEPS = 100_000_000
 MOST_INSTANTS = 20_000
-"""So many are compared; the ends of the task's steps are always among them."""
+"""The most instants that are compared; they always include the ends of the task's steps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointPlaces:
-    """Where MuJoCo keeps coordinates, rates, inputs and effectors, in our order."""
+    """The indices of coordinates, rates, inputs and effectors in MuJoCo, in our order."""
 
     q: NDArray[np.int_]
     v: NDArray[np.int_]
@@ -89,11 +89,11 @@ def replay_in_mujoco(design: FoundDesign, count: int, integrator: str) -> Replay
 
     Args:
         design: the design.
-        count: how many steps of the simulation are one of the task.
+        count: the number of simulation steps in a step of the task.
         integrator: one of the ``INTEGRATORS``.
 
     Raises:
-        UsageFault: as ``refuse_unsimulable``, or the simulation diverges.
+        UsageFault: see ``refuse_unsimulable``; or the simulation diverges.
     """
     mujoco, text = refuse_unsimulable(design, count)
     step, planned = design.task.step, planned_inputs(design)
@@ -117,11 +117,11 @@ def replay_in_mujoco(design: FoundDesign, count: int, integrator: str) -> Replay
 
 
 def refuse_unsimulable(design: FoundDesign, count: int) -> tuple[ModuleType, str]:
-    """MuJoCo and its model of a robot; ``count`` steps are to be one of the task.
+    """MuJoCo and its model of a robot, for ``count`` simulation steps in a step of the task.
 
     Raises:
-        UsageFault: MuJoCo cannot be loaded, its format does not hold the robot, or there are too
-            many steps.
+        UsageFault: MuJoCo cannot be loaded, MJCF cannot represent the robot, or there are too many
+            steps.
     """
     mujoco, text = mujoco_module(), mujoco_text(design)
     if count * design.task.steps > MOST_STEPS:
@@ -130,17 +130,17 @@ def refuse_unsimulable(design: FoundDesign, count: int) -> tuple[ModuleType, str
 
 
 def loaded_model(mujoco: ModuleType, text: str, timestep: Fraction, integrator: str) -> Any:
-    """The model of an MJCF, with steps of so many seconds by one of the ``INTEGRATORS``."""
+    """The model of an MJCF with a time step in seconds and one of the ``INTEGRATORS``."""
     model = mujoco.MjModel.from_xml_string(text)
     model.opt.timestep = float(timestep)
     model.opt.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[integrator])
-    # A simulation that diverges is not to begin anew unseen.
+    # A diverging simulation must not restart unnoticed.
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     return model
 
 
 def mujoco_module() -> ModuleType:
-    """The library.
+    """The MuJoCo library.
 
     Raises:
         UsageFault: it is not installed, or cannot be loaded.
@@ -152,7 +152,7 @@ def mujoco_module() -> ModuleType:
             'MuJoCo is not installed; it comes with: pip install "srgc[mujoco]"'
         ) from None
     except Exception as error:
-        # It raises whatever goes wrong as it looks for a way to render.
+        # Any error may occur while it looks for a way to render.
         raise UsageFault(f"MuJoCo cannot be loaded: {error}") from None
 
 
@@ -164,7 +164,7 @@ def _simulated(
     planned: Trajectory,
     parts: Sequence[int],
 ) -> tuple[Array, Array, Array]:
-    """Times, states and effectors, recorded after so many steps of each step of the task.
+    """Times, states and effectors, recorded after ``parts`` of the simulation steps of a task step.
 
     ``loaded`` are models of the same robot with loads.
     """
@@ -193,14 +193,14 @@ def _simulated(
 
 
 def _parts(count: int, most: int) -> list[int]:
-    """A number as a sum of at most so many positive numbers that differ by at most one."""
+    """Split a number into at most ``most`` positive parts that differ by at most one."""
     pieces = min(count, most)
     ends = [count * i // pieces for i in range(pieces + 1)]
     return [after - before for before, after in pairwise(ends)]
 
 
 def joint_places(model: Any, design: FoundDesign) -> JointPlaces:
-    """Where a model that was made of a design keeps its joints."""
+    """The indices of the joints of a design in its model."""
     names = design_names(design, design_tree(design))
     joints = [model.joint(name) for name in names.joints]
     return JointPlaces(
@@ -213,7 +213,7 @@ def joint_places(model: Any, design: FoundDesign) -> JointPlaces:
 
 @contextmanager
 def silent(mujoco: ModuleType) -> Iterator[None]:
-    """Without MuJoCo's own warnings, which it would also write into a file."""
+    """Suppress MuJoCo's own warnings, which it would also write to a file."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _message: None)
     try:

@@ -1,4 +1,4 @@
-"""What ``srgc replay`` prints."""
+"""Format the reports of ``srgc replay``."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from srgc.replays.replay_run import Deviation, Farthest, Replay, TubeComparison
 
 PARTS = ("coordinates", "rates", "effectors")
 MOST_SHOWN = 5
-"""So many numbers of motions are printed for people."""
+"""The most numbers of motions in a report for people."""
 
 
 def replay_text(replay: Replay) -> str:
-    """The report for people; a table where there are several runs."""
+    """The report for people, with a table if there are several runs."""
     first = replay.runs[0].motion
     steps = "" if first.timestep is None else f", steps of {float(first.timestep):g} s"
     lines = [
@@ -36,7 +36,7 @@ def replay_text(replay: Replay) -> str:
 
 
 def replay_json(replay: Replay) -> str:
-    """The same as an object."""
+    """The report as a JSON object."""
     content = {
         "simulator": replay.runs[0].motion.simulator,
         "version": replay.runs[0].motion.version,
@@ -85,15 +85,15 @@ def _tube_lines(replay: Replay) -> Iterator[str]:
 
 
 def _proof_lines(verified: Report) -> Iterator[str]:
-    """What a tube alone does not say: that the motion in it does the task."""
+    """A line if the certificate is not valid: a tube alone does not prove that the task is done."""
     if verified.outcome is not Outcome.VALID:
         yield f"but the certificate is {verified.outcome.value}: {verified.reason}"
 
 
 def _table(runs: Sequence[TubeComparison]) -> Iterator[str]:
-    """Distances from the middle by step, and how far coordinates are from the run before.
+    """Distances from the centre for each step, and changes of coordinates from the run before.
 
-    That falls by 2**order from line to line as long as it is the error of the method.
+    While the error of the method dominates, the change falls by 2**order from line to line.
     """
     yield "  step (s)     coordinates        rates    effectors       change   order"
     before: float | None = None
@@ -112,9 +112,9 @@ def _cell(value: float | None) -> str:
 
 
 def changes(runs: Sequence[TubeComparison]) -> list[float | None]:
-    """Of each run the largest difference of a coordinate or rate from the run before, at samples.
+    """The largest change of a coordinate or rate from the run before, at samples, for each run.
 
-    In SI units; None of the first.
+    Changes are in SI units, and None for the first run.
     """
     states = [run.motion.at_steps() for run in runs]
     return [
@@ -130,7 +130,7 @@ KINDS = ("coordinates", "rates", "inputs")
 
 
 def disturbed_text(found: DisturbedReplay) -> str:
-    """What became of disturbed motions, for people."""
+    """The report on disturbed motions for people."""
     request, count = found.request, len(found.request.numbers)
     head = f"in MuJoCo, {request.integrator}, steps of {float(found.timestep):g} s"
     errors = "errors of the integration by half the step"
@@ -145,7 +145,7 @@ def disturbed_text(found: DisturbedReplay) -> str:
 
 
 def _numbers(left: Sequence[int], count: int) -> str:
-    """How many motions, and the first of them."""
+    """The number of motions, and the first of them."""
     if not left:
         return f"0 of {count}"
     shown = ", ".join(map(str, left[:MOST_SHOWN])) + (" ..." if len(left) > MOST_SHOWN else "")
@@ -167,7 +167,7 @@ def _reached_lines(found: DisturbedReplay) -> Iterator[str]:
 
 
 def disturbed_json(found: DisturbedReplay) -> str:
-    """The same as an object."""
+    """The report as a JSON object."""
     content = {
         "simulator": "MuJoCo",
         "version": found.version,

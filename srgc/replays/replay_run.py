@@ -1,4 +1,4 @@
-"""A replay of a result folder from its arguments: the runs, and how far they are from the tube."""
+"""Replay a result folder as requested, and measure how far the runs are from its tube."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ from srgc.faults import UsageFault
 from srgc.replays.mujoco_replay import ReplayedMotion, refuse_unsimulable, replay_in_mujoco
 from srgc.results.found_design import FoundDesign, found_design, found_tube
 
-# --- The planned inputs held in a Runge-Kutta method of order eight, in doubles -------------------
+# --- A replay by a Runge-Kutta method of order eight, in doubles ----------------------------------
 #
-# Source: Dormand & Prince's DOP853, of SciPy (Hairer, Norsett & Wanner, *Solving Ordinary
-# Differential Equations I*, II.5).  It integrates the same equations of motion as the verifier, the
-# modules' own dynamics included, by another method, in other numbers.
+# Source: Dormand & Prince's DOP853 in SciPy (Hairer, Norsett & Wanner, *Solving Ordinary
+# Differential Equations I*, II.5).  It integrates the same equations of motion as the verifier,
+# including the modules' own dynamics, by another method and in other numbers.
 
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-15
 INSTANTS = 8
-"""Of every step of the task."""
+"""The number of instants in each step of the task."""
 
 
 def replay_in_python(design: FoundDesign) -> ReplayedMotion:
     """The motion under the inputs of a design, each held for its step.
 
     Raises:
-        UsageFault: it has numbers that are no doubles, or the method finds no steps.
+        UsageFault: the motion has numbers that are not finite doubles, or the method fails.
     """
     planned = planned_inputs(design)
     numeric = NumericRobot(robot_graph(design.model, design.task.gravity))
@@ -80,12 +80,12 @@ def replay_in_python(design: FoundDesign) -> ReplayedMotion:
     )  # fmt: skip
 
 
-# --- How far a replayed motion is from the certified tube -----------------------------------------
+# --- The distance of a replayed motion from the certified tube ------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Farthest:
-    """A largest distance: of what, in which SI unit, and at which time in seconds."""
+    """The largest distance, with its quantity, SI unit and time in seconds."""
 
     value: float
     unit: str
@@ -95,7 +95,7 @@ class Farthest:
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """How far one kind of quantity gets at most: out of the tube, and from its middle."""
+    """The largest distances of one kind of quantity: outside the tube, and from its centre."""
 
     outside: Farthest
     middle: Farthest
@@ -103,7 +103,7 @@ class Deviation:
 
 @dataclass(frozen=True, slots=True)
 class TubeComparison:
-    """A replayed motion beside the tube; None where there is nothing of the kind."""
+    """A replayed motion compared with the tube; a kind of quantity that is absent is None."""
 
     motion: ReplayedMotion
     coordinates: Deviation | None
@@ -117,7 +117,7 @@ def tube_comparison(
     joints: Sequence[tuple[str, str]],
     effectors: Sequence[str],
 ) -> TubeComparison:
-    """The comparison; ``joints`` are names and units, ``effectors`` names."""
+    """Compare a motion with the tube; ``joints`` are names and units, ``effectors`` names."""
     n = len(joints)
     times = np.minimum(motion.times, tube.times[-1])
     outside, middle = tube.distances(times, motion.states)
@@ -139,7 +139,7 @@ def tube_comparison(
 
 
 def _effector_distances(tube: CertifiedTube, times: Array, positions: Array) -> tuple[Array, Array]:
-    """Distances (k, e) of effectors from their boxes, 0 inside, and from the boxes' middles."""
+    """Distances (k, e) of effectors from their boxes, 0 inside, and from the boxes' centres."""
     count = positions.shape[1]
     boxes = np.array([tube.points_at(float(time))[:count] for time in times])
     boxes = boxes.reshape(*positions.shape, 2)
@@ -163,15 +163,15 @@ def _farthest(table: Array, times: Array, names: Sequence[str], units: Sequence[
 
 
 # --------------------------------------------------------------------------------------------------
-# A replay of a result folder from its arguments: the runs and the tube they are compared with.
+# Requests, and the runs of a replay.
 
 
 @dataclass(frozen=True, slots=True)
 class ReplayRequest:
-    """What to replay in, and how.
+    """The simulator of a replay, and its settings.
 
-    ``timestep`` is the longest step in seconds, None: the usual; each of the ``halvings`` divides
-    it by two.
+    ``timestep`` is the longest step in seconds, None for the default; each of the ``halvings``
+    divides it by two.
     """
 
     simulator: str
@@ -182,11 +182,12 @@ class ReplayRequest:
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """The runs, one per timestep, and what the tube is.
+    """The runs, one for each time step, and properties of the tube.
 
     ``half_width`` is the largest of coordinates and rates at the instants compared in the last run
-    (SI), None without any.  ``verified`` is what the verifier says of the certificate.  A tube that
-    is ``disturbed`` holds more than the planned motion; where the task ``repeats``, all rounds.
+    (SI), None if there are none.  ``verified`` is the report of the verifier on the certificate.  A
+    tube that is ``disturbed`` contains more than the planned motion; if the task ``repeats``, it
+    contains all rounds.
     """
 
     runs: tuple[TubeComparison, ...]
@@ -200,13 +201,13 @@ def replay(folder: Path, request: ReplayRequest) -> Replay:
     """Replay the inputs of a result folder and compare with its tube.
 
     Raises:
-        UsageFault: there is no robot, or it cannot be simulated there.
+        UsageFault: there is no robot, or the simulator cannot simulate it.
         NoAnswer: the motion cannot be enclosed.
     """
     design = found_design(folder)
     if request.simulator == "mujoco":
         refuse_unsimulable(design, _count(design, request) * 2**request.halvings)
-    # Before the motions: what has no tube may spin as fast as it likes.
+    # Before the motions: without a tube they may reach any speed.
     tube = found_tube(folder)
     motions = list(_motions(design, request))
     names = design_names(design, design_tree(design))
@@ -227,7 +228,7 @@ def _motions(design: FoundDesign, request: ReplayRequest) -> Iterator[ReplayedMo
 
 
 def _count(design: FoundDesign, request: ReplayRequest) -> int:
-    """Into how many steps of the first simulation a step of the task is divided."""
+    """The number of steps of the first simulation in a step of the task."""
     if request.timestep is None:
         return substeps(design.task.step)
     return max(1, ceil(design.task.step / request.timestep))

@@ -1,1 +1,1 @@
-"""A live page on which designs move in space."""
+"""Show designs in motion on a live page."""

@@ -1,4 +1,4 @@
-"""The page: designs as a scene of viser, with a slider for the time and what else is chosen."""
+"""The page: designs as a viser scene, with a slider for the time and other controls."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ if TYPE_CHECKING:
     import viser
 
 TICK = 0.001
-"""Step of the slider, in seconds."""
+"""The step of the slider, in seconds."""
 SPEEDS = ("0.1x", "0.25x", "0.5x", "1x", "2x", "4x")
 EFFECTOR, TRACE, TUBE, BODY = (225, 0, 120), (225, 120, 170), (240, 160, 30), (130, 80, 180)
 DOT, LINE = 0.012, 2.0
-"""Size of an effector as a part of the scene; width of lines in pixels."""
+"""The size of an effector as a share of the scene, and the width of lines in pixels."""
 FIELD_OF_VIEW = 0.8
-"""Of the camera, from top to bottom, in radians."""
+"""The vertical field of view of the camera, in radians."""
 FROM_ABOVE, FROM_ASIDE = (0.0, 0.0, 1.0), (0.62, -0.62, 0.48)
 SHOWN = ("Links", "Collision bodies", "Regions", "Tube", "Path", "Names")
 HIDDEN = ("Collision bodies",)
-"""What is shown once it is asked for."""
+"""Parts that are hidden until the user shows them."""
 
 
 @dataclass
 class ViewPage:
-    """A page of designs on a server, at a time between 0 and ``end`` seconds.
+    """A page with designs on a server, at a time between 0 and ``end`` seconds.
 
-    ``show`` moves it to a time; ``tick`` lets it play.
+    ``show`` sets the time; ``tick`` advances it while the page plays.
     """
 
     server: viser.ViserServer
@@ -66,11 +66,11 @@ class ViewPage:
 
     @property
     def end(self) -> float:
-        """When the longest motion ends, in seconds."""
+        """The end of the longest motion, in seconds."""
         return max(float(shown.scene.times[-1]) for shown in self.designs)
 
     def show(self, time: float) -> None:
-        """All designs at a time in seconds; those whose motion has ended stay at its end."""
+        """Show all designs at a time in seconds; those whose motion has ended stay at its end."""
         with self.lock, self.server.atomic():
             self.time = min(max(time, 0.0), self.end)
             lines = [f"**t = {self.time:.3f} s**"]
@@ -82,17 +82,17 @@ class ViewPage:
             self.text.content = "\n\n".join(lines)
 
     def tick(self, seconds: float) -> None:
-        """Go on by so much real time, if the page plays; it stops at the end."""
+        """Advance by this much real time if the page plays; it stops at the end."""
         if not self.playing:
             return
         time = self.time + seconds * float(self.speed.value.rstrip("x"))
         if time >= self.end:
             self._play(playing=False)
-        # That of the slider is rounded, and the page shows what it says.
+        # The slider's value is rounded, and the page shows the time that it says.
         self.slider.value = round(min(time, self.end) / TICK) * TICK
         self.show(time)
 
-    # --- What is drawn once ---------------------------------------------------------------------
+    # --- Drawing --------------------------------------------------------------------------------
 
     def _bounds(self) -> Array:
         every = np.stack([shown.bounds for shown in self.designs])
@@ -129,10 +129,10 @@ class ViewPage:
             self.parts["Names"].append(label)
 
     def _links(self, root: str, scene: DesignScene) -> None:
-        """What is drawn of links, and of a robot with visuals what links collide as."""
+        """Draw links, and for a robot with visuals its collision shapes."""
         for index, each in enumerate(scene.drawn):
             name = f"{root}/{_plain(scene.robot.names.links[each.link])}/{index}"
-            # Which side of a visual is outside is not said.
+            # It is not known which side of a visual is outside.
             side: Literal["front", "double"] = (
                 "double" if each.link in scene.with_visuals else "front"
             )
@@ -147,7 +147,7 @@ class ViewPage:
     ) -> None:  # fmt: skip
         if not len(surface.faces):
             return
-        # What is seen through is drawn from far to near, by the places of the meshes.
+        # Transparent meshes are drawn from far to near, ordered by their positions.
         middle = surface.corners.mean(axis=0)
         handle = self.server.scene.add_mesh_simple(
             name, (surface.corners - middle).astype(np.float32), surface.faces.astype(np.uint32),
@@ -160,7 +160,7 @@ class ViewPage:
         for index, region in enumerate(scene.regions):
             name = f"{root}/regions/{_plain(region.name)}_{index}"
             colour = REGIONS.get(region.kind, REGIONS["region"])
-            # The far walls alone of what a robot may be in, or they would hide what is within.
+            # For sets that contain the robot draw only the far walls, or they would hide it.
             side: Literal["back", "double"] = "double" if region.kind == "obstacle" else "back"
             self._mesh("Regions", name, region.surface, colour, SEEN_THROUGH, side)
             if region.edges:
@@ -168,7 +168,7 @@ class ViewPage:
                             colour, 1.0)  # fmt: skip
 
     def _tube(self, name: str, tube: TubeBoxes) -> None:
-        """All boxes, each as a cube that is moved and stretched."""
+        """Draw all boxes, each as a translated and scaled cube."""
         boxes = tube.boxes.reshape(-1, *tube.boxes.shape[2:])
         if boxes.shape[1] == 2:
             beneath = np.broadcast_to(np.array([-BENEATH, BENEATH]) / 2, (len(boxes), 1, 2))
@@ -194,7 +194,7 @@ class ViewPage:
         )
         self.parts[part].append(handle)
 
-    # --- What is chosen -------------------------------------------------------------------------
+    # --- Controls -------------------------------------------------------------------------------
 
     def _controls(self) -> None:
         gui = self.server.gui
@@ -219,7 +219,7 @@ class ViewPage:
             handle.visible = visible
 
     def _seek(self) -> None:
-        """To where the slider was drawn, not where a page that plays has put it."""
+        """Follow the slider if the user moved it, but not if playing moved it."""
         if abs(self.slider.value - self.time) > TICK:
             self.show(self.slider.value)
 
@@ -230,7 +230,7 @@ class ViewPage:
         self.button.label = "Pause" if playing else "Play"
 
     def _camera(self, centre: Array) -> None:
-        """All is seen at first, from above in the plane."""
+        """Set the initial camera to show everything, from above if all designs are planar."""
         way = np.array(FROM_ABOVE if self.flat else FROM_ASIDE)
         distance = self.extent / 2 / sin(FIELD_OF_VIEW / 2)
         first = self.server.initial_camera
@@ -248,7 +248,7 @@ def _place(frames: dict[str, Any], scene: DesignScene, motion: LinkMotion) -> No
 
 
 def _readings(shown: ShownDesign, motion: LinkMotion, time: float) -> list[str]:
-    """Where the effectors of a design are, in its own coordinates."""
+    """The positions of a design's effectors in its own coordinates."""
     scene, lines = shown.scene, list[str]()
     for number, name in enumerate(scene.robot.names.effectors):
         place = motion.effectors.origins[0, number, : scene.robot.tree.dimension]
@@ -262,5 +262,5 @@ def _readings(shown: ShownDesign, motion: LinkMotion, time: float) -> list[str]:
 
 
 def _plain(name: str) -> str:
-    """A name without what separates the levels of a scene."""
+    """A name without the separator of levels in a scene."""
     return name.replace("/", "_")

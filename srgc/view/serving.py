@@ -1,4 +1,4 @@
-"""Serve a page to browsers of this computer until the process is interrupted."""
+"""Serve a page to browsers on this computer until the process is interrupted."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 HOST, PORT = "127.0.0.1", 8080
 INSTALL = 'the page needs the library viser: pip install "srgc[view]"'
 TICK = 1 / 30
-"""Seconds between two pictures of a page that plays."""
+"""The time between two frames of a playing page, in seconds."""
 
 
 def refuse_without_viewer(port: int | None) -> None:
-    """Refuse before anything is computed what could not be served afterwards.
+    """Reject a page that could not be served, before anything is computed.
 
     Raises:
-        UsageFault: the library is missing, or the port is not free.
+        UsageFault: the library is missing, or the port is in use.
     """
     try:
         import viser  # noqa: F401
@@ -43,25 +43,25 @@ def refuse_without_viewer(port: int | None) -> None:
 
 
 def viewer_server(port: int | None) -> viser.ViserServer:
-    """A server for this computer alone; None: the first port that is free from 8080 on.
+    """A server for this computer only; if the port is None, it is the first free one from 8080 on.
 
     Raises:
-        UsageFault: the library is missing, or the port is not free.
+        UsageFault: the library is missing, or the port is in use.
     """
     refuse_without_viewer(port)
     import viser
 
-    with redirect_stdout(io.StringIO()):  # it greets, and its name for the place is not ours
+    with redirect_stdout(io.StringIO()):  # hide its greeting and its own form of the address
         return viser.ViserServer(host=HOST, port=PORT if port is None else port, verbose=False)
 
 
 def page_address(server: viser.ViserServer) -> str:
-    """Where a browser finds the page."""
+    """The address of the page."""
     return f"http://{HOST}:{server.get_port()}"
 
 
 def serve(shown: ShownDesigns, server: viser.ViserServer, ready: Callable[[str], object]) -> None:
-    """Show designs and let them play, for ever; ``ready`` is told the address of the page."""
+    """Show designs and play them forever; ``ready`` is called with the address of the page."""
     page = ViewPage(server, shown.designs)
     ready(page_address(server))
     last = time.monotonic()

@@ -1,4 +1,4 @@
-"""What a page shows: the designs of result folders side by side, with their tubes."""
+"""The designs of result folders that a page shows side by side, with their tubes."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from srgc.results.mission_refusal import is_mission_folder
 from srgc.results.no_robot import no_robot
 
 FREQUENCY = 60
-"""Instants per second between which the motion is interpolated, at least."""
+"""The least number of instants per second between which the motion is interpolated."""
 APART = 0.15
-"""Part of the extent of a design that is free between two of them."""
+"""The gap between two designs, as a share of the extent of a design."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownDesign:
-    """A design by its label; the page shows it moved by ``offset`` (3,) in metres."""
+    """A design with its label; the page shows it shifted by ``offset`` (3,) in metres."""
 
     label: str
     scene: DesignScene
@@ -34,28 +34,28 @@ class ShownDesign:
 
     @property
     def bounds(self) -> Array:
-        """Low and high corners (2, 3) of what is seen, where it is shown."""
+        """The lower and upper corner (2, 3) of what is shown, at its place on the page."""
         found: Array = self.scene.bounds + self.offset
         return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownDesigns:
-    """All designs of a page, and what it does not show, for a reader."""
+    """All designs of a page, and notes on what it does not show."""
 
     designs: tuple[ShownDesign, ...]
     notes: tuple[str, ...]
 
 
 def shown_designs(folders: Sequence[Path], *, tubes: bool = True) -> ShownDesigns:
-    """The designs of result folders, of missions those of all tasks, from low to high y.
+    """The designs of result folders, and of all tasks of missions, in order of increasing y.
 
     Args:
-        folders: at least one.
+        folders: at least one folder.
         tubes: whether to enclose the motions, which takes as long as ``srgc verify``.
 
     Raises:
-        UsageFault: a folder has no design, or one whose numbers are too large.
+        UsageFault: a folder has no design, or its numbers are too large.
     """
     found, notes = list[ShownDesign](), list[str]()
     for label, folder in _labelled(folders):
@@ -77,7 +77,7 @@ def shown_designs(folders: Sequence[Path], *, tubes: bool = True) -> ShownDesign
 
 
 def _labelled(folders: Sequence[Path]) -> Iterator[tuple[str, Path]]:
-    """The folders of single designs, each with a label that no other has."""
+    """The folders of single designs, each with a unique label."""
     names = [folder.resolve().name for folder in folders]
     for folder, name in zip(folders, names, strict=True):
         label = name if names.count(name) == 1 else str(folder)

@@ -1,1 +1,1 @@
-"""A robot as a package of ROS 2, with a configuration for MoveIt."""
+"""Write a robot as a ROS 2 package, with a configuration for MoveIt."""

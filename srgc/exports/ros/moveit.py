@@ -1,4 +1,4 @@
-"""The files beside an SRDF that MoveIt and its controllers read (moveit.picknik.ai)."""
+"""Write the files that MoveIt and its controllers need beyond an SRDF (moveit.picknik.ai)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ UPDATE_RATE = 100
 def moveit_files(
     name: str, robot: ExportedRobot, groups: tuple[PlanningGroup, ...]
 ) -> dict[str, str]:
-    """The configuration of MoveIt, by the names of its files."""
+    """The configuration files of MoveIt by their names."""
     return {
         f"config/{name}.srdf": srdf_text(robot, groups),
         "config/joint_limits.yaml": yaml_text(_limits(robot)),
@@ -32,7 +32,7 @@ def moveit_files(
 
 
 def _limits(robot: ExportedRobot) -> Mapping[str, Any]:
-    """True limits alone: where the robot has none, none is assumed but by MoveIt."""
+    """The robot's limits; if it has none, the file states that, and MoveIt assumes its own."""
     return {
         "default_velocity_scaling_factor": 1.0,
         "default_acceleration_scaling_factor": 1.0,

@@ -1,17 +1,17 @@
-"""Names as ROS 2 takes them for packages (REP 144)."""
+"""Make valid names of ROS 2 packages (REP 144)."""
 
 from __future__ import annotations
 
 import re
 
 SUFFIX = "robot"
-"""Behind a name, so that it is that of no tool; a name needs a letter in front, too."""
+"""Added to a name so that it differs from names of tools; names also begin with a letter."""
 
 
 def package_name(text: str) -> str:
     """A name of lower-case letters, digits and single underscores that begins with a letter.
 
-    Every text has one; different texts may have the same.
+    Every text gives a name; different texts may give the same.
     """
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", text)
     plain = re.sub(r"[^a-z0-9]+", "_", words.lower()).strip("_")

@@ -1,4 +1,4 @@
-"""A ROS 2 package of a robot: description, meshes, a launch file that shows it, its motion.
+"""Write a ROS 2 package of a robot: description, meshes, a launch file for RViz, and its motion.
 
 Sources: REP 149 (package.xml format 3), docs.ros.org (ament_cmake, launch), wiki.ros.org/xacro.
 """
@@ -30,11 +30,11 @@ XACRO = "http://www.ros.org/wiki/xacro"
 
 
 def ros_package(robot: ExportedRobot, motion: ExportedMotion) -> dict[str, bytes]:
-    """The files of a package by their names below its folder.
+    """The files of a package by their paths in its folder.
 
     Raises:
-        ValueError: URDF cannot hold the robot.
-        UsageFault: a JointTrajectory cannot hold the motion.
+        ValueError: URDF cannot represent the robot.
+        UsageFault: a JointTrajectory cannot represent the motion.
     """
     name = package_name(robot.name)
     meshes = hull_files(robot)
@@ -77,7 +77,7 @@ def _manifest(name: str, remarks: Sequence[str]) -> str:
     xml.text("name", name)
     xml.text("version", VERSION)
     xml.text("description", "; ".join(remarks))
-    # A package needs both; who and what they are is for its owner to say.
+    # A package needs both; its owner has to fill them in.
     xml.text("maintainer", "the owner of the robot", email="owner@example.com")
     xml.text("license", "TODO")
     xml.text("buildtool_depend", "ament_cmake")
@@ -103,14 +103,14 @@ def _cmake(name: str, *, has_meshes: bool) -> str:
 
 
 def _xacro(name: str, robot: ExportedRobot, urdf: str) -> str:
-    """The robot as a xacro: with ``ros2_control:=true`` with simulated drives for controllers."""
+    """The robot as xacro; ``ros2_control:=true`` adds simulated drives for controllers."""
     lines = urdf.splitlines()
     first = next(number for number, line in enumerate(lines) if line.startswith("<robot "))
     inner = "\n".join(lines[first + 1 : -1])
     xml = XmlLines()
     xml.open("robot", name=robot.name, **{"xmlns:xacro": XACRO})
     xml.element("xacro:arg", name="ros2_control", default="false")
-    # What stands in a xacro as it is: a dollar before a bracket would be an expression.
+    # Escape text that xacro would take for an expression: a dollar sign before a bracket.
     xml.lines.append(inner.replace("${", "$${").replace("$(", "$$("))
     xml.open("xacro:if", value="$(arg ros2_control)")
     _control(xml, name, robot)
@@ -120,7 +120,7 @@ def _xacro(name: str, robot: ExportedRobot, urdf: str) -> str:
 
 
 def _control(xml: XmlLines, name: str, robot: ExportedRobot) -> None:
-    """Drives that do what they are told, as ros2_control has them for trials."""
+    """Write ideal drives for ros2_control that follow every command, for trials."""
     start: Mapping[int, float] = dict(enumerate(robot.start))
     xml.open("ros2_control", name=f"{name}_system", type="system")
     xml.open("hardware")

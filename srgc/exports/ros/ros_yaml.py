@@ -1,4 +1,4 @@
-"""Settings as YAML, in the order in which they are given."""
+"""Write settings as YAML, in their given order."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ import yaml
 
 
 def yaml_text(content: Mapping[str, Any]) -> str:
-    """A document of YAML 1.1, as ROS reads it."""
+    """A YAML 1.1 document, which ROS reads."""
     return str(yaml.safe_dump(dict(content), sort_keys=False, width=10**9, allow_unicode=True))

@@ -1,4 +1,4 @@
-"""What shows a robot in RViz: a launch file and the settings of its window."""
+"""Show a robot in RViz: a launch file and the settings of its window."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def display_launch(name: str) -> str:
 
 
 def display_rviz(base: str) -> str:
-    """The settings of RViz: a grid, the robot and its frames, about the link ``base``."""
+    """The settings of RViz: a grid, the robot and its frames, relative to the link ``base``."""
     topic = {
         "Depth": 5, "Durability Policy": "Volatile", "History Policy": "Keep Last",
         "Reliability Policy": "Reliable", "Value": "/robot_description",

@@ -1,7 +1,7 @@
-"""SRDF: what MoveIt plans for, and which links it lets touch (wiki.ros.org/srdf).
+"""Write SRDF: planning groups for MoveIt, and links that may touch (wiki.ros.org/srdf).
 
-A group is the chain of joints from the base to an effector; what may touch is what the task's
-``avoid self`` exempts, and links that a joint connects.
+A group is the chain of joints from the base to an effector.  Links may touch if the task's ``avoid
+self`` exempts them, or if a joint connects them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ EXEMPT = "Exempt in the task"
 
 @dataclass(frozen=True, slots=True)
 class PlanningGroup:
-    """The joints from the base to an effector, by their names, base first."""
+    """The names of the joints from the base to an effector, beginning at the base."""
 
     name: str
     hand: str
@@ -31,7 +31,7 @@ class PlanningGroup:
 
 
 def planning_groups(robot: ExportedRobot) -> tuple[PlanningGroup, ...]:
-    """A group per effector that moves: ``arm``, or of several ``arm_1`` and so on."""
+    """A group for each effector that moves: ``arm``, or for several ``arm_1`` and so on."""
     tree = robot.tree
     single = len(tree.effectors) == 1
     found = []
@@ -45,7 +45,7 @@ def planning_groups(robot: ExportedRobot) -> tuple[PlanningGroup, ...]:
 
 
 def srdf_text(robot: ExportedRobot, groups: tuple[PlanningGroup, ...]) -> str:
-    """The document; its names are those of the URDF."""
+    """The SRDF document; its names are those of the URDF."""
     names, xml = robot.names, XmlLines()
     for remark in robot.remarks:
         xml.comment(remark)
@@ -77,7 +77,7 @@ def srdf_text(robot: ExportedRobot, groups: tuple[PlanningGroup, ...]) -> str:
 
 
 def _start(xml: XmlLines, robot: ExportedRobot, group: PlanningGroup) -> None:
-    """Where the motion starts, as a named state."""
+    """Write the start of the motion as a named state."""
     if not robot.start:
         return
     places = {name: dof for dof, name in enumerate(robot.names.joints)}
@@ -88,9 +88,9 @@ def _start(xml: XmlLines, robot: ExportedRobot, group: PlanningGroup) -> None:
 
 
 def touching(robot: ExportedRobot) -> Iterator[tuple[str, str, str]]:
-    """Pairs of links that MoveIt is not to check, and why, in the order of the links.
+    """Pairs of links that MoveIt should not check, with the reason, in the order of the links.
 
-    Effectors' links have no shapes.
+    The links of effectors have no shapes.
     """
     tree, names = robot.tree, robot.names.links
     exempt = {*tree.touching}
@@ -101,7 +101,7 @@ def touching(robot: ExportedRobot) -> Iterator[tuple[str, str, str]]:
 
 
 def _nearness(tree: RigidTree, one: int, two: int) -> str | None:
-    """How two links are joined, if they are neighbours."""
+    """How two links are connected if they are neighbours, otherwise None."""
     parents = [None if link.joint is None else link.joint.parent for link in tree.links]
     if parents[two] == one:
         return ADJACENT
@@ -113,7 +113,7 @@ def _nearness(tree: RigidTree, one: int, two: int) -> str | None:
 
 
 def _below(tree: RigidTree, link: int) -> Iterator[tuple[int, LinkJoint]]:
-    """The links from one down to the last that is carried, with their joints."""
+    """The links from one down to the first above the base, with their joints."""
     joint = tree.links[link].joint
     while joint is not None:
         yield link, joint

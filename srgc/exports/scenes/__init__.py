@@ -1,1 +1,1 @@
-"""A design as a scene of rigid links that move among regions: for pictures, logs and views."""
+"""Turn a design into a scene of moving links among regions, for pictures, logs and views."""

@@ -1,4 +1,4 @@
-"""A design as a scene: the shapes of its links, their motion, and the regions about them."""
+"""A design as a scene: the shapes of its links, their motion, and the regions around them."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from srgc.results.found_design import FoundDesign
 
 Colour: TypeAlias = tuple[int, int, int]
 LINKS: tuple[Colour, ...] = ((70, 110, 170), (150, 170, 195))
-"""Of links in turn."""
+"""The colours of links, used in turn."""
 REGIONS: dict[str, Colour] = {
     "region": (70, 130, 180), "obstacle": (190, 70, 60), "target": (60, 150, 80),
 }  # fmt: skip
 SEEN_THROUGH = 0.35
-"""Opacity of regions."""
+"""The opacity of regions."""
 FEW = 24
-"""Instants at which it is asked how far shapes reach."""
+"""The number of instants at which the extent of shapes is computed."""
 BENEATH = float(FLAT)
-"""Regions of the plane lie so far (m) beneath the robot, and are as thick."""
+"""How far planar regions are below the robot, and how thick they are (m)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkShape:
-    """A shape that is fixed in the link with this number, and its pose there."""
+    """A shape fixed to the link with this number, and its pose there."""
 
     link: int
     shape: Geometry
@@ -53,13 +53,13 @@ class LinkShape:
 
     @property
     def outline(self) -> Array:
-        """Points (m, 3) of the link whose hull holds the surface."""
+        """Points (m, 3) in the frame of the link whose hull contains the surface."""
         return self.surface.corners
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneRegion:
-    """A region, obstacle or target with a surface in the world; edges are pairs of corners."""
+    """A region, obstacle or target with its surface in the world; edges are pairs of corners."""
 
     kind: str
     name: str
@@ -70,11 +70,11 @@ class SceneRegion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DesignScene:
-    """A robot in motion among the regions of its task, in space.
+    """A moving robot among the regions of its task, in three dimensions.
 
-    ``robot`` has the names of links, joints and effectors, as URDF has them.  ``shapes`` are what
-    links look like without visuals, ``bodies`` what they collide as; of ``meshes``, their visuals,
-    those are missing that ``notes`` tell a reader of.
+    ``robot`` has the names of links, joints and effectors as in URDF.  ``shapes`` are the
+    appearance of links without visuals, and ``bodies`` their collision shapes.  ``meshes`` are the
+    visuals, except those that ``notes`` report as missing.
     """
 
     design: FoundDesign
@@ -89,25 +89,26 @@ class DesignScene:
 
     @property
     def times(self) -> tuple[Fraction, ...]:
-        """The instants, in seconds."""
+        """The instants in seconds."""
         return self.instants.times
 
     @property
     def drawn(self) -> tuple[LinkShape | SeenMesh, ...]:
-        """What is drawn: the visuals of links, and of links without any their shapes."""
+        """What is drawn: the visuals of links, or the shapes of links without visuals."""
         others = self.with_visuals
         return (*(shape for shape in self.shapes if shape.link not in others), *self.meshes)
 
     @property
     def with_visuals(self) -> frozenset[int]:
-        """The links that are drawn as their visuals."""
+        """The links that are drawn by their visuals."""
         return frozenset(mesh.link for mesh in self.meshes)
 
     @property
     def bounds(self) -> Array:
-        """Low and high corners (2, 3) of all regions but the bounds, and of the motion.
+        """The lower and upper corner (2, 3) of a box around the regions and the motion.
 
-        Shapes count at few instants, frames at all.
+        The bounds of the workspace are ignored.  Shapes are evaluated at a few instants, frames at
+        all.
         """
         links = self.motion.links
         points = [links.origins, self.motion.effectors.origins]
@@ -121,12 +122,12 @@ class DesignScene:
 
 
 def design_scene(design: FoundDesign, frequency: int, *, visuals: bool = True) -> DesignScene:
-    """The scene of a design, with so many instants per second at least.
+    """The scene of a design.
 
     Args:
         design: the design.
-        frequency: how many instants there are in a second at least.
-        visuals: whether its visuals are read.
+        frequency: the least number of instants per second.
+        visuals: whether to read its visuals.
 
     Raises:
         UsageFault: numbers are too large.
@@ -148,7 +149,7 @@ def design_scene(design: FoundDesign, frequency: int, *, visuals: bool = True) -
 
 
 def _placed(shapes: Iterable[Sequence[Geometry]]) -> tuple[LinkShape, ...]:
-    """The shapes of links, of which there are several each."""
+    """The shapes of links, given in one sequence for each link."""
     return tuple(
         LinkShape(number, shape, plain_pose(shape.pose))
         for number, of_link in enumerate(shapes)
@@ -157,7 +158,7 @@ def _placed(shapes: Iterable[Sequence[Geometry]]) -> tuple[LinkShape, ...]:
 
 
 def scene_regions(design: FoundDesign) -> tuple[SceneRegion, ...]:
-    """The regions of the task of a design, obstacles of maps as boxes; bounds are left out.
+    """The regions of a design's task except its bounds, with obstacles of maps as boxes.
 
     Raises:
         UsageFault: a map cannot be read.
@@ -178,7 +179,7 @@ def _region(shape: WorkspaceShape) -> SceneRegion:
 
 
 def _thick(corners: Array, edges: list[tuple[int, int]]) -> tuple[Array, list[tuple[int, int]]]:
-    """A region of the plane as a flat prism beneath it."""
+    """A planar region as a flat prism below the plane."""
     count = len(corners)
     layers = [np.column_stack([corners, np.full(count, z)]) for z in (-2 * BENEATH, -BENEATH)]
     upper = [(a + count, b + count) for a, b in edges]

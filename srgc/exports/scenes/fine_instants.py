@@ -1,4 +1,4 @@
-"""The planned motion of a design at instants within the steps of its task, too."""
+"""The planned motion of a design at instants that include ones within its steps."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ MOST_INSTANTS = 6000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FineInstants:
-    """A motion at K instants, the samples of the task among them.
+    """A motion at K instants, which include the samples of the task.
 
     Attributes:
         times: (K,) exact, in seconds.
-        parts: how many instants there are from one sample to the next.
+        parts: the number of instants from one sample to the next.
         q, v: (K, n) coordinates and rates of the joints, SI.
     """
 
@@ -36,9 +36,9 @@ class FineInstants:
     v: Array
 
     def at(self, time: float) -> Array:
-        """The coordinates (1, n) at a time in seconds, the last ones after the end.
+        """The coordinates (1, n) at a time in seconds; after the end, the last ones.
 
-        They are cubic polynomials between instants, with the rates there (Hermite).
+        Between instants they are cubic polynomials with the rates there (Hermite interpolation).
         """
         ends = np.array([float(each) for each in self.times])
         if len(ends) == 1 or time >= ends[-1]:
@@ -60,11 +60,11 @@ def fine_instants(design: FoundDesign, frequency: int, most: int = MOST_INSTANTS
 
     Args:
         design: the design.
-        frequency: how many instants there are in a second at least, unless there are too many.
-        most: about how many instants there are at most.
+        frequency: the least number of instants per second, unless that gives too many.
+        most: about the greatest number of instants.
 
     Raises:
-        UsageFault: it has numbers that are no doubles.
+        UsageFault: the motion has numbers that are not finite doubles.
     """
     step, steps = design.task.step, len(design.claim.inputs)
     parts = max(1, min(ceil(step * frequency), most // max(steps, 1)))
@@ -78,7 +78,7 @@ def fine_instants(design: FoundDesign, frequency: int, most: int = MOST_INSTANTS
 
 
 def _integrated(design: FoundDesign, parts: int) -> Array:
-    """The states (K, N); errors of one step are not carried into the next."""
+    """The states (K, N); errors within one step do not carry over to the next."""
     numeric = NumericRobot(robot_graph(design.model, design.task.gravity))
     theta = planned_inputs(design).theta
     moved = planned_motion(design, numeric)

@@ -1,6 +1,6 @@
-"""JSON schemas of the messages in a log, by the names that Foxglove knows them by.
+"""JSON schemas of the messages in a log, by their names in Foxglove.
 
-Source: the message schemas of Foxglove SDK; fields that a log does not use have no items here.
+Source: the message schemas of the Foxglove SDK; items of unused fields are not specified.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ ANYTHING: dict[str, Any] = {"type": "array", "items": {"type": "object"}}
 
 
 def _object(title: str, **fields: Mapping[str, Any]) -> dict[str, Any]:
-    """An object whose fields all have to be there."""
+    """The schema of an object whose fields are all required."""
     return {
         "title": title,
         "type": "object",
@@ -76,10 +76,10 @@ SCHEMAS: Mapping[str, dict[str, Any]] = {
 
 
 def efforts_schema(joints: tuple[str, ...]) -> dict[str, Any]:
-    """The schema of what motors give: a number per joint, each a line of a plot."""
+    """The schema of motor efforts: a number for each joint, so that each can be plotted."""
     return _object("srgc.Efforts", **dict.fromkeys(joints, NUMBER))
 
 
 def schema_bytes(schema: Mapping[str, Any]) -> bytes:
-    """A schema as a file of a log has it."""
+    """The bytes of a schema in a log file."""
     return json.dumps(schema, ensure_ascii=False, separators=(",", ":")).encode()

@@ -1,8 +1,8 @@
-"""A scene as binary glTF 2.0: a node for each link in that which carries it, and an animation.
+"""Write a scene as binary glTF 2.0: a node for each link within its parent's, and an animation.
 
-Source: the Khronos specification of glTF 2.0.  Its y axis is up; the world of a robot has z up and
-is a node that is turned.  Joints are what is animated: between two instants a joint turns about its
-axis, so that links are as long as they are.
+Source: the Khronos specification of glTF 2.0.  Its y axis is up; the world of a robot has z up, so
+it is a rotated node.  The animation moves joints: between two instants a joint rotates about its
+axis, so links keep their lengths.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ from srgc.faults import UsageFault
 from srgc.version import VERSION
 
 FLOAT, UNSIGNED = 5126, 5125
-"""Types of components: float and unsigned int, of four bytes each."""
+"""Component types: float and unsigned int, of four bytes each."""
 CORNERS, INDICES = 34962, 34963
-"""What a view of the buffer is for: ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER."""
+"""The targets of buffer views: ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER."""
 SHAPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 MAGIC, VERSION_2, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 UPRIGHT = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
-"""The quaternion (x, y, z, w) that turns z up to y up."""
+"""The quaternion (x, y, z, w) that rotates z up to y up."""
 ROUGH = 0.7
 
 
 def gltf_bytes(scene: DesignScene) -> bytes:
-    """The scene as a file ``.glb``, with the robot at its start; lengths are in metres.
+    """The scene as a ``.glb`` file with the robot at its start; lengths are in metres.
 
     Raises:
         UsageFault: a length is too large for single precision.
@@ -96,13 +96,13 @@ class _Writer:
         self.nodes[parent].setdefault("children", []).append(node)
 
     def links(self, world: int) -> list[int]:
-        """The nodes of all links, each in that of the link that carries it, at the start."""
+        """Add the nodes of all links at the start, each within the node of its parent link."""
         robot, found = self.scene.robot, list[int]()
         for number, link in enumerate(robot.tree.links):
             place = _place(_at(self.scene.motion.joints, 0, number))
             surfaces = [each.surface for each in self.scene.drawn if each.link == number]
             name, colour = robot.names.links[number], LINKS[number % len(LINKS)]
-            # Which side of a visual is outside is not said.
+            # It is not known which side of a visual is outside.
             both = number in self.scene.with_visuals
             mesh = self.mesh(name, surfaces, colour, 1.0, double_sided=both)
             found.append(self.node(name, **place, **mesh))
@@ -128,7 +128,7 @@ class _Writer:
         *,
         double_sided: bool,
     ) -> dict[str, int]:
-        """What a node says of its mesh: nothing where nothing has a surface."""
+        """The entry of a node for its mesh; empty if there are no surfaces."""
         surfaces = [surface for surface in surfaces if len(surface.faces)]
         if not surfaces:
             return {}
@@ -145,7 +145,7 @@ class _Writer:
         return {"mesh": len(self.meshes) - 1}
 
     def material(self, colour: Colour, opacity: float, *, double_sided: bool) -> int:
-        factor = [round((part / 255) ** 2.2, 4) for part in colour]  # linear, as it is to be
+        factor = [round((part / 255) ** 2.2, 4) for part in colour]  # glTF has linear colours
         material: dict[str, Any] = {
             "pbrMetallicRoughness": {
                 "baseColorFactor": [*factor, opacity],
@@ -162,7 +162,7 @@ class _Writer:
         return self.materials.index(material)
 
     def accessor(self, rows: Array | Any, target: int | None = None) -> int:
-        """Numbers (m, c) in the buffer; of what is no index, with the bounds of each column."""
+        """Add numbers (m, c) to the buffer; all but indices get bounds for each column."""
         index = target == INDICES
         with np.errstate(over="ignore"):
             values = np.ascontiguousarray(rows, dtype="<u4" if index else "<f4")
@@ -188,7 +188,7 @@ class _Writer:
         return len(self.accessors) - 1
 
     def animation(self, links: list[int]) -> dict[str, Any]:
-        """How joints turn and slide, linear (spherical) between instants."""
+        """The animation of the joints, linear (spherical for rotations) between instants."""
         scene = self.scene
         channels, samplers = list[dict[str, Any]](), list[dict[str, Any]]()
         carried = scene.robot.tree.carried() if len(scene.times) > 1 else ()
@@ -213,13 +213,13 @@ def _at(poses: Poses, instant: int | slice, number: int) -> Poses:
 
 
 def _place(pose: Poses) -> dict[str, Any]:
-    """A pose as a node says it."""
+    """The entries of a node for its pose."""
     w, x, y, z = pose.quaternions().tolist()
     return {"translation": pose.origins.tolist(), "rotation": [x, y, z, w]}
 
 
 def _smooth(poses: Poses) -> Array:
-    """Quaternions (K, 4) as (x, y, z, w), each of the two signs that is nearer to the last one."""
+    """Quaternions (K, 4) as (x, y, z, w), with signs chosen so that neighbours are close."""
     turns = poses.quaternions()[:, [1, 2, 3, 0]]
     jumps = np.einsum("ij,ij->i", turns[1:], turns[:-1]) < 0
     signs = np.cumprod(np.where(jumps, -1.0, 1.0))
@@ -228,7 +228,7 @@ def _smooth(poses: Poses) -> Array:
 
 
 def _glb(content: dict[str, Any], binary: bytes) -> bytes:
-    """The container: a header, the JSON and the buffer, both in whole groups of four bytes."""
+    """The container: a header, the JSON and the buffer, padded to multiples of four bytes."""
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     chunks = _chunk(JSON_CHUNK, text, b" ")
     if binary:

@@ -1,4 +1,4 @@
-"""Where the rigid links of a robot and its effectors are, by the coordinates of its joints."""
+"""Compute the poses of a robot's links and effectors from the coordinates of its joints."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from compiler.rigid_links.rigid_tree import LinkJoint, RigidTree
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Poses:
-    """Frames in the world or in one another.
+    """Poses of frames in the world or in other frames.
 
     Attributes:
         turns: (..., 3, 3) rotations, whose columns are the axes of the frames.
@@ -24,17 +24,17 @@ class Poses:
     origins: Array
 
     def __matmul__(self, inner: Poses) -> Poses:
-        """Frames that are given in these ones, in what these are given in."""
+        """Compose poses: ``inner`` is given in these frames, the result where these are given."""
         origins = self.origins + (self.turns @ inner.origins[..., None])[..., 0]
         return Poses(self.turns @ inner.turns, origins)
 
     def points(self, local: Array) -> Array:
-        """Points (m, 3) of each frame, shape (..., m, 3)."""
+        """Points (m, 3) given in each frame, transformed to shape (..., m, 3)."""
         found: Array = self.origins[..., None, :] + local @ np.swapaxes(self.turns, -1, -2)
         return found
 
     def quaternions(self) -> Array:
-        """Unit quaternions (w, x, y, z), shape (..., 4), w not negative."""
+        """Unit quaternions (w, x, y, z) with shape (..., 4) and w >= 0."""
         from scipy.spatial.transform import Rotation
 
         flat = Rotation.from_matrix(self.turns.reshape(-1, 3, 3)).as_quat(canonical=True)
@@ -44,9 +44,9 @@ class Poses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkMotion:
-    """Poses in the world: of links (K, L) and of effectors (K, e), at K instants.
+    """Poses in the world at K instants: of links (K, L) and of effectors (K, e).
 
-    ``joints`` has those of the links in the links that carry them, (K, L), of the base in the
+    ``joints`` are the poses (K, L) of links in the links that carry them, and of the base in the
     world.
     """
 
@@ -56,7 +56,7 @@ class LinkMotion:
 
 
 def link_motion(tree: RigidTree, q: Array) -> LinkMotion:
-    """The motion of a tree whose joints have the coordinates q (K, n), rad or m."""
+    """The motion of a tree with joint coordinates q (K, n) in rad or m."""
     links = list[Poses]()
     joints = list[Poses]()
     for link in tree.links:
@@ -74,13 +74,13 @@ def link_motion(tree: RigidTree, q: Array) -> LinkMotion:
 
 
 def plain_pose(pose: Pose) -> Poses:
-    """A pose in doubles: one frame."""
+    """A single pose in doubles."""
     turn = [[nearest(pose.rotation[i, j]) for j in range(3)] for i in range(3)]
     return Poses(np.array(turn), np.array(doubles(pose.origin)))
 
 
 def _moved(joint: LinkJoint, values: Array) -> Poses:
-    """What a joint does: about, or along, an axis of its own frame, at values (K,)."""
+    """The motion of a joint about or along an axis of its own frame, at values (K,)."""
     count, axis = len(values), joint.axis
     turns = np.tile(np.eye(3), (count, 1, 1))
     origins = np.zeros((count, 3))

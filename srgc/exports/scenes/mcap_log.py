@@ -1,4 +1,4 @@
-"""The planned motion as a log: an MCAP file with messages in JSON, as Foxglove reads them.
+"""Write the planned motion as a log: an MCAP file with JSON messages, for Foxglove.
 
 Source: the MCAP specification (mcap.dev).  Times are those of the task, from 0 s on.
 """
@@ -35,16 +35,16 @@ INSTALL = 'a log needs the library mcap: pip install "srgc[log]"'
 NANO = 10**9
 WORLD = "world"
 MOST_SECONDS = 2**32
-"""Foxglove's times have seconds of 32 bits."""
+"""Foxglove's times have unsigned 32-bit seconds."""
 STILL = {"x": 0.0, "y": 0.0, "z": 0.0}
 UNTURNED = {**STILL, "w": 1.0}
 Message = tuple[str, Fraction, Mapping[str, Any]]
-"""A channel, a time in seconds, and what it says then."""
+"""A channel, a time in seconds, and the content."""
 
 
 @dataclass(frozen=True, slots=True)
 class MotionLog:
-    """A file of a log, and what it does not hold, for a reader."""
+    """A log file, and notes on what it does not include."""
 
     content: bytes
     notes: tuple[str, ...]
@@ -53,10 +53,10 @@ class MotionLog:
 def mcap_log(scene: DesignScene, motion: ExportedMotion) -> MotionLog:
     """The log of a motion.
 
-    Its channels: ``/robot_description`` (URDF), ``/tf`` (poses of links and effectors in the
+    Its channels are ``/robot_description`` (URDF), ``/tf`` (poses of links and effectors in the
     world), ``/joint_states`` and ``/scene`` (shapes and regions) in the schemas of Foxglove, and
-    ``/efforts``, a number per joint.  Poses are those of all instants of the scene, joint states
-    and efforts those of the task's samples.
+    ``/efforts`` with a number for each joint.  Poses are logged at all instants of the scene, joint
+    states and efforts at the samples of the task.
 
     Raises:
         UsageFault: the library is missing, or the motion takes too long.
@@ -93,7 +93,7 @@ def mcap_log(scene: DesignScene, motion: ExportedMotion) -> MotionLog:
 
 
 def _description(scene: DesignScene) -> tuple[tuple[Message, ...], tuple[str, ...]]:
-    """The message with the robot, with boxes about hulls; or why there is none."""
+    """The message with the robot, with boxes around hulls, or a note why there is none."""
     try:
         return (("/robot_description", Fraction(0), {"data": urdf_text(scene.robot)}),), ()
     except ValueError as error:
@@ -101,7 +101,7 @@ def _description(scene: DesignScene) -> tuple[tuple[Message, ...], tuple[str, ..
 
 
 def _messages(scene: DesignScene, motion: ExportedMotion) -> Iterator[Message]:
-    """All other messages, the earliest first."""
+    """All other messages in order of time."""
     yield "/scene", Fraction(0), {"deletions": [], "entities": list(_entities(scene))}
     links, effectors = scene.motion.links, scene.motion.effectors
     turns = {"link": links.quaternions(), "effector": effectors.quaternions()}
@@ -159,11 +159,11 @@ def _quaternion(turn: Array) -> dict[str, float]:
     return {"x": x, "y": y, "z": z, "w": w}
 
 
-# --- What is drawn --------------------------------------------------------------------------------
+# --- Drawing --------------------------------------------------------------------------------------
 
 
 def _entities(scene: DesignScene) -> Iterator[dict[str, Any]]:
-    """The shapes of each link, in its frame, and the regions in the world."""
+    """The shapes of each link in its frame, and the regions in the world."""
     for number, name in enumerate(scene.robot.names.links):
         shapes = [shape for shape in scene.shapes if shape.link == number]
         colour = _colour(LINKS[number % len(LINKS)], 1.0)
@@ -189,7 +189,7 @@ def _entity(frame: str, name: str, primitives: Mapping[str, list[Any]]) -> dict[
 
 
 def _primitives(shape: LinkShape, colour: dict[str, float]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """A shape as what Foxglove draws; a capsule is a cylinder and two spheres."""
+    """A shape as primitives of Foxglove; a capsule is a cylinder and two spheres."""
     size, pose = shape.shape.size, _pose(shape.pose)
     match shape.shape.kind:
         case "box":

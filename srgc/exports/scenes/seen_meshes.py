@@ -1,4 +1,4 @@
-"""The visuals of a robot as triangles in its links."""
+"""Read the visuals of a robot as triangles in the frames of its links."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class SeenMesh:
 
     @property
     def outline(self) -> Array:
-        """Points (8, 3) whose hull holds it: the corners of a box."""
+        """Points (8, 3) whose hull contains it: the corners of its bounding box."""
         ends = np.stack([self.surface.corners.min(axis=0), self.surface.corners.max(axis=0)])
         choices = np.array([*product((0, 1), repeat=3)])
         found: Array = ends[choices, np.arange(3)]
@@ -43,7 +43,7 @@ class SeenMeshes:
 
 
 def seen_meshes(visuals: Sequence[VisualMesh]) -> SeenMeshes:
-    """The surfaces of visuals, each file read once.
+    """The surfaces of visuals; each file is read once.
 
     Raises:
         ValueError: a pose has no definite value.
@@ -66,10 +66,10 @@ def seen_meshes(visuals: Sequence[VisualMesh]) -> SeenMeshes:
 
 
 def _surface(file: ir.VisualFile) -> Triangles:
-    """The triangles of a file, equal corners as one and those without an area left out.
+    """The triangles of a file, with equal corners merged and degenerate triangles removed.
 
     Raises:
-        UsageFault: it cannot be read, or a library for that is missing.
+        UsageFault: the file cannot be read, or a library for it is missing.
     """
     try:
         mesh = mesh_of(file.data, Path(file.path), own_axes=True)

@@ -1,4 +1,4 @@
-"""Shapes as triangles, counter-clockwise as they are seen from outside."""
+"""Triangulate shapes; triangles are counter-clockwise from outside."""
 
 from __future__ import annotations
 
@@ -12,22 +12,19 @@ from compiler.arrays import Array
 from compiler.rigid_links.link_shape import Geometry
 
 AROUND, ALONG = 32, 8
-"""Corners around a round shape, and from its equator to a pole."""
+"""The number of corners around a round shape, and from its equator to a pole."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
-    """A surface: ``corners`` (m, 3) in metres, ``faces`` (f, 3) of their numbers."""
+    """A surface: ``corners`` (m, 3) in metres, and ``faces`` (f, 3) of their indices."""
 
     corners: Array
     faces: NDArray[np.int64]
 
 
 def shape_triangles(shape: Geometry) -> Triangles:
-    """The surface of a shape in its own frame.
-
-    Corners of round shapes lie on their surfaces.
-    """
+    """The surface of a shape in its own frame; corners of round shapes lie on their surfaces."""
     size = shape.size
     match shape.kind:
         case "hull":
@@ -47,7 +44,7 @@ def shape_triangles(shape: Geometry) -> Triangles:
 
 
 def hull_triangles(points: Array) -> Triangles:
-    """The surface of the convex hull of points (m, 3); without faces where it is flat."""
+    """The surface of the convex hull of points (m, 3); it has no faces if the hull is flat."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:
@@ -64,7 +61,7 @@ def hull_triangles(points: Array) -> Triangles:
 
 
 def _arc(radius: float, side: int, height: float) -> list[tuple[float, float]]:
-    """A quarter of a circle about (0, height) as (r, z): to the equator (-1), or from it (1)."""
+    """A quarter circle about (0, height) as (r, z), ending (-1) or beginning (1) at the equator."""
     angles = np.linspace(0.0, np.pi / 2, ALONG + 1)
     found = [(radius * np.cos(a), height + side * radius * np.sin(a)) for a in angles]
     found[-1] = (0.0, height + side * radius)
@@ -72,7 +69,7 @@ def _arc(radius: float, side: int, height: float) -> list[tuple[float, float]]:
 
 
 def _turned(profile: list[tuple[float, float]]) -> Triangles:
-    """The surface that a profile (r, z) makes about z, from its lowest point to its highest one."""
+    """The surface of revolution of a profile (r, z) about z, which runs upwards."""
     angles = 2 * np.pi * np.arange(AROUND) / AROUND
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     inner = profile[1:-1]

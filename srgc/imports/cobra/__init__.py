@@ -1,1 +1,1 @@
-"""Tasks of CoBRA, a benchmark for robots (Mayer, Külz, Althoff, 2022), in its published schema."""
+"""Import tasks of CoBRA, a benchmark for robots (Mayer, Külz, Althoff, 2022)."""

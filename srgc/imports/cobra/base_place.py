@@ -1,4 +1,4 @@
-"""Where the base of a robot stands: a module that carries it."""
+"""Place the base of a robot by a module that carries it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from srgc.imports.module_set import Move, Turn, steps_of
 from srgc.imports.quantities import Quantities
 
 NARROW = 0.01
-"""A base that may be off by less (m, or rad) stands at its nominal place."""
+"""A base with less freedom than this (m or rad) stands at its nominal place."""
 PARAMETERS = {"x": "east", "y": "north", "z": "up"}
 
 
 @dataclass(frozen=True, slots=True)
 class GroundPort:
-    """The type and gender of the port on which bases stand; empty: it has none."""
+    """The type and gender of the port on which bases stand; a gender may be empty."""
 
     type: str
     gender: str
@@ -64,7 +64,7 @@ def _is_tilted(tolerance: Tolerance) -> bool:
 
 
 def _free(pose: ToleratedPose, remarks: list[str]) -> Iterator[tuple[str, tuple[float, float]]]:
-    """Intervals (m) along axes of one frame; the rest stays nominal, which is said."""
+    """The free intervals (m) by axis; other freedoms stay nominal, with a remark."""
     found = dict[str, tuple[float, float]]()
     for each in pose.tolerances:
         wide = max(-each.low, each.high) > NARROW

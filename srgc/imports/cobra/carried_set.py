@@ -1,4 +1,4 @@
-"""The modules of which a task wants its robot: a set of Timor, a spec, or the library."""
+"""The modules for the robot of a task: from a set of Timor, a spec, or the library."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from srgc.imports.module_set import Module, ModuleSet
 
 LIBRARY = "timor.srg"
 OF_LIBRARY = ("Std_Timor_Base", "Std_Timor_J2", "Std_Timor_I", "Std_Timor_L", "Std_Timor_Eef")
-"""Revolute joints and tubes; the prismatic joint has no bound of its effort."""
+"""Revolute joints and tubes; the prismatic joint is left out, as it has no effort limit."""
 MESH = re.compile(r'file: "([^"\n]*)"')
-"""Where a spec names a mesh, which has to stand beside a copy of it."""
+"""A mesh that a spec names, which has to be copied together with the spec."""
 MALE_TO = {"female": "male", "male": "female", "": ""}
 
 
 @dataclass(frozen=True, slots=True)
 class CarriedSet:
-    """What a task is written with.
+    """The modules that a task is written with.
 
     Attributes:
-        head: an ``include``, or empty where ``modules`` are written.
-        listed: the modules of the grammar, the base first.
+        head: an ``include``; empty if ``modules`` are written.
+        listed: the modules of the grammar, beginning with the base.
         ground: the port that carries the base.
-        unbounded: kinds of joints of which one has no bound of its effort.
-        modules: what is written with the task.
-        files: what stands beside it.
-        accel: whether a joint bounds its acceleration.
+        unbounded: the kinds of joints of which at least one has no effort limit.
+        modules: the modules to write with the task.
+        files: the files to write next to it.
+        accel: whether any joint has an acceleration limit.
     """
 
     head: str
@@ -43,12 +43,12 @@ class CarriedSet:
 
 
 def carried_set(given: Path | None, *, name: str | None, base: str | None, stem: str) -> CarriedSet:
-    """The modules that ``--modules`` names: a set of Timor, or a spec that was imported before.
+    """Read the modules that ``--modules`` names: a set of Timor, or a spec imported before.
 
-    ``stem`` is how the spec of the task is called.
+    ``stem`` is the name of the spec of the task, without its extension.
 
     Raises:
-        UsageFault: it cannot be read, or has no base.
+        UsageFault: the file cannot be read, or has no base.
     """
     if given is None:
         return CarriedSet(
@@ -81,7 +81,7 @@ def carried_set(given: Path | None, *, name: str | None, base: str | None, stem:
 
 
 def _kept(found: ModuleSet, listed: Sequence[str], modules: Mapping[str, Module]) -> ModuleSet:
-    """The modules that the grammar lists; another base would be a module that nothing uses."""
+    """Only the modules that the grammar lists: other bases would be unused."""
     kept = [each for each in found.modules if each.name in listed]
     if left := [name for name in modules if name not in listed]:
         found.remarks.append(f"modules that this task does not use: {', '.join(left)}")
@@ -90,7 +90,7 @@ def _kept(found: ModuleSet, listed: Sequence[str], modules: Mapping[str, Module]
 
 
 def _spec(path: Path) -> CarriedSet:
-    """The first grammar from ports of a spec."""
+    """The modules of the first grammar from ports in a spec."""
     from grammar_lang.diagnostics.diagnostic import Sink
     from grammar_lang.parsing.parse import parse
     from grammar_lang.syntax import family as syntax

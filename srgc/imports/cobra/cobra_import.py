@@ -1,4 +1,4 @@
-"""``srgc import cobra``: a task of CoBRA as a workspace and a task, with its modules."""
+"""``srgc import cobra``: import a task of CoBRA as a workspace and a task, with its modules."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ from srgc.imports.spec_text import canonical_text, modules_text
 from srgc.imports.written_import import Imported, mesh_folder
 
 ROOM = 1.0
-"""The bounds reach so far beyond what the task names (m), to the next half metre."""
+"""How far the bounds extend beyond what the task names (m), before rounding to half a metre."""
 STEP = 0.1
-"""How long a step lasts (s), unless it is changed."""
+"""The default duration of a step (s)."""
 STEPS_A_LEG = 20
-"""So many steps are there for the way from one goal to the next."""
+"""The number of steps for the way from one goal to the next."""
 MOST_MODULES = 8
 ENOUGH = {"revolute": "1000 N*m", "prismatic": "10000 N"}
-"""A bound of efforts where modules have none."""
+"""Effort limits for tasks whose modules have none, by kind of joint."""
 
 
 @dataclass(frozen=True, slots=True)
 class TaskOptions:
-    """What an import of a task is asked for; see :func:`cobra_import`."""
+    """The options of an import; see :func:`cobra_import`."""
 
     modules: Path | None = None
     name: str | None = None
@@ -70,20 +70,22 @@ def cobra_import(
 
     Args:
         file: a task in CoBRA's schema.
-        modules: a module set of Timor, whose modules are written with it, or a spec with a grammar
-            from ports, which it includes; Timor's geometric primitives of the library if None.
-        name: what names of modules begin with.
-        exact: keep angles as they are.
-        base: which module of the set is the base; the first one if None.
-        any_order: leave the order of goals open where the task does.
-        cost: a cost function of CoBRA, such as ``cyc`` or ``mass,cyc``; that of the file if None.
-        pieces: at most so many convex pieces of a mesh.
-        detail: what they may add to its volume, as a share.
-        stem: how the spec is called, without its end, after which the folder of meshes is; the
-            task if None.
+        modules: a module set of Timor, whose modules are written with the task, or a spec with a
+            grammar from ports, which the task includes; if None, Timor's geometric primitives from
+            the library.
+        name: the prefix of the names of modules.
+        exact: keep angles and lengths as they are.
+        base: the module of the set that is the base; if None, the first one.
+        any_order: leave the order of goals open if the task does.
+        cost: a cost function of CoBRA, such as ``cyc`` or ``mass,cyc``; if None, the one in the
+            file.
+        pieces: the most convex pieces of a mesh.
+        detail: the share of the volume of a mesh that its pieces may add.
+        stem: the name of the spec without its extension, from which the folder of meshes is named;
+            if None, the name of the task.
 
     Raises:
-        UsageFault: a file cannot be read, or is against the schema.
+        UsageFault: a file cannot be read, or violates the schema.
     """
     files = source_files(file)
     place = json_file(files)
@@ -127,12 +129,12 @@ class _Written:
         )
 
     def title(self, file: Path) -> str:
-        """What it is and where it comes from."""
+        """The title line of the spec, with the source of the task."""
         by = f", by {', '.join(self.task.authors)}" if any(self.task.authors) else ""
         return f"Task {self.task.id} of CoBRA{by}, imported from {file.name}."
 
     def blocks(self) -> list[str]:
-        """The floor, the grammar, the workspace and the task."""
+        """The blocks of the floor, the grammar, the workspace and the task."""
         rules = rules_of(self.task, self.remarks, accel=self.carried.accel)
         obstacles, avoided, points = self._obstacles(rules)
         base = self._base()
@@ -153,10 +155,10 @@ class _Written:
             ),
         ]
 
-    # --- What is there ----------------------------------------------------------------------------
+    # --- Surroundings -----------------------------------------------------------------------------
 
     def _obstacles(self, rules: Rules) -> tuple[list[str], list[str], list[NDArray[np.float64]]]:
-        """Statements, names, and points that the bounds are to hold."""
+        """Statements and names of obstacles, and points that the bounds have to contain."""
         lines, named, points = list[str](), list[str](), list[NDArray[np.float64]]()
         if not rules.obstacles:
             return lines, named, points
@@ -183,7 +185,7 @@ class _Written:
     def _bounds(
         self, points: Sequence[NDArray[np.float64]], base: ToleratedPose | None
     ) -> NDArray[np.float64]:
-        """A box (3, 2) about all that the task names."""
+        """A box (3, 2) around the goals, the base and the given points."""
         poses = [pose.at for goal in self.task.goals for pose in goal.poses]
         places = [*poses, np.zeros(3) if base is None else base.at]
         every = np.vstack([*places, *points])
@@ -201,7 +203,7 @@ class _Written:
         return "\n".join([*lines, *obstacles, "}"])
 
     def _kept(self, goals: Clauses, sets: RegionSets) -> list[str]:
-        """Regions and formulas of what the tool keeps at all times."""
+        """Formulas for conditions on the tool that hold at all times; adds their regions."""
         found = list[str]()
         for text, turned in tool_clauses(self.task.constraints, sets):
             name = self.names.name("Kept")
@@ -234,12 +236,12 @@ class _Written:
 
 
 def _title(task: TaskData) -> str:
-    """What the workspace and the task are called."""
+    """The name of the workspace and the task."""
     called = Names().camel(task.name or task.id.rpartition("/")[2])
     return called if called[:1].isalpha() else f"Task{called.lstrip('_')}"
 
 
 def _last_region(goals: Clauses) -> str:
-    """The region that is reached at the end, if any."""
+    """The region that is reached last, empty if there is none."""
     reached = [line.split()[1].rstrip(";") for line in goals.lines if line.startswith("reach ")]
     return reached[-1] if reached else ""

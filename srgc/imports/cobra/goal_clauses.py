@@ -1,4 +1,4 @@
-"""Goals as regions and as clauses of a task: where it begins, what it passes, where it ends."""
+"""Convert goals to regions and clauses of a task: its start, what it passes, and its end."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from srgc.imports.names import Names
 from srgc.imports.quantities import decimal_text
 
 MOST_POSES = 12
-"""Of a path with more poses evenly chosen ones are passed."""
+"""Of a path with more poses, this many are passed, evenly chosen."""
 MOST_STOPS = 40
 
 
 @dataclass(slots=True)
 class Stop:
-    """A region with a turn that is passed; ``rests`` and ``hold`` (s) say how."""
+    """A region and an orientation to pass, at rest or not, and the time to stay (s)."""
 
     region: str
     turned: str
@@ -32,18 +32,18 @@ class Stop:
 
     @property
     def where(self) -> str:
-        """Where its goal stands."""
+        """The path of its goal in the file."""
         return self.place.path
 
     @property
     def atom(self) -> str:
-        """What holds there."""
+        """The atomic formula that holds there."""
         return f"{self.region}{self.turned}"
 
 
 @dataclass(slots=True)
 class Clauses:
-    """Regions by name, lines of the task, and how long it pauses and follows at least (s)."""
+    """Regions by name, lines of the task, and the least total time of pauses and paths (s)."""
 
     regions: dict[str, str] = field(default_factory=dict)
     lines: list[str] = field(default_factory=list)
@@ -54,8 +54,8 @@ class Clauses:
 def goal_clauses(task: TaskData, sets: RegionSets, names: Names, *, any_order: bool) -> Clauses:
     """The clauses of the goals of a task, in order.
 
-    Since a robot may begin anywhere, it begins at the first goal: whatever it did before is left
-    out.  What lies between the first goal and the last one is a formula.
+    Since a robot may start anywhere, the task starts at its first goal; the way to it is left out.
+    Everything between the first goal and the last becomes a formula.
     """
     found = Clauses()
     goals = _in_order(task, sets.remarks, any_order=any_order)
@@ -76,7 +76,7 @@ def goal_clauses(task: TaskData, sets: RegionSets, names: Names, *, any_order: b
 
 
 def _in_order(task: TaskData, remarks: list[str], *, any_order: bool) -> list[Goal]:
-    """The goals in the order that a constraint asks for, else that of the file."""
+    """The goals in the order that a constraint demands, otherwise in the order of the file."""
     order = next((each.order for each in task.constraints if each.order), ())
     by_id = {goal.id: goal for goal in task.goals}
     for each in task.constraints:
@@ -88,7 +88,7 @@ def _in_order(task: TaskData, remarks: list[str], *, any_order: bool) -> list[Go
             "goals are reached in the order of the file, which the task leaves open; --any-order "
             "leaves it open, too"
         )
-    # What the order does not name stays behind what stood before it in the file.
+    # Goals that the order does not name stay after the goal that precedes them in the file.
     result = [by_id[name] for name in dict.fromkeys(order)]
     for number, goal in enumerate(task.goals):
         if goal not in result:
@@ -142,7 +142,7 @@ class _Stops:
                 self._follow(goal, stops)
 
     def _in_formula(self, goal: Goal, *, first: bool, last: bool) -> bool:
-        """Whether a formula may name the region of a goal, which is no round one then."""
+        """Whether a formula may name the region of a goal, which then has to be a polytope."""
         if self.any_order or not (first or last):
             return True
         returns = any(each.kind == "returnTo" for each in self.goals)
@@ -196,7 +196,7 @@ def _ordered(stops: Sequence[Stop], found: Clauses, sets: RegionSets) -> None:
 
 
 def _passed(stops: Sequence[Stop]) -> str:
-    """One stop, and then eventually the others."""
+    """A formula: the first stop holds, and eventually the others."""
     if not stops:
         return ""
     stop, rest = stops[0], _passed(stops[1:])
@@ -221,7 +221,7 @@ def _unordered(stops: Sequence[Stop], found: Clauses, sets: RegionSets) -> None:
 
 
 def _say_moving(stops: Sequence[Stop], sets: RegionSets) -> None:
-    """What is passed need not come to rest, since formulas speak of no rates."""
+    """Add remarks that the robot need not rest at these stops: formulas cannot express rates."""
     for stop in stops:
         if stop.rests or stop.hold:
             what = "it pauses in the region" if stop.hold else "it is passed"

@@ -1,4 +1,4 @@
-"""Obstacles that are meshes: convex pieces in an OBJ file, which the workspace names."""
+"""Write obstacles that are meshes as convex pieces in OBJ files, which the workspace names."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class MeshObstacles:
-    """Cuts meshes into convex pieces.
+    """Decomposes meshes into convex pieces.
 
     Attributes:
-        files: where meshes may be read.
-        names: of obstacles of the workspace, with which those of files are.
-        pieces: at most so many of a mesh.
-        detail: what they may add to its volume, as a share.
-        folder: where the pieces stand beside the spec.
-        written: the files of pieces by their paths.
+        files: the files that may be read.
+        names: the names of obstacles in the workspace, which files share.
+        pieces: the most convex pieces of a mesh.
+        detail: the share of its volume that they may add.
+        folder: the folder of the pieces, next to the spec.
+        written: maps paths to the files of pieces.
     """
 
     files: SourceFiles
@@ -46,7 +46,7 @@ class MeshObstacles:
     written: dict[str, bytes] = field(default_factory=dict)
 
     def statements(self, obstacle: Obstacle) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
-        """For each mesh its name, its ``obstacles from`` and its corners (n, 3) in the world.
+        """The name, ``obstacles from`` statement and corners (n, 3) in the world of each mesh.
 
         Raises:
             SourceFault: a mesh cannot be read.
@@ -77,7 +77,7 @@ class MeshObstacles:
         return name, f'obstacles from "{path}"{place};{behind}', placed
 
     def _cut(self, geometry: Geometry) -> tuple[str, NDArray[np.float64]]:
-        """The OBJ file of the pieces of a mesh in metres, and its corners."""
+        """The OBJ file of the pieces of a mesh in metres, and the vertices of the mesh."""
         from srgc.imports.meshes.decomposition import DETAIL, decomposed
         from srgc.imports.meshes.exact_places import rational
         from srgc.imports.meshes.mesh_file import read_mesh
@@ -100,6 +100,6 @@ class MeshObstacles:
 
 
 def _added(file: str, found: Pieces) -> str:
-    """What the pieces of a mesh add to it."""
+    """A remark on the volume that the pieces of a mesh add."""
     count = "1 convex piece" if len(found.pieces) == 1 else f"{len(found.pieces)} convex pieces"
     return f"{file}: {count} that hold every triangle add {100 * found.measures.added:.1f} % to it"

@@ -1,4 +1,4 @@
-"""Cost functions of CoBRA as ``minimize``."""
+"""Convert cost functions of CoBRA to ``minimize``."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ COSTS = {
     "fulfillN": ("", "all goals are asked for"),
     "fulfillP": ("", "all goals are asked for"),
 }
-"""By the abbreviation of a cost what it becomes, and what is to be said of it."""
+"""Maps the abbreviation of a cost to its objective here, and to a remark on it."""
 
 
 def objectives(described: str, remarks: list[str]) -> list[str]:
     """The objectives of a description such as ``cyc_1,mass_0.5``, in its order.
 
     Raises:
-        UsageFault: a cost is unknown, or its weight is no number.
+        UsageFault: a cost is unknown, or its weight is not a number.
     """
     found = list[str]()
     for name, weight in _costs(described):

@@ -1,4 +1,4 @@
-"""Obstacles of a task as sets of a workspace."""
+"""Convert obstacles of a task to sets of a workspace."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from srgc.imports.timor.geometry_data import Geometry
 
 @dataclass(frozen=True, slots=True)
 class ObstacleSet:
-    """A set with its name, and points (n, 3) in m whose hull holds it, to within its radius."""
+    """A set with its name, and points (n, 3) in m whose hull contains it, up to its radius."""
 
     name: str
     text: str
@@ -27,7 +27,7 @@ class ObstacleSet:
 
 
 def obstacle_sets(obstacle: Obstacle, names: Names, write: Quantities) -> Iterator[ObstacleSet]:
-    """A set for each shape of an obstacle that is no mesh."""
+    """A set for each shape of an obstacle that is not a mesh."""
     wanted = Names().camel(obstacle.name or f"Obstacle {obstacle.id}", "Obstacle")
     said = [] if is_legible(obstacle.name) else [f"`{obstacle.name}`"]
     said += [] if obstacle.name in ("", obstacle.id) else [f"ID {obstacle.id}"]
@@ -57,7 +57,7 @@ def _set(geometry: Geometry, write: Quantities) -> tuple[str, NDArray[np.float64
 
 
 def _box(geometry: Geometry, write: Quantities) -> tuple[str, NDArray[np.float64]]:
-    """A box along the axes of the world where it is one, else the hull of its corners."""
+    """A box if its edges are parallel to the world's axes, otherwise the hull of its corners."""
     at, turn = geometry.pose[:3, 3], geometry.pose[:3, :3]
     half = np.array(geometry.size) / 2
     corners = np.array([at + turn @ (half * signs) for signs in product((-1, 1), repeat=3)])

@@ -1,4 +1,4 @@
-"""Poses with tolerances, and the frames in which they stand."""
+"""Read poses with tolerances, and the frames that they are relative to."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WORLD, NOMINAL = "world", "nominal"
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """What a projection of the pose may be off by; ``axes`` (3, 3) are its frame in the world."""
+    """The interval for one projection of a pose; ``axes`` (3, 3) are its frame in the world."""
 
     projection: str
     low: float
@@ -28,7 +28,7 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class ToleratedPose:
-    """A pose in the world (4, 4), and intervals in which deviations from it lie."""
+    """A pose in the world (4, 4), and intervals for deviations from it."""
 
     nominal: NDArray[np.float64]
     tolerances: Sequence[Tolerance]
@@ -36,12 +36,12 @@ class ToleratedPose:
 
     @property
     def at(self) -> NDArray[np.float64]:
-        """Where it is (3,), in m."""
+        """The position (3,) in m."""
         return self.nominal[:3, 3]
 
 
 class Frames:
-    """The frames of a task, by name, in the world."""
+    """The frames of a task by name, in the world."""
 
     def __init__(self, place: Place) -> None:
         self.known: dict[str, NDArray[np.float64]] = {WORLD: np.eye(4)}
@@ -65,10 +65,10 @@ class Frames:
             waiting = left
 
     def pose(self, place: Place) -> ToleratedPose:
-        """A pose with its tolerances.
+        """Read a pose with its tolerances.
 
         Raises:
-            UsageFault: it is against the schema, or names an unknown frame.
+            UsageFault: the pose violates the schema, or names an unknown frame.
         """
         place.keys(
             ("nominal", "nominalParent", "toleranceProjection", "tolerance", "toleranceFrame")

@@ -1,4 +1,4 @@
-"""Where a pose may be and how it may be turned, as regions and clauses of the language."""
+"""Convert tolerances of poses to regions for positions and clauses for orientations."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from srgc.imports.module_set import Turn, turns_of
 from srgc.imports.quantities import Quantities, placed_text
 
 DEFAULT_LENGTH, DEFAULT_ANGLE = 1e-3, math.radians(0.5)
-"""What Timor takes where a pose has no tolerances: 1 mm along each axis, and half a degree."""
+"""Timor's default tolerances of a pose: 1 mm along each axis, and half a degree."""
 THIN = 1e-4
-"""An interval of no width becomes one of twice this (m), since a region has an interior."""
+"""An interval of no width becomes twice this wide (m), since a region needs an interior."""
 ALIGNED = 1e-9
-"""A direction whose other entries are smaller is one of an axis."""
+"""A direction lies along an axis if its other entries are at most this."""
 HALF_TURN = math.pi - 1e-6
 POSITIONS = {"x": 0, "y": 1, "z": 2}
 ROTATIONS = {"N_x": 0, "N_y": 1, "N_z": 2}
@@ -26,7 +26,7 @@ ROTATIONS = {"N_x": 0, "N_y": 1, "N_z": 2}
 
 @dataclass(frozen=True, slots=True)
 class Slab:
-    """Points whose coordinate along a direction (3,) of the world is between two (m)."""
+    """The points whose coordinate along a direction (3,) in the world lies in an interval (m)."""
 
     direction: NDArray[np.float64]
     low: float
@@ -35,9 +35,9 @@ class Slab:
 
 @dataclass(slots=True)
 class RegionSets:
-    """Writes sets of points and turns; ``remarks`` say what is not as the task has it.
+    """Writes sets of positions and orientations; ``remarks`` say how they differ from the task.
 
-    ``bounds`` (3, 2) are those of the workspace, which close what a tolerance leaves open.
+    ``bounds`` (3, 2) of the workspace bound what a tolerance leaves unbounded.
     """
 
     bounds: NDArray[np.float64]
@@ -47,7 +47,7 @@ class RegionSets:
     # --- Positions --------------------------------------------------------------------------------
 
     def region(self, pose: ToleratedPose, *, flat: bool) -> str:
-        """The set of positions; a polytope if ``flat``, as formulas want them."""
+        """The set of positions; a polytope if ``flat``, as formulas require."""
         balls = [each for each in pose.tolerances if each.projection == "r_sph"]
         tubes = [each for each in pose.tolerances if each.projection == "r_cyl"]
         self._unsaid(pose)
@@ -119,7 +119,7 @@ class RegionSets:
         return f"cylinder {points} radius {self.write.length(radius)}"
 
     def _slabs_text(self, slabs: Sequence[Slab]) -> str:
-        """A box if all directions are axes of the world, else a polytope."""
+        """A box if all directions lie along axes of the world, otherwise a polytope."""
         box = self.bounds.copy()
         skew = list[Slab]()
         for each in slabs:
@@ -146,7 +146,7 @@ class RegionSets:
         return f"polytope {{ {'; '.join(rows)} }} m"
 
     def box(self, sides: NDArray[np.float64]) -> str:
-        """A box of rows of bounds (3, 2) in m."""
+        """The text of a box with these bounds (3, 2) in m."""
         texts, unit = self.write.lengths(sides.ravel().tolist())
         pairs = zip(texts[::2], texts[1::2], strict=True)
         return f"box {' x '.join(f'[{low}, {high}]' for low, high in pairs)} {unit}"
@@ -154,10 +154,10 @@ class RegionSets:
     def _point(self, at: NDArray[np.float64]) -> str:
         return self.write.vector(at.tolist())
 
-    # --- Turns ------------------------------------------------------------------------------------
+    # --- Orientations -----------------------------------------------------------------------------
 
     def turned(self, pose: ToleratedPose) -> str:
-        """What is asked of the turn, as it stands behind a region; empty if nothing is."""
+        """The clauses on orientation, as written after a region; empty if there are none."""
         found = [each for each in pose.tolerances if each.projection == "Theta_R"]
         most = min([each.high for each in found], default=math.pi)
         clauses = [] if most > HALF_TURN else [self._oriented(pose, most)]
@@ -176,7 +176,7 @@ class RegionSets:
         return f"oriented {frame} within {self.write.angle(angle)}"
 
     def _axes(self, pose: ToleratedPose) -> Iterator[str]:
-        """Bounds of the entries of the rotation vector: all three, or two and the third free."""
+        """Clauses for bounds on the entries of the rotation vector: on all three, or on two."""
         bounds = dict[int, float]()
         for each in pose.tolerances:
             if each.projection not in ROTATIONS or min(-each.low, each.high) >= HALF_TURN:
@@ -191,8 +191,8 @@ class RegionSets:
             yield self._oriented(pose, min(bounds.values()))
         elif len(bounds) == 2:
             (free,) = {0, 1, 2} - set(bounds)
-            # A tilt t of the free axis has a rotation vector whose other part is at most
-            # pi sin(t / 2), whatever the turn about that axis.
+            # If the free axis tilts by t, the rest of the rotation vector is at most pi sin(t / 2)
+            # long, whatever the rotation about that axis.
             tilt = 2 * math.asin(min(1.0, min(bounds.values()) / math.pi))
             direction = ", ".join(map(placed_text, pose.nominal[:3, free].tolist()))
             self.remarks.append(f"{pose.place.path}: a tilt within two bounds of turns")
@@ -202,13 +202,13 @@ class RegionSets:
 
 
 def is_turned(pose: ToleratedPose) -> bool:
-    """Whether something may be asked of the turn."""
+    """Whether the pose may restrict the orientation."""
     turns = (*ROTATIONS, "Theta_R")
     return not pose.tolerances or any(each.projection in turns for each in pose.tolerances)
 
 
 def inner(length: float) -> float:
-    """A length rounded down: to tenths of a millimetre, or micrometres where it is small."""
+    """A length rounded down to tenths of a millimetre, or if it is small to micrometres."""
     parts = 1e4 if length >= 1e-3 else 1e6
     return math.floor(length * parts) / parts
 
@@ -226,7 +226,7 @@ def _along(axis: NDArray[np.float64], slabs: Sequence[Slab]) -> bool:
 
 
 def _towards(axis: NDArray[np.float64], slabs: Sequence[Slab]) -> Iterator[Slab]:
-    """Slabs along an axis or against it, as such along it."""
+    """The slabs parallel to an axis, with their directions along it."""
     for each in slabs:
         along = float(each.direction @ axis)
         if along > 1 - ALIGNED:

@@ -1,4 +1,4 @@
-"""Constraints of a task as clauses: what is avoided, and what is said of limits."""
+"""Convert constraints of a task to clauses on obstacles, and remarks on limits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LIMITS = {
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """Whether obstacles and the robot itself are avoided, and with which margins (m)."""
+    """Whether obstacles and self-collisions are avoided, and with which margin (m)."""
 
     obstacles: bool
     itself: bool
@@ -27,7 +27,7 @@ class Rules:
 
 
 def rules_of(task: TaskData, remarks: list[str], *, accel: bool) -> Rules:
-    """What the constraints ask for; what they leave open and the language does not is said."""
+    """What the constraints demand, with remarks where this task demands more or less."""
     kinds = {each.kind for each in task.constraints}
     margins = [each.margin for each in task.constraints if each.kind == "collisionFree"]
     for each in task.constraints:
@@ -58,7 +58,7 @@ def rules_of(task: TaskData, remarks: list[str], *, accel: bool) -> Rules:
 
 
 def avoid_clauses(rules: Rules, obstacles: Sequence[str]) -> Iterator[str]:
-    """What no body touches."""
+    """The clauses on what no body may touch."""
     margin = f", margin {decimal_text(rules.margin * 1000)} mm" if rules.margin else ""
     if rules.itself:
         yield "avoid self with body;"
@@ -67,7 +67,7 @@ def avoid_clauses(rules: Rules, obstacles: Sequence[str]) -> Iterator[str]:
 
 
 def tool_clauses(constraints: Sequence[Constraint], sets: RegionSets) -> Iterator[tuple[str, str]]:
-    """Of each pose that the tool keeps a region and what holds of it at all times."""
+    """For each pose that the tool keeps, its region, and its clauses on orientation."""
     for each in constraints:
         if each.kind != "endEffector" or each.local:
             continue

@@ -1,4 +1,4 @@
-"""A task as its file has it, by CoBRA's TaskSchema."""
+"""Read the file of a task, by CoBRA's TaskSchema."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from srgc.imports.timor.geometry_data import IDENTITY, Geometry, read_geometries
 
 GoalKind: TypeAlias = Literal["at", "reach", "returnTo", "pause", "follow"]
 DRAFTS = ("pick", "place", "leave", "cover")
-"""Kinds of goals that the schema calls not final; no tool evaluates them."""
+"""Kinds of goals that the schema marks as drafts; no tool evaluates them."""
 CONSTRAINTS = (
     *("allGoalsFulfilled", "allGoalsFulfilledInOrder", "alwaysTrue", "collisionFree"),
     *("goalsBySameRobot", "joint", "selfCollisionFree", "validAssembly", "basePlacement"),
     "endEffector",
 )
 MOST_GOALS, MOST_OBSTACLES = 30, 2000
-"""Goals in a row are formulas within each other, of which there are not endlessly many."""
+"""The most goals and obstacles; consecutive goals become nested formulas."""
 PARTS = ("q", "dq", "ddq", "tau")
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """A goal: poses to be at, one after the other, or a time (s) to pause for.
+    """A goal: poses to reach one after the other, or a time (s) to pause.
 
-    ``times`` (s) are those of the poses of a ``follow`` with times; ``target`` is the ID of the
+    ``times`` (s) are the times of the poses of a ``follow``, if given.  ``target`` is the ID of the
     goal that a ``returnTo`` returns to, empty for the start.
     """
 
@@ -43,7 +43,7 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """A rule that a solution keeps; ``local`` is it if one goal has it."""
+    """A rule that a solution has to keep; ``local`` if it belongs to one goal."""
 
     kind: str
     place: Place
@@ -56,7 +56,7 @@ class Constraint:
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """What is not touched."""
+    """An obstacle, which must not be touched."""
 
     id: str
     name: str
@@ -66,7 +66,7 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class TaskData:
-    """A task; ``remarks`` say what of it is not read."""
+    """A task; ``remarks`` say what is not read."""
 
     id: str
     name: str
@@ -80,10 +80,10 @@ class TaskData:
 
 
 def read_task(place: Place) -> TaskData:
-    """The task of a file.
+    """Read the task of a file.
 
     Raises:
-        UsageFault: it is against the schema, an ID stands twice, or names nothing.
+        UsageFault: the file violates the schema, or an ID occurs twice or is unknown.
     """
     place.keys(("header", "frames", "obstacles", "objects", "constraints", "goals", "costFunction"))
     header = place["header"]
@@ -116,7 +116,7 @@ def read_task(place: Place) -> TaskData:
 
 
 def _with_ids(place: Place, most: int = MOST_OBSTACLES) -> Sequence[Place]:
-    """The entries of a list, whose IDs differ."""
+    """The entries of a list; IDs that occur twice are rejected."""
     seen = dict[str, Place]()
     for entry in place.one_or_more(most):
         name = entry["ID"].text()
@@ -127,7 +127,7 @@ def _with_ids(place: Place, most: int = MOST_OBSTACLES) -> Sequence[Place]:
 
 
 def _obstacle(place: Place, remarks: list[str]) -> Obstacle:
-    # A pose of the whole obstacle stands in older files; Timor does not read it.
+    # Older files have a pose of the whole obstacle; Timor does not read it.
     if place.get("pose", IDENTITY).value != IDENTITY:
         remarks.append(f"{place['pose'].path}: a pose of the whole obstacle, beside that of shapes")
     place.keys(("ID", "name", "collision", "visual", "pose", "acknowledgement"))

@@ -1,1 +1,1 @@
-"""Meshes: read with care, cut into convex pieces, and every triangle checked to be in these."""
+"""Read meshes, decompose them into convex pieces, and check that these hold every triangle."""

@@ -1,4 +1,4 @@
-"""The triangles of a COLLADA file, by pycollada, with its unit and the axis that is up."""
+"""Read the triangles of a COLLADA file with pycollada, with its unit and up axis."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ UP: dict[str, tuple[tuple[int, int, int], ...]] = {
     "Y_UP": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
     "Z_UP": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
 }
-"""What turns a file with that axis up so that z is: COLLADA 1.4.1, element ``up_axis``."""
+"""The rotation from each up axis to z up: COLLADA 1.4.1, element ``up_axis``."""
 UNSAID = "Y_UP"
 APPEARANCE = (
     "library_images",
@@ -42,16 +42,17 @@ APPEARANCE = (
     "instance_camera",
     "extra",
 )
-"""Elements that are taken away before pycollada sees them, so that it opens no image."""
+"""Elements that are removed before pycollada reads the file, so that it opens no image."""
 
 
 def collada_mesh(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) -> Mesh:
-    """All triangles of the scene of a file, in metres if ``own_unit``, else in its unit.
+    """All triangles of the scene in a file, in metres if ``own_unit``, otherwise in its unit.
 
-    With ``own_axes`` in the axes of the file, whichever of them it says is up; else z is.
+    With ``own_axes`` the axes of the file are kept, whatever its up axis; otherwise the mesh is
+    rotated so that z is up.
 
     Raises:
-        SourceFault: it is not a COLLADA file, or has no scene with triangles.
+        SourceFault: the file is not COLLADA, or has no scene with triangles.
     """
     import collada
     from lxml.etree import tostring
@@ -93,9 +94,9 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) 
 
 
 def _in_doubles(read: Any) -> dict[str, list[list[str]]]:
-    """Give all sources of a file their numbers in doubles, which pycollada reads in single ones.
+    """Replace the numbers of all sources, which pycollada reads in single precision, by doubles.
 
-    The words of each by its ID, in the rows of its data.
+    Return the words of each source by its ID, in the rows of its data.
     """
     found = dict[str, list[list[str]]]()
     for geometry in read.geometries:
@@ -118,7 +119,7 @@ def _in_doubles(read: Any) -> dict[str, list[list[str]]]:
 
 
 def _asset(file: XmlFile) -> tuple[Fraction, str]:
-    """The unit in metres, and the axis that is up; empty where the file does not say it."""
+    """The unit in metres, and the up axis, empty if the file does not state it."""
     scale, up = Fraction(1), ""
     for element in file.root.iter():
         tag = _tag(element)
@@ -158,9 +159,9 @@ def _strip(root: Element) -> None:
 
 
 def _parts(read: Any, path: Path) -> Iterator[tuple[str, Floats, Ints, str | None]]:
-    """The name, vertices and triangles of each primitive of the scene, in its place.
+    """The name, transformed vertices and triangles of each primitive of the scene.
 
-    The ID of the source of the vertices is with them where no node moves these.
+    The ID of the source of the vertices is added if no node transforms them.
     """
     if read.scene is None:
         raise file_fault(path, "it has no scene")
@@ -182,6 +183,6 @@ def _parts(read: Any, path: Path) -> Iterator[tuple[str, Floats, Ints, str | Non
 
 
 def _source(primitive: Any) -> str | None:
-    """The ID of the source of the vertices of a primitive in its place."""
+    """The ID of the source of the vertices of a bound primitive."""
     inputs = getattr(primitive.original, "sources", {}).get("VERTEX", ())
     return inputs[0][4].id if inputs else None

@@ -1,11 +1,10 @@
-"""Whether triangles lie in a union of convex pieces: decided exactly.
+"""Decide exactly whether triangles lie in a union of convex pieces.
 
-A triangle lies in a convex piece if and only if its corners do.  Doubles with a bound of their
-rounding settle most of them.  A triangle that no single piece holds is cut up at the planes of one
-piece after another; first with places of cuts that are short fractions and doubles that are sure of
-themselves, then in integers, which always decide.
-
-Nothing here knows how the pieces were found.
+A triangle lies in a convex piece if and only if its corners do.  Doubles with a bound on their
+rounding settle most triangles.  A triangle that no single piece holds is cut at the planes of one
+piece after another: first in doubles, with cuts at short fractions, and if these are not
+conclusive, in integers, which always decide.  The check does not depend on how the pieces were
+found.
 """
 
 from __future__ import annotations
@@ -29,9 +28,9 @@ Weights: TypeAlias = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class Uncovered:
-    """A triangle that is not in the union of the pieces, and convex polygons of it that are not.
+    """A triangle that is not in the union of the pieces, and convex polygons in it that are not.
 
-    Together with the pieces they cover the triangle.
+    Together with the pieces the polygons cover the triangle.
     """
 
     triangle: int
@@ -44,14 +43,13 @@ def uncovered(
     pieces: Sequence[ConvexPiece],
     places: ExactPlaces | None = None,
 ) -> tuple[Uncovered, ...]:
-    """The triangles that are not in the union of the pieces, in their order; none: all are.
+    """The triangles that are not in the union of the pieces, in their order; empty if all are.
 
     Args:
         vertices: (n, 3) in metres, finite.
-        triangles: (m, 3) of their numbers; they may be segments or points.
+        triangles: (m, 3) indices of vertices; a triangle may degenerate to a segment or a point.
         pieces: closed convex polytopes.
-        places: the vertices as rationals, to which the doubles are near; each double is the
-            rational that it is if None.
+        places: the vertices as rationals close to the doubles; if None, the doubles are exact.
     """
     places = ExactPlaces(vertices, binary=True) if places is None else places
     heights = [Heights(piece, places.slack()) for piece in pieces]
@@ -77,7 +75,7 @@ def uncovered(
 
 
 def _meetings(sides: Floats, heights: Sequence[Heights]) -> list[list[Crossing]]:
-    """For each triangle (n, 3, 3) how it meets the pieces that it may meet, in their order."""
+    """For each triangle (n, 3, 3), how it meets the pieces that it may meet, in their order."""
     found: list[list[Crossing]] = [[] for _ in range(len(sides))]
     lower, upper = sides.min(axis=1), sides.max(axis=1)
     for each in heights:
@@ -88,24 +86,24 @@ def _meetings(sides: Floats, heights: Sequence[Heights]) -> list[list[Crossing]]
 
 
 def surely_inside(points: Floats, piece: ConvexPiece) -> Bools:
-    """Whether doubles are sure of each of the points (n, 3) that the piece holds it."""
+    """Whether each of the points (n, 3) is in the piece for sure, despite rounding."""
     return Heights(piece).surely_hold(points)
 
 
-# --- In doubles, with a bound of their rounding ---------------------------------------------------
+# --- In doubles, with a bound on their rounding ---------------------------------------------------
 
 
 MOST_PARTS = 64
-"""With more of them, integers decide."""
+"""With more parts than this, integers decide."""
 STEPS = 1 << 24
-"""Edges are cut at multiples of one part in so many."""
+"""Edges are cut at multiples of their length divided by this."""
 
 
 def _surely_covered(crossings: Sequence[Crossing]) -> bool:
-    """Whether pieces are found in doubles that cover a triangle; False says nothing.
+    """Whether doubles show that the pieces cover a triangle; False is not conclusive.
 
-    The parts are polygons whose corners are exact means of those of the triangle, so they cover it
-    whatever the doubles are; a part counts as covered where all its corners are surely in a piece.
+    The parts are polygons whose corners are exact weighted means of the triangle's corners, so they
+    cover it whatever the rounding.  A part is covered if all its corners are in a piece for sure.
     """
     parts: list[list[Weights]] = [[(1, 0, 0), (0, 1, 0), (0, 0, 1)]]
     for _, _, heights, doubt in crossings:
@@ -118,7 +116,7 @@ def _surely_covered(crossings: Sequence[Crossing]) -> bool:
 
 
 def _cut(part: list[Weights], heights: Floats, doubt: Floats) -> list[list[Weights]]:
-    """What is left of a polygon beyond planes, given heights (3, f) of the triangle's corners."""
+    """The parts of a polygon beyond planes, given heights (3, f) of the triangle's corners."""
     left = list[list[Weights]]()
     while True:
         over = _shares(part) @ heights
@@ -135,14 +133,14 @@ def _cut(part: list[Weights], heights: Floats, doubt: Floats) -> list[list[Weigh
 
 
 def _shares(part: list[Weights]) -> Floats:
-    """The corners (k, 3) of a polygon as shares of those of the triangle."""
+    """The corners (k, 3) of a polygon in barycentric coordinates of the triangle."""
     return np.array([(x / (w := x + y + z), y / w, z / w) for x, y, z in part])
 
 
 def _split(
     part: list[Weights], over: list[float], level: float
 ) -> tuple[list[Weights], list[Weights]]:
-    """The polygon below a level and the one above it, with the same corners between them."""
+    """The parts of a polygon below and above a level, with the same corners between them."""
     inner, outer = list[Weights](), list[Weights]()
     for i, here in enumerate(part):
         following = (i + 1) % len(part)
@@ -160,7 +158,7 @@ def _split(
 
 
 def _between(one: Weights, other: Weights, steps: int) -> Weights:
-    """The point so many of :data:`STEPS` from one to the other."""
+    """The point at ``steps`` of :data:`STEPS` from one to the other."""
     first, second = (STEPS - steps) * sum(other), steps * sum(one)
     x, y, z = (first * a + second * b for a, b in zip(one, other, strict=True))
     return x, y, z
@@ -170,14 +168,14 @@ def _between(one: Weights, other: Weights, steps: int) -> Weights:
 
 
 def polygon_of(corners: Floats) -> Polygon:
-    """Points of doubles (k, 3) as they are."""
+    """The exact polygon of corners in doubles (k, 3)."""
     return [(Fraction(x), Fraction(y), Fraction(z)) for x, y, z in corners.tolist()]
 
 
 def beyond(polygons: list[Polygon], pieces: Sequence[ConvexPiece]) -> list[Polygon]:
-    """Convex polygons that, with the pieces, cover the given ones; empty if these are covered.
+    """Convex polygons that with the pieces cover the given ones; empty if these are covered.
 
-    No polygon that is given back lies in a piece; segments and points are polygons, too.
+    No returned polygon lies in a piece; segments and points count as polygons.
     """
     for piece in pieces:
         polygons = _beyond_all(polygons, piece.planes, Fraction(1, 10**piece.digits))

@@ -1,7 +1,8 @@
-"""A convex polytope of few corners that are short decimals, with its planes, exact.
+"""A convex polytope with few corners that are short decimals, and its exact planes.
 
 The corners are integers on a grid of 10^-k metres.  The planes of their hull are found by trying
-all triples of them: with at most 32 corners that is quick, and nothing has to be believed.
+all triples of corners: with at most 32 corners that is quick, and no hull algorithm has to be
+trusted.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ import numpy as np
 from srgc.imports.meshes.mesh import Floats, Ints
 
 MOST_CORNERS = 32
-"""A hull of more corners is replaced by 26 planes in the language (decision 110)."""
+"""The language replaces a hull with more corners by 26 planes (decision 110)."""
 LARGEST = 1 << 29
-"""Corners differ by less, in steps of the grid: cross products are exact in 64 bits then."""
+"""Corners differ by less than this, in grid steps: cross products are then exact in 64 bits."""
 ROUNDING = 2.0**-49
-"""Relatively, a bound of what four products and sums of doubles are off by."""
+"""A bound on the relative rounding error of four products and sums in doubles."""
 
 IntPoint: TypeAlias = tuple[int, int, int]
 Plane: TypeAlias = tuple[int, int, int, int]
@@ -29,11 +30,11 @@ Plane: TypeAlias = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class ConvexPiece:
-    """The hull of points of a grid.
+    """The convex hull of points on a grid.
 
-    ``corners`` times 10^-``digits`` m are its corners, sorted, none of them in the hull of the
-    others; ``planes`` are primitive (a, b, c, d): the piece is where a x + b y + c z <= d holds of
-    all, x, y, z in steps of the grid.
+    ``corners`` times 10^-``digits`` m are its corners, sorted; none lies in the hull of the others.
+    ``planes`` are primitive (a, b, c, d): the piece is where a x + b y + c z <= d holds for all of
+    them, with x, y, z in steps of the grid.
     """
 
     corners: tuple[IntPoint, ...]
@@ -58,13 +59,13 @@ class ConvexPiece:
         )
 
     def box(self) -> tuple[IntPoint, IntPoint] | None:
-        """The least and the largest corner of a box along the axes; None of other pieces."""
+        """The least and the greatest corner if the piece is an axis-aligned box, otherwise None."""
         if len(self.planes) != 6 or any(sum(map(bool, plane[:3])) != 1 for plane in self.planes):
             return None
         return self.corners[0], self.corners[-1]
 
     def outward(self) -> tuple[tuple[int, int, int], ...]:
-        """Triangles of numbers of corners that are its surface, counter-clockwise from outside."""
+        """A triangulation of the surface by indices of corners, counter-clockwise from outside."""
         found: list[tuple[int, int, int]] = []
         for plane in self.planes:
             on = [i for i, corner in enumerate(self.corners) if height(plane, corner) == 0]
@@ -74,16 +75,17 @@ class ConvexPiece:
 
 
 def height(plane: Plane, point: IntPoint) -> int:
-    """Negative inside the plane, zero on it."""
+    """A multiple of the height above a plane: negative inside, zero on it."""
     a, b, c, d = plane
     return a * point[0] + b * point[1] + c * point[2] - d
 
 
 def convex_piece(points: Iterable[IntPoint], digits: int) -> ConvexPiece | None:
-    """The hull of points of a grid of 10^-``digits`` metres; None where it is flat.
+    """The hull of points on a grid of 10^-``digits`` metres; None if it is flat.
 
     Raises:
-        ValueError: the points are more than :data:`MOST_CORNERS`, or too far apart for the grid.
+        ValueError: there are more than twice :data:`MOST_CORNERS` points, or they are too far apart
+            for the grid.
     """
     given = sorted(set(points))
     if len(given) < 4:
@@ -103,9 +105,9 @@ def convex_piece(points: Iterable[IntPoint], digits: int) -> ConvexPiece | None:
 
 
 def _planes(points: Ints) -> list[Plane]:
-    """The planes through three of the points (n, 3) on one side of which all are; sorted.
+    """The supporting planes through three of the points (n, 3), sorted; empty if all are flat.
 
-    Doubles only choose the triples that may be such; integers decide.
+    Doubles only select candidate triples; integers decide.
     """
     triples = np.array(list(combinations(range(len(points)), 3)))
     first = points[triples[:, 0]]
@@ -121,7 +123,7 @@ def _planes(points: Ints) -> list[Plane]:
     for sign in (1, -1):
         side = np.flatnonzero((sign * heights <= doubt).all(axis=1))
         found |= _supporting(_distinct(sign * normals[side], first[side]), points)
-    # A flat set has its plane twice, and nothing inside.
+    # A flat set has its plane twice, with opposite signs, and no interior.
     return sorted(found) if _spans(found) else []
 
 
@@ -135,12 +137,12 @@ def _distinct(normals: Ints, through: Ints) -> set[Plane]:
 
 
 def _supporting(planes: set[Plane], points: Ints) -> set[Plane]:
-    """The planes that no point is beyond, exactly."""
+    """The planes that no point is beyond, decided exactly."""
     if not planes:
         return planes
     rows = sorted(planes)
     largest = max(max(map(abs, row)) for row in rows)
-    # In 64 bits where nothing can overflow there, else in Python's integers.
+    # In 64 bits if nothing can overflow, otherwise in Python's integers.
     exact = np.int64 if 8 * largest * (int(np.abs(points).max()) + 1) < 1 << 62 else object
     array = np.array(rows, dtype=object).astype(exact)
     beyond = (array[:, :3] @ points.T.astype(exact) > array[:, 3:]).any(axis=1)
@@ -152,7 +154,7 @@ def _spans(planes: set[Plane]) -> bool:
 
 
 def _is_corner(point: IntPoint, planes: tuple[Plane, ...]) -> bool:
-    """Whether planes that the point is on have normals that span space."""
+    """Whether the normals of the planes through the point span space."""
     on = [plane[:3] for plane in planes if height(plane, point) == 0]
     return any(
         a[0] * (b[1] * c[2] - b[2] * c[1])
@@ -163,7 +165,7 @@ def _is_corner(point: IntPoint, planes: tuple[Plane, ...]) -> bool:
 
 
 def _around(plane: Plane, on: list[int], corners: tuple[IntPoint, ...]) -> list[int]:
-    """The corners of a facet, counter-clockwise seen against its normal, from the least one on."""
+    """The corners of a facet, counter-clockwise from outside, beginning with the least index."""
     drop = max(range(3), key=lambda axis: abs(plane[axis]))
     u, v = [axis for axis in range(3) if axis != drop]
     if (plane[drop] > 0) == (drop == 1):
@@ -177,7 +179,7 @@ def _around(plane: Plane, on: list[int], corners: tuple[IntPoint, ...]) -> list[
 
 
 def _chain(points: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """One half of Andrew's monotone chain."""
+    """One half of the hull by Andrew's monotone chain."""
     chain: list[tuple[int, int]] = []
     for x, y in points:
         while len(chain) >= 2:
@@ -190,7 +192,7 @@ def _chain(points: list[tuple[int, int]]) -> list[tuple[int, int]]:
 
 
 def decimal_text(value: int, digits: int) -> str:
-    """``value`` times 10^-``digits``, without zeros at the end."""
+    """``value`` times 10^-``digits``, without trailing zeros."""
     sign, size = ("-" if value < 0 else ""), abs(value)
     if digits <= 0:
         return f"{sign}{size * 10**-digits}"

@@ -1,8 +1,8 @@
-"""A mesh as convex pieces that hold all of it, with the volume that they add.
+"""Decompose a mesh into convex pieces that hold all of it, and measure the volume they add.
 
-The part whose hull adds most is split until little is added; then neighbours are joined where that
-adds little.  That is a search in doubles, and nobody has to believe it: the pieces are decimals,
-and whether they hold every triangle is decided exactly; where they do not, a piece grows.
+The part whose hull adds most volume is split until little is added; then neighbours are joined if
+that adds little.  This search uses doubles and need not be trusted: the pieces have decimal
+corners, and whether they hold every triangle is decided exactly.  If they do not, a piece grows.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 DETAIL = 0.1
-"""The volume that pieces add, as a share of that of the mesh, unless another is asked for."""
+"""The default share of the volume of a mesh that its pieces may add."""
 MOST_PIECES = 1500
-"""No more are made, whatever the detail."""
+"""The most pieces, whatever the detail."""
 
 TRIALS, LESS = 4, 0.85
-"""Where pieces that grow add too much, so often and so much less is tried."""
+"""If grown pieces add too much, how often and by which factor the budget is reduced."""
 ROUNDS = 40
-"""Pieces grow so often at most; in the second half what is missing becomes pieces."""
+"""The most rounds of growing; in the second half whatever is missing becomes a piece."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """Convex pieces that hold every triangle of a mesh, which was checked exactly.
+    """Convex pieces that hold every triangle of a mesh, as was checked exactly.
 
-    ``thickened`` are the numbers of those that were flat, and ``notes`` say what was done.
+    ``thickened`` are the indices of pieces that were flat, and ``notes`` say what was done.
     """
 
     pieces: tuple[ConvexPiece, ...]
@@ -59,15 +59,15 @@ def decomposed(
     pieces: int | None = None,
     places: ExactPlaces | None = None,
 ) -> Pieces:
-    """Convex pieces whose union holds every triangle, and the inside of what is closed.
+    """Convex pieces whose union holds every triangle, and the interior of closed parts.
 
     Args:
         vertices: (n, 3) in metres, finite.
-        triangles: (m, 3) of their numbers, m >= 1.
-        detail: the volume that may be added, as a share of that of the mesh (of the hull of an
-            open part).  It is kept unless :data:`MOST_PIECES` or ``pieces`` do not allow it.
-        pieces: at most so many.
-        places: the vertices as rationals; each double is the rational that it is if None.
+        triangles: (m, 3) indices of vertices, m >= 1.
+        detail: the share of the volume of the mesh (of the hull for an open part) that pieces may
+            add.  It is kept unless :data:`MOST_PIECES` or ``pieces`` prevents it.
+        pieces: the most pieces.
+        places: the vertices as rationals; if None, the doubles are exact.
 
     Raises:
         UsageFault: there is no triangle, or the detail or the number of pieces is not positive.
@@ -108,7 +108,7 @@ def _refuse(triangles: Ints, detail: float, pieces: int | None) -> None:
 
 
 def reference_volume(parts: Anatomy) -> float:
-    """What the volume added is a share of (m^3): solids, and the hulls of open parts."""
+    """The volume that added volume is a share of (m^3): of solids, and of hulls of open parts."""
     hulls = sum(hull_volume(shell.reshape(-1, 3)) for shell in parts.shells)
     return float(sum(solid.volume() for solid in parts.solids)) + hulls
 
@@ -123,7 +123,7 @@ def covering(
     regions: Sequence[Region],
     places: ExactPlaces | None = None,
 ) -> tuple[list[ConvexPiece], set[int]]:
-    """Pieces that hold every triangle, exactly, and the solids; and which were thickened."""
+    """Pieces that exactly hold every triangle and the solids, and the indices of thickened ones."""
     held = [region.points for region in regions]
     found = [region.enclosed for region in regions]
     for turn in range(ROUNDS):
@@ -138,7 +138,7 @@ def covering(
             break
         grown = set[int]()
         for points in missing:
-            if 2 * turn > ROUNDS:  # a piece that grows may lose what it held by its way of rounding
+            if 2 * turn > ROUNDS:  # a growing piece may lose what it held, by rounding
                 held.append(points)
                 found.append(enclosing(_a_bit_beyond(points, points)))
                 continue
@@ -153,13 +153,13 @@ def covering(
 
 
 def _a_bit_beyond(points: Floats, held: Floats) -> Floats:
-    """The points and ones a little farther out: they are rounded places of exact ones."""
+    """The points and others a little farther out, since they are rounded values of exact ones."""
     middle = held.mean(axis=0)
     return np.concatenate([points, points + 1e-9 * (points - middle)])
 
 
 def _least_growth(points: Floats, held: Sequence[Floats]) -> int:
-    """The number of the piece that grows least by holding the points."""
+    """The index of the piece that grows least when it has to hold the points."""
     boxes = np.array([(each.min(axis=0), each.max(axis=0)) for each in held])
     apart = np.maximum(points.min(axis=0) - boxes[:, 1], boxes[:, 0] - points.max(axis=0))
     near: list[int] = np.argsort(np.maximum(apart, 0.0).sum(axis=1), kind="stable")[:5].tolist()

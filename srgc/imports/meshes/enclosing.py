@@ -1,4 +1,4 @@
-"""A convex piece about points: few corners, short decimals, and surely all points inside."""
+"""Enclose points in a convex piece with few corners that are short decimals, exactly."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from srgc.imports.meshes.few_corners import few_corners, hull_corners, principal
 from srgc.imports.meshes.mesh import Floats
 
 FINE = 1000
-"""The grid is finer than so many parts of the least width of a piece."""
+"""The grid step is at most the least width of a piece divided by this."""
 SAME = 1e-9
-"""Coordinates that differ by less, as a share of the size, are the same but for rounding."""
+"""Coordinates that differ by less than this share of the size are equal up to rounding."""
 LEAST_DIGITS, MOST_DIGITS = 3, 9
 FEW, OWN_DIGITS = 8, 6
-"""Pieces of few corners that are decimals of so many digits keep them."""
+"""Pieces with few corners whose coordinates have few decimals keep them exactly."""
 THINNEST, THINNEST_SHARE = 1e-5, 1e-4
-"""A piece is at least so thick, in metres and as a share of its size."""
+"""The least thickness of a piece, in metres and as a share of its size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +36,10 @@ class Enclosed:
 def enclosing(points: Floats, fine: int = FINE, slack: float = 0.0) -> Enclosed:
     """A convex piece that holds the points (n, 3), n >= 1, in metres.
 
-    ``fine`` is how many steps of the grid its least width has at least.
-    It is deterministic, and holds them exactly: this is checked here, and it grows until it does.
-    With a ``slack`` (m) it holds them to within so much in each coordinate, and what is so near a
-    step of the grid is there: 0.1 in doubles is a bit more than the 1/10 that was meant.
+    The result is deterministic.  It is checked to hold the points exactly, and grows until it does.
+    ``fine`` is the least number of grid steps in its least width.  With a ``slack`` (m) it holds
+    the points to within that in each coordinate, and coordinates this close to a grid step are
+    rounded to it: 0.1 as a double is slightly more than the 1/10 that was meant.
     """
     points, thickened, width = _full(np.unique(points, axis=0))
     corners = few_corners(points, MOST_CORNERS)
@@ -54,7 +54,7 @@ def enclosing(points: Floats, fine: int = FINE, slack: float = 0.0) -> Enclosed:
 
 
 def _roundings(corners: Floats, digits: int, step: float, slack: float) -> Iterator[Floats]:
-    """The corners in steps of the grid: the nearest, then farther and farther from their middle."""
+    """The corners in grid steps: first the nearest, then farther and farther from their centre."""
     yield np.rint(corners * 10.0**digits)
     middle = corners.mean(axis=0)
     level = _level(corners, middle)
@@ -69,7 +69,7 @@ def _roundings(corners: Floats, digits: int, step: float, slack: float) -> Itera
 
 
 def _level(corners: Floats, middle: Floats) -> Floats:
-    """The corners; coordinates that differ by rounding only are the one farthest from the middle.
+    """The corners; coordinates equal up to rounding become the one farthest from the centre.
 
     So corners of a flat side stay in one plane.
     """
@@ -85,9 +85,9 @@ def _level(corners: Floats, middle: Floats) -> Floats:
 
 
 def _away(value: float, middle: float, digits: int, slack: float) -> int:
-    """The step of the grid next to a value, on the side that is away from the middle; exact.
+    """The grid step next to a value on the side away from the centre, exactly.
 
-    One within the slack is that.
+    A step within the slack is used as it is.
     """
     steps = Fraction(value) * Fraction(10) ** digits
     if slack and abs(steps - round(steps)) <= Fraction(slack) * 10**digits:
@@ -96,7 +96,7 @@ def _away(value: float, middle: float, digits: int, slack: float) -> int:
 
 
 def holds(piece: ConvexPiece, points: Floats, slack: float = 0.0) -> bool:
-    """Whether a piece holds all points (n, 3), exactly, or to within a slack (m) along the axes."""
+    """Whether a piece holds all points (n, 3), exactly or to within a slack (m) along the axes."""
     sure = surely_inside(points, piece)
     more = Fraction(slack) * 10**piece.digits
     limits = [d + more * (abs(a) + abs(b) + abs(c)) for a, b, c, d in piece.planes]
@@ -109,7 +109,7 @@ def holds(piece: ConvexPiece, points: Floats, slack: float = 0.0) -> bool:
 
 
 def _full(points: Floats) -> tuple[Floats, bool, float]:
-    """The corners of the hull of points, whether they are thickened, and their least width."""
+    """The corners of the hull of points, whether it was thickened, and its least width."""
     size = float(np.ptp(points, axis=0).max())
     least = max(THINNEST, THINNEST_SHARE * size)
     if len(points) < 3:
@@ -127,7 +127,7 @@ def _full(points: Floats) -> tuple[Floats, bool, float]:
 
 
 def _own_digits(corners: Floats, digits: int, slack: float) -> int:
-    """The decimals that the corners have, if these are not many; else those given."""
+    """The number of decimals that the corners have if it is small, otherwise ``digits``."""
     most = min(OWN_DIGITS, _most_digits(corners))
     for own in range(digits, most + 1):
         steps = corners * 10.0**own
@@ -137,12 +137,12 @@ def _own_digits(corners: Floats, digits: int, slack: float) -> int:
 
 
 def _most_digits(corners: Floats) -> int:
-    """The decimals of the finest grid on which the corners fit."""
+    """The number of decimals of the finest grid that can represent the corners."""
     size = float(np.ptp(corners, axis=0).max())
     return min(MOST_DIGITS, math.floor(math.log10(LARGEST / (4 * size))))
 
 
 def _digits(corners: Floats, step: float) -> int:
-    """So many decimals that the grid has such steps or less, and the corners fit on it."""
+    """The number of decimals of a grid with at most this step, if it can represent the corners."""
     digits = max(LEAST_DIGITS, math.ceil(-math.log10(step)))
     return min(digits, _most_digits(corners))

@@ -1,4 +1,4 @@
-"""Where the vertices of a mesh are exactly: the rationals that its file says, scaled and placed."""
+"""Exact vertices of a mesh: the rationals in its file, scaled and transformed."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
 Axis: TypeAlias = tuple[int, Fraction, Fraction]
-"""A coordinate is that of an axis of the file, times a factor, plus a shift."""
+"""A coordinate: the column in the file, a factor, and a shift that is added."""
 SHORT, LONGEST = 15, 400
-"""Of so many characters a decimal is told by its double; of more than the second none is read."""
+"""Decimals of this length are determined by their doubles; longer than the second is rejected."""
 SMALLEST = -400
-"""Decimals below ten to this power are 0."""
+"""Decimals of at most this order of magnitude are read as 0."""
 NEAR = 2.0**-50
-"""What scaling and shifting in doubles are off by, as a share of what is added."""
+"""A bound on the error of scaling and shifting in doubles, as a share of the terms."""
 _ONE, _NONE = Fraction(1), Fraction(0)
 _PLAIN: tuple[Axis, Axis, Axis] = ((0, _ONE, _NONE), (1, _ONE, _NONE), (2, _ONE, _NONE))
 
@@ -33,11 +33,11 @@ class ExactPlaces:
     """The vertices of a mesh as rationals.
 
     Attributes:
-        read: (n, 3), the numbers of the file in doubles.
-        binary: whether these are the numbers; else they stand for the shortest decimals that are
-            read as them, which are those of a text with up to fifteen digits.
-        longer: by row and column decimals that have more, and are others.
-        axes: for each coordinate where it is read, and what becomes of it.
+        read: (n, 3), the numbers of the file as doubles.
+        binary: whether the doubles are exact; otherwise they stand for the shortest decimals that
+            read back as them, which are those of a text with up to fifteen digits.
+        longer: maps rows and columns to longer decimals that differ from these.
+        axes: for each coordinate, the column it is read from and its transformation.
     """
 
     read: NDArray[np.float64]
@@ -46,7 +46,7 @@ class ExactPlaces:
     axes: tuple[Axis, Axis, Axis] = _PLAIN
 
     def of(self, number: int) -> Point:
-        """A vertex."""
+        """The vertex with this index."""
         x, y, z = (
             factor * self._read(number, column) + shift for column, factor, shift in self.axes
         )
@@ -60,7 +60,7 @@ class ExactPlaces:
         return rational(value) if found is None else found
 
     def vertices(self) -> NDArray[np.float64]:
-        """All of them (n, 3) in doubles; each coordinate is within :meth:`slack` of its place."""
+        """The vertices (n, 3) as doubles; their coordinates are exact to within :meth:`slack`."""
         columns: list[NDArray[np.float64]] = []
         for column, factor, shift in self.axes:
             values = self.read[:, column]
@@ -70,7 +70,7 @@ class ExactPlaces:
         return np.column_stack(columns)
 
     def slack(self) -> float:
-        """How far a coordinate of :meth:`vertices` is from its place at most."""
+        """A bound on the error of a coordinate of :meth:`vertices`."""
         if self.binary and all(factor == 1 and not shift for _, factor, shift in self.axes):
             return 0.0
         most = np.abs(self.read).max(axis=0, initial=0.0)
@@ -78,7 +78,7 @@ class ExactPlaces:
         return NEAR * max(sizes) + 1e-300
 
     def part(self, numbers: NDArray[np.int64]) -> ExactPlaces:
-        """Those of some rows."""
+        """The vertices with these indices."""
         if not self.longer:
             return replace(self, read=self.read[numbers])
         longer = {
@@ -90,7 +90,7 @@ class ExactPlaces:
         return replace(self, read=self.read[numbers], longer=longer)
 
     def scaled(self, factors: Sequence[Fraction]) -> ExactPlaces:
-        """Them with each coordinate times a factor."""
+        """The vertices with each coordinate multiplied by its factor."""
         x, y, z = (
             (column, factor * by, shift * by)
             for (column, factor, shift), by in zip(self.axes, factors, strict=True)
@@ -98,7 +98,10 @@ class ExactPlaces:
         return replace(self, axes=(x, y, z))
 
     def placed(self, turn: NDArray[np.float64], shift: Sequence[Fraction]) -> ExactPlaces:
-        """Them after a turn by right angles (3, 3), of entries -1, 0 and 1, and a shift."""
+        """The vertices after a rotation by right angles and a translation.
+
+        The rotation (3, 3) has entries -1, 0 and 1.
+        """
         axes = list[Axis]()
         for row, by in zip(turn.tolist(), shift, strict=True):
             (place,) = (i for i, entry in enumerate(row) if entry)
@@ -110,15 +113,15 @@ class ExactPlaces:
 
 
 def rational(value: float) -> Fraction:
-    """The shortest decimal that is read as a finite double."""
+    """The shortest decimal that reads back as a finite double."""
     return Fraction(repr(float(value)))
 
 
 def exact_decimal(word: str) -> Fraction:
-    """The decimal of a text of at most :data:`LONGEST` characters that ``float`` reads.
+    """The decimal in a text of at most :data:`LONGEST` characters that ``float`` accepts.
 
     Raises:
-        ValueError: it is longer.
+        ValueError: the text is longer.
     """
     if len(word) > LONGEST:
         raise ValueError(f"a number of more than {LONGEST} characters")
@@ -129,7 +132,7 @@ def exact_decimal(word: str) -> Fraction:
 def longer_decimals(
     rows: Iterable[Sequence[str]], read: NDArray[np.float64], fault: Callable[[str], SourceFault]
 ) -> dict[tuple[int, int], Fraction]:
-    """By row and column the decimals of texts that are not those of their doubles (n, m).
+    """Maps rows and columns to the decimals that differ from those of their doubles (n, m).
 
     Raises:
         SourceFault: a number is too long.

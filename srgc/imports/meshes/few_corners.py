@@ -1,9 +1,9 @@
-"""A polytope of at most 32 corners about points, with little volume added: in doubles.
+"""Enclose points in a polytope with at most 32 corners and little added volume, in doubles.
 
-Two ways, the smaller result counts.  Planes: a box, the farthest corners of which are cut off by
-planes that touch the points; good for parts with flat sides.  Corners: the points that stick out
-most, one after another, then moved outwards as little as the rest asks; good for round parts.
-Nothing is proved: the caller checks that the points are inside.
+Two methods are tried, and the smaller result is used.  By planes: a box whose farthest corners are
+cut off by planes that touch the points, for parts with flat sides.  By corners: the points that
+protrude most, one after another, then moved outwards as little as the others require, for round
+parts.  The result is not proved: the caller checks that the points are inside.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ import numpy as np
 from srgc.imports.meshes.mesh import Floats, Ints
 
 MANY = 1200
-"""Of more points, those that are farthest across fixed directions stand for all at first."""
+"""If there are more points, at first only the extreme ones along fixed directions are used."""
 TOUCHING = 1e-9
-"""Relatively to the size, what counts as on a plane."""
+"""Points this close to a plane, as a share of the size, count as on it."""
 
 
 def few_corners(points: Floats, most: int) -> Floats:
     """At most ``most`` corners (c, 3) whose hull holds the points (n, 3), up to rounding.
 
-    The points span space, and are the corners of their hull.
+    The points have to span space and be the corners of their hull.
     """
     if len(points) <= most:
         return points
@@ -48,19 +48,19 @@ def sphere_directions(count: int) -> Floats:
 
 
 def hull_volume(points: Floats) -> float:
-    """The volume of the hull of points; zero where they are flat."""
+    """The volume of the hull of points; zero if they are flat."""
     from manifold3d import Manifold
 
     return float(Manifold.hull_points(points).volume()) if len(points) > 3 else 0.0
 
 
 def hull_corners(points: Floats) -> Floats:
-    """The points that are corners of the hull of all; all of them where they are flat."""
+    """The points that are corners of the hull; all of them if they are flat."""
     return hull_of(points)[0]
 
 
 def hull_of(points: Floats) -> tuple[Floats, float]:
-    """The corners of the hull of points, and its volume; all points and 0 where they are flat."""
+    """The corners of the hull of points and its volume; all points and 0 if they are flat."""
     from scipy.spatial import ConvexHull, QhullError
 
     if len(points) < 4:
@@ -73,7 +73,7 @@ def hull_of(points: Floats) -> tuple[Floats, float]:
     return found, float(hull.volume)
 
 
-# --- Planes that touch ----------------------------------------------------------------------------
+# --- By planes ------------------------------------------------------------------------------------
 
 
 def _box(points: Floats) -> Floats:
@@ -82,7 +82,7 @@ def _box(points: Floats) -> Floats:
 
 
 def principal_axes(points: Floats) -> Floats:
-    """Rows that are the axes of the points' spread, the longest first, of fixed signs."""
+    """The principal axes of points as rows, the longest first, with fixed signs."""
     spread = points - points.mean(axis=0)
     axes = np.linalg.eigh(spread.T @ spread)[1].T[::-1]
     signs = np.sign(axes[np.arange(3), np.abs(axes).argmax(axis=1)])
@@ -91,7 +91,7 @@ def principal_axes(points: Floats) -> Floats:
 
 
 def _frames(points: Floats, equations: Floats) -> list[Floats]:
-    """Axes of boxes to begin with: the world's, the points' own, and those of large facets."""
+    """Axes of initial boxes: of the world, the principal axes, and those of a facet."""
     frames = [np.eye(3), principal_axes(points)]
     normal = equations[0, :3]
     side = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
@@ -138,7 +138,7 @@ def _by_planes(points: Floats, most: int) -> Floats | None:
 
 
 def _merged(equations: Floats) -> Floats:
-    """Each plane once: qhull has one for each triangle."""
+    """Each plane once: qhull returns one for each triangle."""
     rounded = np.round(equations, 9)
     _, first = np.unique(rounded, axis=0, return_index=True)
     found: Floats = equations[np.sort(first)]
@@ -152,7 +152,7 @@ def _distinct(corners: Floats, points: Floats) -> Floats:
     return found
 
 
-# --- Corners that stick out -----------------------------------------------------------------------
+# --- By corners -----------------------------------------------------------------------------------
 
 
 def _by_corners(points: Floats, most: int) -> Floats | None:
@@ -187,7 +187,7 @@ def _extremes(points: Floats) -> list[int]:
 
 
 def _moved(points: Floats, corners: Floats, simplices: Ints, equations: Floats) -> Floats:
-    """The corners, each moved so that every plane at it holds all points, as little as may be."""
+    """The corners, each moved as little as possible so that each of its planes holds all points."""
     due = np.maximum((points @ equations[:, :3].T + equations[:, 3]).max(axis=0), 0.0)
     sides = corners[simplices]
     areas = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)
@@ -200,7 +200,7 @@ def _moved(points: Floats, corners: Floats, simplices: Ints, equations: Floats) 
 
 
 def _least_move(normals: Floats, due: Floats, areas: Floats) -> Floats:
-    """The w with ``normals w >= due`` that adds the least volume: a corner of that set."""
+    """The w with ``normals w >= due`` that adds the least volume, at a corner of that set."""
     triples = np.array(list(combinations(range(len(normals)), 3)))
     systems = normals[triples]
     sound = np.abs(np.linalg.det(systems)) > 1e-6
@@ -217,7 +217,7 @@ def _least_move(normals: Floats, due: Floats, areas: Floats) -> Floats:
 
 
 def _about(points: Floats, corners: Floats) -> Floats | None:
-    """The corners scaled about their middle until they hold the points."""
+    """The corners scaled about their centre until they hold the points; None if this fails."""
     from scipy.spatial import ConvexHull, QhullError
 
     middle = points.mean(axis=0)

@@ -1,7 +1,7 @@
-"""The triangles of a binary glTF file.
+"""Read the triangles of a binary glTF file.
 
 Source: the Khronos specification of glTF 2.0.  No other file is opened; materials, skins and
-animations are left out.
+animations are ignored.
 """
 
 from __future__ import annotations
@@ -24,22 +24,23 @@ from srgc.imports.source_files import XML_LIMIT, refuse_content
 MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 FLOAT = 5126
 INDICES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
-"""Types of the numbers of vertices."""
+"""The component types of indices of vertices."""
 TRIANGLES, STRIP, FAN = 4, 5, 6
 PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
-"""Extensions by which corners are stored in other ways."""
+"""Extensions that encode vertices in other ways."""
 INSTANCES = "EXT_mesh_gpu_instancing"
-"""By it one node stands for a mesh in many places."""
+"""An extension by which one node places a mesh many times."""
 
 
 def gltf_mesh(content: bytes, path: Path, *, own_axes: bool) -> Mesh:
-    """All triangles of the scene of a file, each mesh of it an object, in metres.
+    """All triangles of the scene in a file, in metres; each primitive is an object.
 
-    With ``own_axes`` in the axes of the file, of which y is up; else z is.
+    With ``own_axes`` the axes of the file are kept, with y up; otherwise the mesh is rotated so
+    that z is up.
 
     Raises:
-        SourceFault: it is no binary glTF 2.0, was cut off, needs another file or an extension that
-            packs corners, or has too many triangles.
+        SourceFault: the file is not binary glTF 2.0, was cut off, needs another file or an
+            extension that encodes vertices, or has too many triangles.
     """
     try:
         file = _File(*_chunks(content, path), path)
@@ -60,7 +61,7 @@ def gltf_mesh(content: bytes, path: Path, *, own_axes: bool) -> Mesh:
 
 
 def _chunks(content: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
-    """The JSON and the buffer of a container."""
+    """The JSON and the binary buffer of a container."""
     magic, version, length = struct.unpack_from("<3I", content)
     if (magic, version) != (MAGIC, 2) or length > len(content):
         raise ValueError("another format, or cut off")
@@ -80,7 +81,7 @@ def _chunks(content: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
 
 @dataclass(slots=True)
 class _File:
-    """The JSON of a file and its buffer; ``left_out`` counts what has no triangles."""
+    """The JSON of a file and its buffer; ``left_out`` counts primitives without triangles."""
 
     json: dict[str, Any]
     binary: bytes
@@ -88,7 +89,7 @@ class _File:
     left_out: int = 0
 
     def parts(self) -> Iterator[tuple[str, Floats, Ints]]:
-        """The name, corners and triangles of each primitive, in its place."""
+        """The name, transformed vertices and triangles of each primitive."""
         count = 0
         for node, placed in self.nodes():
             if "mesh" not in node:
@@ -107,7 +108,7 @@ class _File:
                 yield name, points @ placed[:3, :3].T + placed[:3, 3], turned
 
     def nodes(self) -> Iterator[tuple[dict[str, Any], Floats]]:
-        """The nodes of the scene, each with its place (4, 4) in it."""
+        """The nodes of the scene, each with its transformation (4, 4) to the scene."""
         nodes, seen = self.json.get("nodes", []), set[int]()
         scene = self.json["scenes"][self.json.get("scene", 0)]
         todo = [(number, np.eye(4)) for number in reversed(scene.get("nodes", []))]
@@ -121,7 +122,7 @@ class _File:
             todo += [(child, placed) for child in reversed(nodes[number].get("children", []))]
 
     def primitive(self, primitive: dict[str, Any]) -> tuple[Floats, Ints] | None:
-        """The corners that are used and the triangles of a primitive, None of points and lines."""
+        """The used vertices and the triangles of a primitive; None for points and lines."""
         mode = primitive.get("mode", TRIANGLES)
         if mode not in (TRIANGLES, STRIP, FAN):
             return None
@@ -135,7 +136,7 @@ class _File:
         return positions[used].astype(np.float64), _faces(numbers.reshape(-1), mode)
 
     def numbers(self, number: int, types: dict[int, str], shape: str) -> Any:
-        """The rows of an accessor, without a copy; numpy refuses those beyond the buffer."""
+        """The rows of an accessor, without a copy; numpy rejects rows beyond the buffer."""
         accessor = self.json["accessors"][number]
         view = self.json["bufferViews"][accessor["bufferView"]]
         buffer = self.json["buffers"][view["buffer"]]
@@ -154,7 +155,7 @@ class _File:
 
 
 def _faces(numbers: Ints, mode: int) -> Ints:
-    """The triangles (m, 3) of corners in a row, those of a strip all the same way round."""
+    """The triangles (m, 3) of a sequence of vertices, with consistent winding also in strips."""
     count = len(numbers)
     if mode == TRIANGLES:
         return numbers[: count - count % 3].reshape(-1, 3)
@@ -166,7 +167,7 @@ def _faces(numbers: Ints, mode: int) -> Ints:
 
 
 def _place(node: dict[str, Any]) -> Floats:
-    """Where a node is in the one that it stands in, (4, 4)."""
+    """The transformation (4, 4) of a node to its parent."""
     from scipy.spatial.transform import Rotation
 
     if "matrix" in node:

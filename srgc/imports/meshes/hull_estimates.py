@@ -1,4 +1,4 @@
-"""Volumes of hulls, estimated from the farthest points across fixed directions: for many trials."""
+"""Estimate volumes of hulls from extreme points along fixed directions, for many trials."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from srgc.imports.meshes.few_corners import hull_volume, sphere_directions
 from srgc.imports.meshes.mesh import Bools, Floats, Ints
 
 COUNT = 60
-"""Directions of the spiral."""
+"""The number of directions on the spiral."""
 
 
 @cache
@@ -20,13 +20,13 @@ def directions() -> Floats:
 
 
 def estimated_volume(points: Floats) -> float:
-    """At most the volume of the hull of points (n, 3), and not much less."""
+    """A lower bound of the volume of the hull of points (n, 3), usually close to it."""
     along = points @ directions().T
     return hull_volume(points[np.unique(along.argmax(axis=0))])
 
 
 class Estimates:
-    """Volumes of hulls of both sides of planes, for a surface of points (n, 3) and edges (e, 2)."""
+    """Hull volumes on both sides of planes, for a surface with points (n, 3) and edges (e, 2)."""
 
     def __init__(self, points: Floats, edges: Ints) -> None:
         self.points, self.edges = points, edges
@@ -35,7 +35,7 @@ class Estimates:
         self.near = 1e-9 * float(np.ptp(points, axis=0).max())
 
     def both_sides(self, normal: Floats, offset: float) -> float:
-        """The volumes of the hulls of what is below and above a plane, added; inf of nothing."""
+        """The estimated sum of hull volumes below and above a plane; inf if a side is empty."""
         below, above, between = self._cut(normal, offset)
         if not below.any() or not above.any():
             return float("inf")
@@ -43,15 +43,15 @@ class Estimates:
         return self._side(below, between, cut) + self._side(above, between, cut)
 
     def both_hulls(self, normal: Floats, offset: float) -> float:
-        """The same, of all points."""
+        """The sum of the hull volumes on both sides, from all points; inf if a side is empty."""
         below, above, between = self._cut(normal, offset)
         sides = [np.concatenate([self.points[side], between]) for side in (below, above)]
         return sum(map(hull_volume, sides)) if below.any() and above.any() else float("inf")
 
     def _cut(self, normal: Floats, offset: float) -> tuple[Bools, Bools, Floats]:
-        """Which points are below and above, and where edges cross the plane.
+        """Which points are below and above a plane, and where edges cross it.
 
-        A point on the plane is on the side on which it has a neighbour.
+        A point on the plane is on each side where it has a neighbour.
         """
         heights = self.points @ normal - offset
         heights[np.abs(heights) <= self.near] = 0.0

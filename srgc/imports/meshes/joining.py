@@ -1,4 +1,4 @@
-"""Neighbouring parts of a mesh joined, where one piece for both adds little."""
+"""Join neighbouring parts of a mesh if one piece for both adds little."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from srgc.imports.meshes.mesh import Floats
 from srgc.imports.meshes.regions import MergedRegion, Region
 
 NEIGHBOURS = 8
-"""A region is joined with one of so many whose middles are nearest."""
+"""A region may be joined with one of this many nearest neighbours."""
 APART = 0.02
 """Regions farther apart than this share of the larger are joined only if they are too many."""
 
 
 class Joining:
-    """Regions, and the pairs that may be joined, by what that adds."""
+    """Regions, and the pairs that may be joined, in the order of the volume that this adds."""
 
     def __init__(self, regions: list[Region]) -> None:
         self.alive = dict(enumerate(regions))
@@ -29,7 +29,7 @@ class Joining:
             self._offer(number, apart=APART)
 
     def join(self, budget: float, most: int) -> list[Region]:
-        """The regions, joined while all together add at most the budget (m^3), or are too many."""
+        """The regions, joined while in all they add at most the budget (m^3), or are too many."""
         total = sum(each.excess for each in self.alive.values())
         while len(self.alive) > 1:
             if not self.heap:
@@ -52,7 +52,7 @@ class Joining:
         return list(self.alive.values())
 
     def _offer(self, number: int, *, apart: float) -> None:
-        """Put a region and its neighbours on the heap."""
+        """Add the pairs of a region and its neighbours to the heap."""
         region, (lower, upper) = self.alive[number], self.boxes[number]
         others = [i for i in self.alive if i != number]
         low, high = np.array([self.boxes[i] for i in others]).transpose(1, 0, 2)

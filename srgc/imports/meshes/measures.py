@@ -1,4 +1,4 @@
-"""What pieces add to a mesh: volumes by manifold3d, and how far they stand out; in doubles."""
+"""Measure the volume that pieces add to a mesh, with manifold3d, and how far they protrude."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 NOTHING = 1e-7
-"""This share of a solid is rounding of the volumes, and not uncovered."""
+"""Smaller shares of a solid are rounding errors of volumes, and do not count as uncovered."""
 
 NEAR = 40
-"""The distance of a corner to the mesh is that to the nearest of so many triangles."""
+"""The distance of a corner to the mesh is measured to this many triangles near it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measures:
     """Volumes in m^3, and a length in m.
 
-    ``volume`` is that of the solids, ``reference`` with the hulls of open parts, ``union`` that of
-    the pieces together, ``added`` what of it is not of the solids as a share of the reference, and
-    ``farthest`` about how far a corner of a piece is from the mesh.
+    ``volume`` is the volume of the solids, ``reference`` includes the hulls of open parts, and
+    ``union`` is the volume of all pieces together.  ``added`` is the volume of the union beyond the
+    solids as a share of the reference.  ``farthest`` is about how far a corner of a piece is from
+    the mesh.
     """
 
     volume: float
@@ -55,7 +56,7 @@ def measured(
 
 
 def union_of(pieces: Sequence[ConvexPiece]) -> Manifold:
-    """The pieces as one solid."""
+    """The union of the pieces as a solid."""
     from manifold3d import Manifold, OpType
 
     found = [solid_of(each) for each in pieces]
@@ -66,7 +67,7 @@ def solid_of(piece: ConvexPiece) -> Manifold:
     """A piece as a solid.
 
     Raises:
-        ArithmeticError: it is so thin that it is none in doubles.
+        ArithmeticError: the piece is so thin that it has no interior in doubles.
     """
     found = manifold_of(piece.points(), np.array(piece.outward(), dtype=np.int64))
     if found is None:
@@ -75,7 +76,7 @@ def solid_of(piece: ConvexPiece) -> Manifold:
 
 
 def not_covered(solids: Sequence[Manifold], pieces: Sequence[ConvexPiece]) -> list[Floats]:
-    """The corners (n, 3) of each part of the solids that is in no piece."""
+    """The vertices (n, 3) of each part of the solids that no piece covers."""
     from manifold3d import Manifold, OpType
 
     if not solids:
@@ -92,7 +93,7 @@ def not_covered(solids: Sequence[Manifold], pieces: Sequence[ConvexPiece]) -> li
 
 
 def _farthest(pieces: Sequence[ConvexPiece], vertices: Floats, triangles: Ints) -> float:
-    """The largest distance from a corner of a piece to one of the triangles that are near it."""
+    """The largest distance from a corner of a piece to the triangles near it."""
     from scipy.spatial import KDTree
     from trimesh.triangles import closest_point
 

@@ -1,4 +1,4 @@
-"""A mesh of triangles in metres, and the pieces of space that convex pieces are made from."""
+"""Meshes of triangles in metres, with their named parts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Bools: TypeAlias = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class MeshObject:
-    """A part of a mesh that its file names: triangles ``start`` to ``stop``, without the last."""
+    """A named part of a mesh: the triangles from ``start`` up to ``stop``, exclusive."""
 
     name: str
     start: int
@@ -28,10 +28,10 @@ class MeshObject:
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """Vertices (n, 3) in metres, and triangles (m, 3) of their numbers, in the order of the file.
+    """Vertices (n, 3) in metres, and triangles (m, 3) of their indices, in the order of the file.
 
-    ``notes`` says what of the file was not taken.  ``places`` are the vertices as rationals;
-    without them each double is the rational that it is.
+    ``notes`` says what was not read from the file.  ``places`` are the vertices as rationals;
+    without them the doubles are exact.
     """
 
     vertices: Floats
@@ -45,11 +45,11 @@ class Mesh:
         return ExactPlaces(self.vertices, binary=True) if self.places is None else self.places
 
     def moved(self, places: ExactPlaces) -> Mesh:
-        """The mesh with its vertices at other places."""
+        """The mesh with other positions of its vertices."""
         return replace(self, vertices=places.vertices(), places=places)
 
     def scaled(self, factors: Sequence[Fraction]) -> Mesh:
-        """The mesh with each axis times a factor; one that is mirrored has its triangles turned."""
+        """The mesh with each axis scaled; if that mirrors it, the winding is reversed."""
         found = self.moved(self.exact().scaled(factors))
         mirrored = sum(factor < 0 for factor in factors) % 2
         return replace(found, triangles=found.triangles[:, ::-1]) if mirrored else found
@@ -72,7 +72,7 @@ class Mesh:
 
 
 def joined(parts: Sequence[tuple[str, tuple[Floats, Ints]]]) -> Mesh:
-    """Parts one after the other, each an object with its name."""
+    """Concatenate parts, each an object with its name."""
     vertices, triangles, objects = list[Floats](), list[Ints](), list[MeshObject]()
     before = start = 0
     for name, (points, faces) in parts:

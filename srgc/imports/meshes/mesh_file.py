@@ -1,4 +1,4 @@
-"""Meshes of STL, OBJ, COLLADA and binary glTF files; what is hostile is refused.
+"""Read meshes of STL, OBJ, COLLADA and binary glTF files, and reject hostile ones.
 
 No other file is opened: neither the materials of an OBJ nor the images of a COLLADA file.
 """
@@ -30,36 +30,37 @@ _HEADER, _TRIANGLE = 84, 50
 
 
 def read_mesh(path: Path, unit: float | None = None, *, own_axes: bool = False) -> Mesh:
-    """The mesh of a file, in metres.
+    """Read the mesh of a file, in metres.
 
     Args:
-        path: a file that ends with one of :data:`SUFFIXES`.
-        unit: what a length of one in the file is, in metres.  None: what a COLLADA file says, and
-            metres of the others.
-        own_axes: keep the axes of the file; else z is up, by what the file or its format says.
+        path: a file whose name ends with one of :data:`SUFFIXES`.
+        unit: the length unit of the file in metres.  If None, it is the unit that a COLLADA file
+            states, and metres for others.
+        own_axes: keep the axes of the file; otherwise the mesh is rotated so that z is up,
+            according to the file or its format.
 
     Raises:
-        SourceFault: it is no such file, is cut off, has too many triangles, or corners that are not
-            finite or too far off.
+        SourceFault: the file is of another kind, is cut off, has too many triangles, or has
+            vertices that are not finite or too far away.
     """
     return _mesh_of(source_bytes(path, _most_bytes(path)), path, unit, own_axes=own_axes)
 
 
 def mesh_of(content: bytes, path: Path, *, own_axes: bool = False) -> Mesh:
-    """The mesh of a file that has been read, in metres as with no unit; ``path`` is its name.
+    """Read the mesh from the content of a file in metres; ``path`` is its name.
 
     Raises:
-        SourceFault: as of a file.
+        SourceFault: see :func:`read_mesh`.
     """
     refuse_content(content, path, _most_bytes(path))
     return _mesh_of(content, path, None, own_axes=own_axes)
 
 
 def _most_bytes(path: Path) -> int:
-    """How large a mesh may be, by the end of its name.
+    """The largest size of a mesh in bytes, by its extension.
 
     Raises:
-        SourceFault: it is none that is read.
+        SourceFault: the extension is not that of a known mesh.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -71,7 +72,7 @@ def _most_bytes(path: Path) -> int:
 
 def _mesh_of(content: bytes, path: Path, unit: float | None, *, own_axes: bool) -> Mesh:
     try:
-        # What libraries warn of concerns those who maintain them.
+        # Warnings of libraries are meant for their maintainers.
         with warnings.catch_warnings(action="ignore"):
             mesh = _read(content, path, own_unit=unit is None, own_axes=own_axes)
     except (MemoryError, RecursionError):
@@ -98,7 +99,7 @@ def _read(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) -> Mesh
 
 
 def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
-    """The mesh scaled."""
+    """Check a mesh and scale it to metres."""
     if not 0 < unit < LARGEST:
         raise file_fault(path, f"a unit of {unit} m is none")
     if len(mesh.triangles) == 0:
@@ -120,7 +121,7 @@ def _checked(mesh: Mesh, unit: float, path: Path) -> Mesh:
 
 
 def _stl(content: bytes, path: Path) -> Mesh:
-    """Binary where the size fits the number of triangles that is said, whatever it begins with."""
+    """Read STL; it is binary if its size fits its count of triangles, however it begins."""
     from trimesh.exchange.stl import load_stl_ascii, load_stl_binary
 
     if len(content) >= _HEADER:
@@ -153,7 +154,7 @@ def _stl(content: bytes, path: Path) -> Mesh:
     return replace(mesh, places=ExactPlaces(mesh.vertices, longer=longer))
 
 
-# --- What loaders give, as meshes -----------------------------------------------------------------
+# --- Results of loaders ---------------------------------------------------------------------------
 
 
 def _vertices(loaded: Mapping[str, Any], path: Path) -> tuple[Floats, Ints]:

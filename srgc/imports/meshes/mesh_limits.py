@@ -1,4 +1,4 @@
-"""How large meshes may be."""
+"""Limits on the size of meshes."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from srgc.imports.source_fault import file_fault
 
 MOST_TRIANGLES = 1_000_000
 LARGEST = 1e6
-"""Coordinates are smaller, in metres: what is farther off is no scene of a robot."""
+"""Coordinates are smaller, in metres: nothing in a robot's scene is farther away."""
 
 
 def too_many(count: int, path: Path) -> None:
-    """Refuse more triangles than are read.
+    """Reject a mesh with too many triangles.
 
     Raises:
-        SourceFault: there are more.
+        SourceFault: there are more than :data:`MOST_TRIANGLES`.
     """
     if count > MOST_TRIANGLES:
         message = f"it has {count:,} triangles, and may have {MOST_TRIANGLES:,}"

@@ -1,7 +1,8 @@
-"""The faces of an OBJ file as triangles.
+"""Read the faces of an OBJ file as triangles.
 
-Source: Wavefront, *Object files (.obj)*.  The reader of trimesh 5 loses the order of objects and
-takes no faces of mixed sizes in one, so lines are read here.  Materials are not opened.
+Source: Wavefront, *Object files (.obj)*.  Lines are parsed here, since the reader of trimesh 5
+loses the order of objects and does not accept faces of different sizes in one.  Materials are not
+opened.
 """
 
 from __future__ import annotations
@@ -22,19 +23,19 @@ from srgc.imports.meshes.mesh_limits import too_many
 from srgc.imports.source_fault import SourceFault, file_fault, line_span
 
 FLAT = 1e-9
-"""A corner that turns back by less, as a share of the area, is straight."""
+"""A corner that turns back by less than this share of the area counts as straight."""
 Corners = list[tuple[float, float, float]]
 TOGETHER = "groups (`g`) in an object (`o`), which is one with all of them"
-"""Of a scene, whose objects are obstacles; nothing of a body is left out by it."""
+"""A note for scenes, whose objects are obstacles; for a body nothing is lost."""
 
 
 @dataclass(slots=True)
 class _Lines:
-    """What has been read; ``starts`` are the names of objects and their first triangles.
+    """The elements read so far; ``starts`` are the names of objects and their first triangles.
 
-    ``polygons`` are, by their number of corners, faces of more than three with their first
-    triangles.  ``groups`` are, of each object, the names of groups with faces where objects are
-    by ``o``.
+    ``polygons`` maps numbers of corners above three to faces with their first triangles.
+    ``groups`` has for each object the names of its groups with faces, if objects are given by
+    ``o``.
     """
 
     path: Path
@@ -74,7 +75,7 @@ class _Lines:
         return x, y, z
 
     def face(self, number: int, words: list[str]) -> None:
-        """A polygon as a fan; negative numbers count from the last vertex."""
+        """Add a polygon as a fan of triangles; negative indices count from the last vertex."""
         if len(words) < 3:
             self.left_out += 1
             return
@@ -99,10 +100,10 @@ class _Lines:
 
 
 def obj_mesh(content: bytes, path: Path) -> Mesh:
-    """The mesh of an OBJ file; each ``o``, or without any each ``g``, is an object.
+    """The mesh of an OBJ file; each ``o`` is an object, or each ``g`` if there is no ``o``.
 
     Raises:
-        SourceFault: it is not text, has no face or too many, or a line that was cut off.
+        SourceFault: the file is not text, has no face or too many, or has a line that was cut off.
     """
     if b"\0" in content:
         raise file_fault(path, "it is not an OBJ file: it is not text")
@@ -112,7 +113,7 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
     lines = _Lines(path, text, any(row.split()[:1] == ["o"] for row in rows))
     held = list[str]()
     for number, row in enumerate(rows, 1):
-        # A comment ends with its line, also where a path in it ends with a backslash.
+        # A comment ends with its line, even if it ends in a backslash, as paths may.
         comment = not held and row.lstrip().startswith("#")
         held += [] if comment else row.split()
         if held and held[-1].endswith("\\") and number < len(rows):  # the next line goes on
@@ -138,13 +139,13 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
 
 
 def _divide(vertices: Floats, triangles: Ints, polygons: list[tuple[int, list[int]]]) -> None:
-    """Divide polygons of n corners that are not convex into their triangles, instead of fans."""
+    """Replace the fans of non-convex polygons with n corners by proper triangulations."""
     from manifold3d import triangulate
 
     corners = np.array([each for _, each in polygons])
     points = vertices[corners]
     points = points - points[:, :1]
-    # Newell's normal, and how much each corner turns about it.
+    # Newell's normal, and how far each corner turns about it.
     following = np.roll(points, -1, axis=1)
     normals = np.cross(points, following).sum(axis=1)
     edges = following - points
@@ -158,7 +159,7 @@ def _divide(vertices: Floats, triangles: Ints, polygons: list[tuple[int, list[in
 
 
 def _in_plane(points: Floats, normal: Floats) -> Floats:
-    """Points (n, 3) seen against a normal, (n, 2)."""
+    """The projections (n, 2) of points (n, 3) along a normal."""
     side = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     side /= np.linalg.norm(side)
     across = np.cross(normal, side)

@@ -1,4 +1,4 @@
-"""Convex pieces as OBJ files: exact decimals, one object for each piece."""
+"""Write convex pieces as OBJ files with exact decimals and one object for each piece."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def pieces_text(
 ) -> str:
     """An OBJ file, in metres, with an object for each piece.
 
-    Corners are exact decimals; triangles look outwards.
+    Vertices are exact decimals; triangles face outwards.
     """
     lines = [f"# {line}" for line in comments]
     before = 1
@@ -33,7 +33,7 @@ def pieces_text(
 def written_pieces(
     pieces: Sequence[ConvexPiece], folder: Path, stem: str, *, comments: Sequence[str] = ()
 ) -> list[Path]:
-    """A file for each piece: ``STEM.obj`` of a single one, else ``STEM_1.obj``, ``STEM_2.obj`` ...
+    """Write a file for each piece: ``STEM.obj`` if there is one, else ``STEM_1.obj`` and so on.
 
     Raises:
         UsageFault: a file cannot be written.
@@ -48,7 +48,7 @@ def written_pieces(
 def written_scene(
     pieces: Sequence[ConvexPiece], path: Path, *, comments: Sequence[str] = ()
 ) -> None:
-    """One file with an object ``piece_1``, ``piece_2``, ... for each piece.
+    """Write one file with an object ``piece_1``, ``piece_2``, ... for each piece.
 
     Raises:
         UsageFault: the file cannot be written.
@@ -58,7 +58,7 @@ def written_scene(
 
 
 def _replace(path: Path, text: str) -> None:
-    """Write a file under another name first, so that it is never there in part."""
+    """Write a file under another name first, so that it never exists in part."""
     pending = path.with_name(f".{path.name}.part")
     write_output(pending, text)
     pending.replace(path)

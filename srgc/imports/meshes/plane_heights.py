@@ -1,4 +1,4 @@
-"""How far points are beyond the planes of a convex piece: in doubles with a bound, and exactly."""
+"""Heights of points above the planes of a convex piece: in doubles with error bounds, or exact."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from srgc.imports.meshes.mesh import Bools, Floats, Ints
 
 
 class Crossing(NamedTuple):
-    """The planes of a piece that a triangle may be beyond, with the heights of its corners (3, f).
+    """The planes of a piece that a triangle may cross, with the heights of its corners (3, f).
 
-    It is surely within all others.
+    The triangle is in the halfspaces of all other planes for sure.
     """
 
     planes: tuple[Plane, ...]
@@ -26,15 +26,15 @@ class Crossing(NamedTuple):
 
 
 class Heights:
-    """How far points are beyond the planes of a piece, in doubles, and how sure that is."""
+    """Heights of points above the planes of a piece in doubles, with error bounds."""
 
     def __init__(self, piece: ConvexPiece, shift: float = 0.0) -> None:
-        """Of points that are within ``shift`` of theirs in each coordinate, in metres."""
+        """Prepare for points whose coordinates are within ``shift`` (m) of the exact ones."""
         self.piece, self.shift = piece, shift
         self.scale = 10.0**piece.digits
         planes = np.array(piece.planes, dtype=object)
         self.origin = np.array([float(x) for x in piece.corners[0]])
-        # Offsets from a corner, in integers: heights are no differences of large numbers then.
+        # Integer offsets from a corner avoid differences of large numbers in heights.
         local = planes[:, 3] - planes[:, :3] @ np.array(piece.corners[0], dtype=object)
         self.normals = planes[:, :3].astype(np.float64)
         self.offsets = local.astype(np.float64)
@@ -44,7 +44,7 @@ class Heights:
         self.lower, self.upper = points.min(axis=0) - slack, points.max(axis=0) + slack
 
     def of(self, points: Floats) -> tuple[Floats, Floats]:
-        """Heights (n, f) of points (n, 3) over the planes, and bounds of their errors."""
+        """The heights (n, f) of points (n, 3) above the planes, and bounds on their errors."""
         scaled = points * self.scale
         local = scaled - self.origin
         size = (np.abs(scaled) + np.abs(self.origin)).max(axis=1, initial=0.0) + 1.0
@@ -53,7 +53,7 @@ class Heights:
         return found, doubt + 2 * self.shift * self.scale * self.weights
 
     def surely_hold(self, points: Floats) -> Bools:
-        """Whether each of the points (n, 3) is surely in the piece."""
+        """Whether each of the points (n, 3) is in the piece for sure."""
         held: Bools = ((points >= self.lower) & (points <= self.upper)).all(axis=1)
         near = np.flatnonzero(held)
         found, doubt = self.of(points[near])
@@ -61,7 +61,7 @@ class Heights:
         return held
 
     def around(self, lower: Floats, upper: Floats) -> Ints:
-        """The numbers of those boxes (m, 3) that are in the box about the piece."""
+        """The indices of the boxes (m, 3) that lie in the bounding box of the piece."""
         near = (lower >= self.lower) & (upper <= self.upper)
         return np.flatnonzero(near.all(axis=1))
 
@@ -93,9 +93,9 @@ class Heights:
         return bool((a * x + b * y + c * z) * 10**self.piece.digits <= d)
 
     def over(self, sides: Floats) -> tuple[Floats, Floats]:
-        """Heights (n, 3, f) of the corners of triangles (n, 3, 3), and bounds of errors (n, f).
+        """The heights (n, 3, f) of the corners of triangles (n, 3, 3), and error bounds (n, f).
 
-        The bounds are those of means of the corners, too.
+        The bounds also hold for weighted means of the corners.
         """
         found, doubts = self.of(sides.reshape(-1, 3))
         found = found.reshape(len(sides), 3, len(self.offsets))
@@ -103,7 +103,7 @@ class Heights:
         return found, doubt
 
     def crossings(self, numbers: Ints, sides: Floats) -> Iterator[tuple[int, Crossing]]:
-        """How triangles (n, 3, 3) meet the piece, with their numbers; not those surely apart."""
+        """How triangles (n, 3, 3) meet the piece, with their numbers; omit those apart for sure."""
         found, doubt = self.over(sides)
         above: Bools = found > doubt[:, None]
         beyond: Bools = found > -doubt[:, None]

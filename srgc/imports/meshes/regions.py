@@ -1,6 +1,6 @@
-"""Parts of a mesh, each to be held by one convex piece, and their splits into two; in doubles.
+"""Parts of a mesh, each to be held by one convex piece, and how to split them, in doubles.
 
-A solid is cut by planes.  The triangles of a shell are divided, and none is cut.
+Solids are cut by planes.  The triangles of a shell are divided, but none is cut.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 GAIN = 0.02
-"""A split has to save so much of the hull, else the part is halved across its length."""
+"""If a split saves less than this share of the hull, the part is halved across its length."""
 
 
 NEAR = 2.0**-48
-"""The points of a region are off by so much, as a share of their size."""
+"""The error of the points of a region, as a share of their size."""
 
 
 class Region(ABC):
-    """A part of a mesh: ``points`` (n, 3) with its hull, and the ``volume`` of what is solid."""
+    """A part of a mesh: ``points`` (n, 3) with their hull, and the ``volume`` of its solids."""
 
     def __init__(self, points: Floats, volume: float) -> None:
         self.points, inside = hull_of(points)
@@ -38,12 +38,12 @@ class Region(ABC):
 
     @property
     def excess(self) -> float:
-        """What its hull adds (m^3)."""
+        """The volume that its hull adds (m^3)."""
         return self.hull_volume - self.volume
 
     @cached_property
     def enclosed(self) -> Enclosed:
-        """The piece that holds it, but for the rounding of its points."""
+        """The piece that holds it, up to the rounding of its points."""
         return enclosing(self.points, slack=NEAR * float(np.abs(self.points).max()))
 
     @cached_property
@@ -53,29 +53,29 @@ class Region(ABC):
 
     @abstractmethod
     def split(self) -> list[Region]:
-        """Regions instead of this one; only itself where it cannot be split."""
+        """The regions that replace this one; only itself if it cannot be split."""
 
 
 class MergedRegion(Region):
-    """Two regions that one piece is to hold."""
+    """Two regions to be held by one piece."""
 
     def __init__(self, one: Region, other: Region) -> None:
         super().__init__(np.concatenate([one.points, other.points]), one.volume + other.volume)
         self.pair = (one, other)
 
     def split(self) -> list[Region]:
-        """What was merged."""
+        """The two regions."""
         return list(self.pair)
 
 
 class PointRegion(Region):
-    """Points that one piece is to hold: a hull that something else has found."""
+    """Points to be held by one piece: a hull from another source."""
 
     def __init__(self, points: Floats) -> None:
         super().__init__(points, 0.0)
 
     def split(self) -> list[Region]:
-        """Itself."""
+        """Only itself."""
         return [self]
 
 
@@ -83,17 +83,17 @@ class PointRegion(Region):
 
 
 COARSE = 3000
-"""Planes are looked for with about so many triangles."""
+"""Planes are searched on a mesh with at most about this many triangles."""
 MOST_TOLERANCE = 5e-3
-"""The simpler one is as near, as a share of the size: thin walls have to stay."""
+"""The error of the simplified mesh, as a share of its size: thin walls have to remain."""
 SHORTLIST = 6
-"""Of so many planes the hulls are computed, not estimated."""
+"""For this many planes the hulls are computed, not estimated."""
 PLACES = 5
-"""So many places are tried along each axis at first."""
+"""The number of positions that are tried first along each axis."""
 PARALLEL = 0.999
-"""An own axis of a part so near one of the world is that one."""
+"""A principal axis this close to an axis of the world is not tried separately."""
 FACETS = 20
-"""So many planes of large flat parts of the surface are tried."""
+"""The number of planes of large flat parts of the surface that are tried."""
 
 
 class SolidRegion(Region):
@@ -111,13 +111,13 @@ class SolidRegion(Region):
             found = [part for part in parts if part.volume() > 1e-9 * self.volume]
             if len(found) >= 2:
                 return [SolidRegion(part) for part in found]
-            # A cut along a flat side may have left a flap without volume, which goes here.
+            # A cut along a flat side may have left a flap without volume, which is dropped here.
             if found and found[0].hull().volume() < (1 - GAIN) * self.hull_volume:
                 return [SolidRegion(found[0])]
         return [self]
 
     def _planes(self) -> list[tuple[Floats, float]]:
-        """Planes to cut at, the best first."""
+        """Candidate planes to cut along, the best first."""
         points, triangles = _coarse(self.solid)
         axes = principal_axes(points)
         estimates = Estimates(points, _edge_ends(triangles))
@@ -154,7 +154,7 @@ def _vertices(solid: Manifold) -> Floats:
 
 
 def _coarse(solid: Manifold) -> tuple[Floats, Ints]:
-    """Vertices and triangles of a solid, of a simpler one near it where it has many."""
+    """Vertices and triangles of a solid, simplified if it has many."""
     box = solid.bounding_box()
     size = max(box[3] - box[0], box[4] - box[1], box[5] - box[2])
     tolerance = 5e-4 * size
@@ -203,18 +203,18 @@ def _facet_planes(points: Floats, triangles: Ints) -> list[tuple[Floats, float]]
 
 
 SAMPLED = 1000
-"""Divisions are compared by about so many triangles."""
+"""Divisions are compared on a sample of about this many triangles."""
 
 
 class ShellRegion(Region):
-    """Triangles (m, 3, 3) without an inside."""
+    """Triangles (m, 3, 3) that enclose nothing."""
 
     def __init__(self, sides: Floats) -> None:
         super().__init__(sides.reshape(-1, 3), 0.0)
         self.sides = sides
 
     def split(self) -> list[Region]:
-        """The triangles by where they look or where they are."""
+        """Two parts of the triangles, divided by their normals or positions."""
         if len(self.sides) < 2:
             return [self]
         best, least = None, np.inf
@@ -229,7 +229,7 @@ class ShellRegion(Region):
         return [ShellRegion(self.sides[best]), ShellRegion(self.sides[~best])]
 
     def _divisions(self) -> list[Bools]:
-        """Ways to divide the triangles: by their normals, by place, and in halves."""
+        """Ways to divide the triangles: by their normals, by position, and into halves."""
         middles = self.sides.mean(axis=1)
         crossed = np.cross(self.sides[:, 1] - self.sides[:, 0], self.sides[:, 2] - self.sides[:, 0])
         areas = np.linalg.norm(crossed, axis=1)

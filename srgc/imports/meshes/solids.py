@@ -1,7 +1,7 @@
-"""What of a mesh is solid and what is a shell: connected parts, their winding, what they enclose.
+"""Separate a mesh into solids and shells, by connected parts, their winding and what they enclose.
 
-Parts are connected over edges.  A part is closed where each edge is passed as often one way as the
-other; then it is solid, or a cavity of the part about it where its triangles look inwards.
+Parts are connected across edges.  A part is closed if each edge is traversed equally often in both
+directions.  Then it is a solid, or if its triangles face inwards a cavity of the enclosing part.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 WELD = 1e-6
-"""Vertices nearer than this share of the size of the mesh are one, where that closes a surface."""
+"""Vertices closer than this share of the size of the mesh are merged if that closes a surface."""
 HOLES = 0.01
-"""Holes of this share of the surface are cracks; larger ones are meant."""
+"""Holes of at most this share of the surface are cracks; larger ones are intended."""
 
 
 @dataclass(slots=True)
@@ -33,10 +33,10 @@ class Anatomy:
 
 
 def anatomy(vertices: Floats, triangles: Ints) -> Anatomy:
-    """The solids and shells of a mesh: vertices (n, 3), triangles (m, 3) of their numbers.
+    """The solids and shells of a mesh with vertices (n, 3) and triangles (m, 3) of their indices.
 
-    Solids that overlap or touch are one; each that is given back is connected,
-    but for solids with cavities.
+    Solids that overlap or touch are merged.  Each returned solid is connected, except for solids
+    with cavities.
     """
     found = Anatomy()
     size = float(np.ptp(vertices, axis=0).max()) or 1.0
@@ -68,7 +68,7 @@ def anatomy(vertices: Floats, triangles: Ints) -> Anatomy:
 def _closed(
     points: Floats, part: Ints, weld: float, counts: dict[str, int]
 ) -> tuple[Floats, Ints] | None:
-    """Vertices and triangles of a part as a closed surface; None where it is open."""
+    """The vertices and triangles of a part as a closed surface; None if it is open."""
     corners, faces = _used(points, _one_sided(part))
     if balanced(faces):
         return corners, faces
@@ -89,7 +89,7 @@ def _closed(
 
 
 def _one_sided(faces: Ints) -> Ints:
-    """Half of the triangles where each is there a second time, seen from its other side."""
+    """One of each pair of triangles if all triangles occur twice, once from either side."""
     _, first, counts = np.unique(
         np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
     )
@@ -103,7 +103,7 @@ def _used(points: Floats, faces: Ints) -> tuple[Floats, Ints]:
 
 
 def _welded(corners: Floats, faces: Ints, grid: float) -> tuple[Floats, Ints]:
-    """The triangles with corners of one cell of a grid as one."""
+    """Merge the corners within each cell of a grid."""
     _, first, inverse = np.unique(
         np.round(corners / grid), axis=0, return_index=True, return_inverse=True
     )
@@ -118,7 +118,7 @@ def counted(number: int, what: str) -> str:
 
 
 def _merged(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
-    """Vertices that are equal are one; triangles with a corner twice are left out, and doubles."""
+    """Merge equal vertices; remove degenerate and repeated triangles."""
     points, inverse = np.unique(vertices + 0.0, axis=0, return_inverse=True)
     faces = inverse.reshape(-1)[triangles]
     a, b, c = faces.T
@@ -131,13 +131,13 @@ def _merged(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
 
 
 def _edges(faces: Ints) -> Ints:
-    """The directed edges (3 m, 2), those of a triangle together."""
+    """The directed edges (3 m, 2), grouped by triangle."""
     found: Ints = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     return found
 
 
 def parts(faces: Ints) -> list[Ints]:
-    """The triangles that edges connect, in the order of their first triangles."""
+    """The triangles grouped by connection across edges, the largest group first."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -156,27 +156,27 @@ def parts(faces: Ints) -> list[Ints]:
 
 
 def balanced(faces: Ints) -> bool:
-    """Whether every edge is passed as often one way as the other."""
+    """Whether every edge is traversed equally often in both directions."""
     edges = _edges(faces)
     _, numbers = np.unique(_undirected(edges), return_inverse=True)
     return not np.bincount(numbers.reshape(-1), weights=_signs(edges)).any()
 
 
 def _undirected(edges: Ints) -> Ints:
-    """A number for each edge (m, 2) whichever way it is passed."""
+    """A number for each edge (m, 2) that does not depend on its direction."""
     found: Ints = edges.min(axis=1) * (int(edges.max()) + 1) + edges.max(axis=1)
     return found
 
 
 def _signs(edges: Ints) -> Ints:
-    """1 of edges (m, 2) that lead to the larger number, -1 of others."""
+    """1 for edges (m, 2) that lead to the larger index, -1 for others."""
     return np.where(edges[:, 0] < edges[:, 1], 1, -1)
 
 
 def _rewound(faces: Ints) -> Ints:
-    """Connected triangles turned so that neighbours agree, where no edge has more than two.
+    """Connected triangles with consistent winding, if no edge has more than two triangles.
 
-    Most of them stay as they are.
+    Most of them keep their winding.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import breadth_first_order
@@ -212,7 +212,7 @@ def _rewound(faces: Ints) -> Ints:
 
 
 def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:
-    """The surface with cones over its borders; None where these are more than :data:`HOLES`."""
+    """The surface with its holes filled by cones; None if they are larger than :data:`HOLES`."""
     rings = _borders(faces)
     caps, tops = list[tuple[int, int, int]](), list[Floats]()
     for ring in rings:
@@ -228,7 +228,7 @@ def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:
 
 
 def _borders(faces: Ints) -> list[list[int]]:
-    """Rings of directed edges that are passed more often than the other way round."""
+    """Rings of directed edges that are traversed more often than their opposites."""
     edges = _edges(faces)
     _, first, numbers = np.unique(_undirected(edges), return_index=True, return_inverse=True)
     surplus = np.bincount(numbers.reshape(-1), weights=_signs(edges)).astype(np.int64)
@@ -262,7 +262,7 @@ def _signed_volume(sides: Floats) -> float:
 
 
 def manifold_of(corners: Floats, faces: Ints) -> Manifold | None:
-    """The solid that triangles bound, looking outwards; None where manifold3d knows of none."""
+    """The solid bounded by triangles that face outwards; None if manifold3d rejects it."""
     from manifold3d import Error, Manifold, Mesh64
 
     if _signed_volume(corners[faces]) < 0:
@@ -278,7 +278,7 @@ def manifold_of(corners: Floats, faces: Ints) -> Manifold | None:
 
 
 def _nested(closed: list[tuple[Manifold, float]], notes: list[str]) -> list[Manifold]:
-    """The solids without their cavities, as one union; inverted ones that are no cavity turned."""
+    """The connected solids without their cavities; inverted parts that are none are turned."""
     from manifold3d import Manifold, OpType
 
     if not closed:
@@ -311,13 +311,13 @@ def _nested(closed: list[tuple[Manifold, float]], notes: list[str]) -> list[Mani
 
 
 def connected(solid: Manifold) -> list[Manifold]:
-    """The connected parts of a solid; one with cavities stays whole."""
+    """The connected parts of a solid; a solid with cavities stays whole."""
     parts = solid.decompose()
     return parts if all(part.volume() > 0 for part in parts) else [solid]
 
 
 def _smallest_about(solid: Manifold, wholes: list[Manifold]) -> int | None:
-    """The number of the smallest solid that one is inside of."""
+    """The index of the smallest solid that encloses this one, or None."""
     about = [
         i
         for i, whole in enumerate(wholes)

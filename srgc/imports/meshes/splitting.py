@@ -1,4 +1,4 @@
-"""The parts of a mesh that pieces are made for: split where hulls add much, joined elsewhere."""
+"""Choose the parts of a mesh for pieces: split where hulls add much, join elsewhere."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 LOOK = 1.1
-"""What pieces add is measured again when there are so many times as many."""
+"""The added volume is measured again when the number of pieces has grown by this factor."""
 TINY = 10 * THINNEST
-"""Parts below it (m) stay whole: pieces of their parts would be about as thick as they."""
+"""Smaller parts (m) stay whole: pieces of their parts would be about as thick as they are."""
 ROUGH, JOINED = 0.6, 1.1
-"""Shares of the detail: parts are split down to the first, and joined up to the second."""
+"""Shares of the detail down to which parts are split, and up to which they are joined."""
 
 
 def regions_of(
     parts: Anatomy, vertices: Floats, triangles: Ints, budget: float, most: int
 ) -> list[Region]:
-    """Parts of solids and shells whose hulls add about the budget (m^3), and at most so many."""
+    """At most ``most`` parts of solids and shells whose hulls add about the budget (m^3)."""
     solids: list[Region] = [SolidRegion(each) for each in parts.solids]
     solids = _split_up(solids, ROUGH * budget, 2 * most + 8)
     shells: list[Region] = []
@@ -44,7 +44,7 @@ def regions_of(
 
 
 def _split_up(regions: list[Region], budget: float, most: int) -> list[Region]:
-    """Split the region that adds most until all add at most the budget (m^3)."""
+    """Split the region that adds most until in all they add at most the budget (m^3)."""
     heap = [(-each.excess, i, each) for i, each in enumerate(regions)]
     heapq.heapify(heap)
     total, count, done = sum(each.excess for each in regions), len(regions), list[Region]()
@@ -62,7 +62,7 @@ def _split_up(regions: list[Region], budget: float, most: int) -> list[Region]:
 
 
 def _split(region: Region) -> list[Region]:
-    """Regions instead of one; only itself where it cannot be split, or is tiny."""
+    """The regions that replace one; only itself if it is tiny or cannot be split."""
     tiny = float(np.ptp(region.points, axis=0).max()) < TINY
     return [region] if tiny else region.split()
 
@@ -85,10 +85,10 @@ def _inside_hulls(sides: Floats, regions: Sequence[Region]) -> Bools:
 
 
 def refined(regions: list[Region], budget: float, most: int) -> list[Region]:
-    """Split regions whose pieces, with few corners, add most, until all add at most the budget.
+    """Split the regions whose pieces, with few corners, add most, until the budget is kept.
 
-    What pieces add one by one counts where they overlap as often as they do; so what they add
-    together is measured now and then.
+    The sum over single pieces counts overlaps several times, so the volume that all add together is
+    measured from time to time.
     """
     heap = [(each.volume - each.piece_volume, i, each) for i, each in enumerate(regions)]
     heapq.heapify(heap)
@@ -113,7 +113,7 @@ def refined(regions: list[Region], budget: float, most: int) -> list[Region]:
 
 
 def together(regions: Sequence[Region]) -> float:
-    """What the pieces of regions add together, or one by one where that is less (m^3)."""
+    """The volume that the pieces of regions add together, or singly if that is less (m^3)."""
     single = sum(each.piece_volume - each.volume for each in regions)
     union = union_of([each.enclosed.piece for each in regions])
     return min(single, float(union.volume()) - sum(each.volume for each in regions))

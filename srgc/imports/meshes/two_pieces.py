@@ -1,8 +1,8 @@
-"""Triangles that two convex pieces hold together: many at once, in doubles that are sure.
+"""Find triangles that two convex pieces hold together, in bulk, in doubles with error bounds.
 
-A point is in neither piece if and only if it is beyond a plane of either.  By the minimax theorem
-no point of a triangle is beyond both planes if and only if a mean of their heights is at most zero
-at all three corners.
+A point is in neither piece if and only if it is beyond a plane of each.  By the minimax theorem no
+point of a triangle is beyond both planes if and only if some weighted mean of their heights is at
+most zero at all three corners.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from srgc.imports.meshes.mesh import Bools, Floats, Ints
 from srgc.imports.meshes.plane_heights import Heights
 
 TRIED = 3
-"""Two of so many pieces are tried that hold the most corners of a triangle."""
+"""Pairs are tried among this many pieces that hold the most corners of a triangle."""
 PLANES = 6
-"""Pieces that a triangle may be beyond more planes of are not tried."""
+"""A piece is not tried if a triangle may be beyond more of its planes than this."""
 BLOCK = 4096
-"""So many triangles are looked at together."""
+"""The number of triangles that are processed together."""
 
 
 def in_two(sides: Floats, pieces: Sequence[Heights]) -> Bools:
-    """Which triangles (n, 3, 3) are surely held by two pieces together; False says nothing."""
+    """Which triangles (n, 3, 3) two pieces together hold for sure; False is not conclusive."""
     found = np.zeros(len(sides), dtype=bool)
     for start in range(0, len(sides), BLOCK):
         block = slice(start, start + BLOCK)
@@ -36,10 +36,10 @@ def in_two(sides: Floats, pieces: Sequence[Heights]) -> Bools:
 
 @dataclass(frozen=True, slots=True)
 class _Met:
-    """Pairs of a triangle and a piece, with the planes that it may be beyond.
+    """Pairs of a triangle and a piece, with the planes that the triangle may be beyond.
 
-    ``heights`` (m, 3, p) are those of its corners, ``doubts`` (m, p) bounds of their errors, and
-    ``valid`` (m, p) says where there is a plane.
+    ``heights`` (m, 3, p) are the heights of its corners, ``doubts`` (m, p) bounds on their errors,
+    and ``valid`` (m, p) says which entries are planes.
     """
 
     triangles: Ints
@@ -96,7 +96,7 @@ def _meetings(
 
 
 def _likely(triangles: Ints, inside: Ints, count: int) -> Ints:
-    """For each triangle the rows (count, TRIED) that hold most of its corners; -1 for none."""
+    """For each triangle the rows (count, TRIED) that hold most of its corners, padded with -1."""
     order = np.lexsort((np.arange(len(triangles)), -inside, triangles))
     owner = triangles[order]
     rank = np.arange(len(order)) - np.searchsorted(owner, owner)
@@ -107,12 +107,12 @@ def _likely(triangles: Ints, inside: Ints, count: int) -> Ints:
 
 
 def _union_holds(one: Floats, doubt: Floats, other: Floats, other_doubt: Floats) -> Bools:
-    """Which planes (m, p, q) of two pieces no point of a triangle is beyond both of."""
+    """For which pairs of planes (m, p, q) no point of the triangle is beyond both."""
     a, b = one[:, :, :, None], other[:, :, None, :]
     bound = doubt[:, :, None] + other_doubt[:, None, :]
     bound = bound + ROUNDING * (np.abs(a).max(axis=1) + np.abs(b).max(axis=1))
-    # The share s of the first that makes s a + (1 - s) b least at the worst corner lies between
-    # bounds that the corners give; any is sound, since the mean is looked at again.
+    # The share s that makes s a + (1 - s) b least at the worst corner lies between bounds from
+    # the corners.  Any share is sound, since the mean is checked afterwards.
     slope, rest = a - b, -b - bound[:, None]
     with np.errstate(all="ignore"):
         limit = rest / slope

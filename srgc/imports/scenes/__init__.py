@@ -1,1 +1,1 @@
-"""Scenes of other tools as workspaces."""
+"""Import scenes of other tools as workspaces."""

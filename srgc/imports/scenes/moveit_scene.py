@@ -1,8 +1,8 @@
-"""The text format of MoveIt's planning scenes, as ``saveGeometryToStream`` writes it.
+"""Read the text format of MoveIt's planning scenes, as ``saveGeometryToStream`` writes it.
 
 Source: moveit_core, ``planning_scene.cpp``, and geometric_shapes, ``shape_operations.cpp``.  Since
-MoveIt 1.1 objects have a pose of their own and subframes; older files are told by what follows the
-name of the first object: the number of its shapes.
+MoveIt 1.1 objects have their own pose and subframes.  In older files the number of shapes follows
+the name of the first object.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ MOST_SHAPES = 10_000
 
 
 class _Lines:
-    """The lines of a file, the number of the next, and the words of the last numbers."""
+    """The lines of a file, the index of the next one, and the words of the numbers read last."""
 
     def __init__(self, path: Path) -> None:
         text = source_bytes(path).decode("utf-8-sig", errors="replace")
@@ -52,7 +52,7 @@ class _Lines:
         return SourceFault(Code.FOREIGN_CONTENT, said, self.source, span)
 
     def fault_of(self, what: str) -> Fault:
-        """Faults of something that the line read last is about."""
+        """A function that makes faults about ``what`` at the line read last."""
         return lambda said: self.fault(f"{what}: {said}")
 
     def line(self, due: str) -> str:
@@ -65,7 +65,7 @@ class _Lines:
         return self.rows[self.at].strip() if self.at < len(self.rows) else ""
 
     def numbers(self, count: int, due: str) -> list[float]:
-        """So many numbers, which may stand in several lines."""
+        """Read ``count`` finite numbers, which may be on several lines."""
         found = list[float]()
         self.words = []
         while len(found) < count:
@@ -98,7 +98,7 @@ def moveit_scene(path: Path) -> Scene:
     """The objects of a ``.scene`` file.
 
     Raises:
-        SourceFault: it is no such file or was cut off, with the line.
+        SourceFault: the file is not a scene or was cut off; the fault names the line.
     """
     lines = _Lines(path)
     scene = Scene(lines.line("the name of the scene") or path.stem)
@@ -145,7 +145,7 @@ def _object(lines: _Lines, scene: Scene, name: str, *, own_pose: bool) -> None:
 
 
 def _shape(lines: _Lines, kind: str, what: str) -> tuple[Shape, str] | list[float]:
-    """A shape and what is to be said of it, or the a, b, c, d of a plane ax + by + cz + d = 0."""
+    """A shape and a note on it, or the a, b, c, d of a plane ax + by + cz + d = 0."""
     fault = lines.fault_of(what)
     if kind == "box":
         x, y, z = lines.numbers(3, f"the edges of {what}")

@@ -1,4 +1,4 @@
-"""Polygons of the plane as triangles."""
+"""Triangulate polygons in the plane."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from srgc.imports.scenes.scene import Fault
 
 
 def triangulated(points: Sequence[Sequence[float]], fault: Fault) -> tuple[Floats, Ints]:
-    """The corners (n, 2) of a simple polygon, and triangles (m, 3) that are it.
+    """The corners (n, 2) of a simple polygon, and a triangulation of it (m, 3).
 
     Raises:
-        SourceFault: it has fewer than three corners or no area.
+        SourceFault: the polygon has fewer than three corners, or no area.
     """
     from manifold3d import triangulate
 

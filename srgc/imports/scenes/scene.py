@@ -1,4 +1,4 @@
-"""A scene of shapes in space, whatever file it was read from."""
+"""Scenes of shapes in space, independent of the file format."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from srgc.imports.meshes.mesh import Floats, Mesh
 from srgc.imports.source_fault import SourceFault
 
 Fault: TypeAlias = Callable[[str], SourceFault]
-"""What makes a fault at some place of a file of what is said."""
+"""A function that makes a fault with a message, at a certain place in a file."""
 ALIGNED = 1e-6
-"""A turn that differs by less from one by right angles is that one: it was written as decimals."""
+"""Rotations this close to one by right angles are rounded to it, since files have decimals."""
 
 ORIGIN: Point = (Fraction(0), Fraction(0), Fraction(0))
 
 
 @dataclass(frozen=True, slots=True)
 class BoxShape:
-    """A box about its middle; the edges are in metres."""
+    """A box about its centre, with edges in metres."""
 
     size: tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class BallShape:
-    """A ball; its radius is in metres."""
+    """A ball about its centre, with a radius in metres."""
 
     radius: float
 
 
 @dataclass(frozen=True, slots=True)
 class RodShape:
-    """A ``cylinder`` or ``capsule`` about its middle along z; its length is without the caps."""
+    """A ``cylinder`` or ``capsule`` along z about its centre; the length excludes the caps."""
 
     kind: str
     radius: float
@@ -47,14 +47,14 @@ class RodShape:
 
 @dataclass(frozen=True, slots=True)
 class PointsShape:
-    """The hull of points (n, 3) in metres."""
+    """The convex hull of points (n, 3) in metres."""
 
     points: Floats
 
 
 @dataclass(frozen=True, slots=True)
 class MeshShape:
-    """A mesh, and where it was read."""
+    """A mesh, and the name of its file."""
 
     mesh: Mesh
     source: str
@@ -65,10 +65,10 @@ Shape: TypeAlias = BoxShape | BallShape | RodShape | PointsShape | MeshShape
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A turn (3, 3), then a shift (3,) in metres.
+    """A rotation (3, 3), followed by a translation (3,) in metres.
 
-    ``exact`` is the shift in rationals, where that is known: not after other turns than by right
-    angles.
+    ``exact`` is the translation in rationals if it is known; after rotations other than by right
+    angles it is not.
     """
 
     turn: Floats = field(default_factory=lambda: np.eye(3))
@@ -76,24 +76,24 @@ class Pose:
     exact: Point | None = None
 
     def rationals(self) -> Point | None:
-        """The shift in rationals, where that is known."""
+        """The translation in rationals, or None if it is not known."""
         return self.exact if self.exact is not None or self.shift.any() else ORIGIN
 
     def then(self, inner: Pose) -> Pose:
-        """The pose in the world of what has the pose ``inner`` in this one."""
+        """The composition with ``inner``: the world pose of an object placed in this pose."""
         exact = _sum(self.rationals(), self._turned(inner.rationals()))
         shift = self.turn @ inner.shift + self.shift
         return Pose(_aligned(self.turn @ inner.turn), shift, exact)
 
     def inverse(self) -> Pose:
-        """The pose of the world in this one."""
+        """The inverse pose."""
         turned = Pose(_aligned(self.turn.T))
         exact = turned._turned(self.rationals())
         back = None if exact is None else (-exact[0], -exact[1], -exact[2])
         return Pose(turned.turn, -self.turn.T @ self.shift, back)
 
     def _turned(self, shift: Point | None) -> Point | None:
-        """A shift of what is turned by this pose."""
+        """A translation rotated by this pose."""
         if shift is None or not any(shift):
             return shift
         if not self.along_axes():
@@ -105,25 +105,25 @@ class Pose:
         return x, y, z
 
     def of_mesh(self, mesh: Mesh) -> Mesh:
-        """A mesh of this pose in the world; its places are exact after turns by right angles."""
+        """A mesh moved by this pose; its coordinates stay exact after rotations by right angles."""
         exact = self.rationals()
         if exact is None or not self.along_axes():
             return replace(mesh, vertices=self.of(mesh.vertices), places=None)
         return mesh.moved(mesh.exact().placed(self.turn, exact))
 
     def of(self, points: Floats) -> Floats:
-        """Points (n, 3) of this pose in the world."""
+        """Points (n, 3) moved by this pose."""
         found: Floats = points @ self.turn.T + self.shift
         return found
 
     def along_axes(self) -> bool:
-        """Whether the turn is by right angles."""
+        """Whether the rotation is by right angles."""
         return bool(((self.turn == 0) | (np.abs(self.turn) == 1)).all())
 
 
 @dataclass(frozen=True, slots=True)
 class SceneObject:
-    """A shape at a place; ``note`` says what of it was changed."""
+    """A shape with a pose; ``note`` says what was changed."""
 
     name: str
     shape: Shape
@@ -133,10 +133,10 @@ class SceneObject:
 
 @dataclass(slots=True)
 class Scene:
-    """Objects, and what of the file could not be carried over.
+    """The objects of a file; ``dropped`` says what could not be carried over.
 
-    ``ground`` is the height of a horizontal plane below everything (m), and ``notes`` are what may
-    be meant otherwise.
+    ``ground`` is the height of the highest horizontal plane that is a floor (m), and ``notes`` are
+    remarks on what may be meant differently.
     """
 
     name: str
@@ -146,7 +146,7 @@ class Scene:
     notes: list[str] = field(default_factory=list)
 
     def plane(self, name: str, normal: Floats, through: Floats) -> None:
-        """Take note of a plane without bounds, which is no obstacle; facing up it is a floor."""
+        """Record an unbounded plane, which cannot be an obstacle; if it faces up it is a floor."""
         if normal[2] > 0 and np.abs(normal[:2]).max() <= ALIGNED * normal[2]:
             height = float(through[2])
             self.ground = height if self.ground is None else max(height, self.ground)
@@ -171,12 +171,12 @@ def _aligned(turn: Floats) -> Floats:
 def quaternion_pose(
     shift: Sequence[float], turn: Sequence[float], fault: Fault, words: Sequence[str] | None = None
 ) -> Pose:
-    """The pose of a place and a quaternion (x, y, z, w), which need not be a unit one.
+    """The pose of a position and a quaternion (x, y, z, w), which need not be of unit length.
 
-    ``words`` are the numbers of the place as the file has them.
+    ``words`` are the numbers of the position as written in the file.
 
     Raises:
-        SourceFault: a number is not finite, or the quaternion is zero.
+        SourceFault: a number is not finite or too long, or the quaternion is zero.
     """
     size = math.hypot(*turn)
     if not all(map(math.isfinite, (*shift, size))) or size < 1e-9:
@@ -193,7 +193,7 @@ def quaternion_pose(
 
 
 def _exact(shift: Sequence[float], words: Sequence[str] | None, fault: Fault) -> Point:
-    """A place as the rationals that its words are, or those of doubles.
+    """A position in rationals: of its words if given, otherwise of its doubles.
 
     Raises:
         SourceFault: a number is too long.
@@ -211,12 +211,12 @@ def angle_pose(
     fault: Fault,
     words: Sequence[str] | None = None,
 ) -> Pose:
-    """The pose of a place and of turns about the fixed axes x, y, z in this order, in radians.
+    """The pose of a position and rotations about the fixed axes x, y, z in this order (rad).
 
-    ``words`` are the numbers of the place as the file has them.
+    ``words`` are the numbers of the position as written in the file.
 
     Raises:
-        SourceFault: a number is not finite.
+        SourceFault: a number is not finite or too long.
     """
     if not all(map(math.isfinite, (*shift, *angles))):
         raise fault("its pose has a number that is not finite")
@@ -232,10 +232,10 @@ def angle_pose(
 
 
 def positive(values: Sequence[float], fault: Fault) -> None:
-    """Refuse sizes that are none.
+    """Reject invalid sizes.
 
     Raises:
-        SourceFault: one is not finite or not positive.
+        SourceFault: a size is not finite or not positive.
     """
     if not all(math.isfinite(value) and value > 0 for value in values):
         shown = ", ".join(f"{value:g}" for value in values)
@@ -243,7 +243,7 @@ def positive(values: Sequence[float], fault: Fault) -> None:
 
 
 def cone_points(radius: float, length: float) -> Floats:
-    """Points whose hull holds a cone about its middle, the tip up: its base is a 16-gon."""
+    """Points whose hull contains a cone about its centre, with the tip up; the base is a 16-gon."""
     angles = 2 * np.pi * np.arange(16) / 16
     wide = radius / math.cos(np.pi / 16)
     base = [wide * np.cos(angles), wide * np.sin(angles), np.full(16, -length / 2)]
@@ -251,7 +251,7 @@ def cone_points(radius: float, length: float) -> Floats:
 
 
 def ellipsoid_points(radii: Sequence[float]) -> Floats:
-    """Points whose hull holds an ellipsoid."""
+    """Points whose hull contains an ellipsoid."""
     from trimesh.creation import icosphere
 
     ball = icosphere(subdivisions=2)

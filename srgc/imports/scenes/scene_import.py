@@ -1,4 +1,4 @@
-"""Scenes of files, by the ends of their names."""
+"""Import scenes from files; the extension gives the format."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from srgc.paths import refuse_impossible
 LENGTHS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 FARTHEST = 1e6
 WITHOUT_UNIT, HUGE = (".stl", ".obj"), 50.0
-"""A file that says no unit and is larger, in metres, may be one in millimetres."""
+"""A file without a unit that would be larger than this, in metres, may be in millimetres."""
 SCENE, WORLDS = ".scene", (".sdf", ".world")
 _PLACE = re.compile(r"\(?([^(),]+),([^(),]+),([^(),]+?)\)?\s*(mm|cm|m)?")
 
@@ -43,20 +43,18 @@ def scene_import(
     """A workspace with the obstacles of a scene.
 
     Args:
-        path: by the end of its name a mesh, a MoveIt scene, or an SDF world; see
-            :func:`read_scene`.
-        name: that of the workspace, instead of that of the scene.
+        path: a mesh, a MoveIt scene, or an SDF world, by its extension; see :func:`read_scene`.
+        name: the name of the workspace, instead of that of the scene.
         unit: see :func:`read_scene`.
         at: see :func:`read_scene`.
-        packages: each ``NAME=DIR``: where ``package://NAME`` and ``model://NAME`` lead.
-        pieces: at most so many convex pieces of each mesh.
-        detail: what pieces may add to the volume of a mesh, as a share.
-        stem: how the spec is called, without its end, after which the folder of meshes is; the
-            scene if None.
+        packages: the folders for ``package://NAME`` and ``model://NAME``, each ``NAME=DIR``.
+        pieces: the most convex pieces of each mesh.
+        detail: the share of the volume of a mesh that its pieces may add.
+        stem: the name of the spec without its extension, from which the folder of meshes is named;
+            if None, the name of the scene.
 
     Raises:
-        UsageFault: it is no such file, has nothing that collides, or something of it cannot be
-            read.
+        UsageFault: the file is of another kind, has no obstacles, or cannot be read.
     """
     refuse_impossible(path)
     scene = read_scene(path, unit=unit, at=at, packages=packages)
@@ -67,17 +65,17 @@ def scene_import(
 def read_scene(
     path: Path, *, unit: str | None = None, at: str | None = None, packages: Sequence[str] = ()
 ) -> Scene:
-    """The scene of a mesh, of MoveIt or of SDF.
+    """Read a scene from a mesh, a MoveIt scene or an SDF world.
 
     Args:
-        path: by the end of its name STL, OBJ, COLLADA, binary glTF, ``.scene``, ``.sdf`` or
-            ``.world``.
-        unit: one of :data:`LENGTHS`: that of an STL or OBJ file, or instead of that of the others.
-        at: where the origin of the file is in the world, such as ``(0.5, 0, 0) m``.
+        path: a file in STL, OBJ, COLLADA or binary glTF, or ``.scene``, ``.sdf`` or ``.world``.
+        unit: one of :data:`LENGTHS`: the unit of an STL or OBJ file, or a replacement for the unit
+            that another mesh states.
+        at: the position of the file's origin in the world, such as ``(0.5, 0, 0) m``.
         packages: each ``NAME=DIR``.
 
     Raises:
-        UsageFault: it is no such file, or something of it cannot be read.
+        UsageFault: the file is of another kind, or cannot be read.
     """
     suffix = path.suffix.lower()
     place = Pose() if at is None else _place(at)
@@ -114,10 +112,10 @@ def _of_mesh(path: Path, unit: float | None) -> Scene:
 
 
 def _place(text: str) -> Pose:
-    """The pose of a place.
+    """Parse a position into a pose.
 
     Raises:
-        UsageFault: it is none.
+        UsageFault: the text is not a position.
     """
     found = _PLACE.fullmatch(text.strip())
     try:

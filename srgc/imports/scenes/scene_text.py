@@ -1,4 +1,4 @@
-"""A scene as the text of a workspace, as a person would have written it."""
+"""Write a scene as the text of a workspace, as a person would."""
 
 from __future__ import annotations
 
@@ -37,22 +37,22 @@ if TYPE_CHECKING:
     from srgc.imports.meshes.mesh import Floats
 
 UNITS = {"m": 0, "cm": 2, "mm": 3}
-"""The units of texts, and the power of ten that a metre is of them."""
+"""The units of length, each with the power of ten that a metre is in it."""
 DIGITS, FINER, SMALL = 6, 9, 1e-3
-"""Places are rounded to 10^-6 m, and to 10^-9 m where an object is smaller than a millimetre."""
+"""Coordinates are rounded to 10^-6 m, or to 10^-9 m if an object is smaller than a millimetre."""
 EXACT = 20_000
-"""A turned box is rounded to so many parts of its least edge."""
+"""A rotated box is rounded to its shortest edge divided by this."""
 FEW = 8
-"""A mesh that is one piece of so many corners is written out."""
+"""A mesh that is one piece with at most this many corners is written into the spec."""
 MARGIN = 0.25
-"""So much of the size of the scene is free about it."""
+"""The free margin around the scene, as a share of its size."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What is asked for: of pieces as of :func:`decomposed`, and names.
+    """Options of an import: for pieces see :func:`decomposed`.
 
-    ``name`` is that of the workspace, and ``stem`` that of the spec without its end.
+    ``name`` is the name of the workspace, and ``stem`` the name of the spec without its extension.
     """
 
     detail: float = DETAIL
@@ -62,10 +62,10 @@ class Wanted:
 
 
 def scene_spec(scene: Scene, source: str, wanted: Wanted) -> Imported:
-    """The workspace of a scene that was read from ``source``, with the files of its meshes.
+    """A workspace for a scene that was read from ``source``, with the files of its meshes.
 
     Raises:
-        SourceFault: there is nothing in it.
+        SourceFault: the scene has no obstacles.
     """
     if not scene.objects:
         hint = "; ".join(scene.dropped[:20]) or None
@@ -108,7 +108,7 @@ class _Writer:
         self.lower, self.upper = np.full(3, np.inf), np.full(3, -np.inf)
 
     def add(self, item: SceneObject) -> None:
-        """Write an object as one obstacle."""
+        """Write an object as obstacles."""
         name = self.names.name(item.name, "obstacle")
         if not (isinstance(item.shape, MeshShape) or item.note or _told(item.name, name)):
             self.lines.append(f"  {comment_lines([f'`{item.name}` in the file.'])}")
@@ -190,7 +190,7 @@ class _Writer:
         self.lines.append(f"  obstacle {name} {shape};")
 
     def _grid(self, places: Sequence[Floats], digits: int) -> list[tuple[int, int, int]]:
-        """Places in steps of 10^-``digits`` m."""
+        """Round points to steps of 10^-``digits`` m, and record whether that changed them."""
         found = list[tuple[int, int, int]]()
         for place in places:
             x, y, z = (round(float(value) * 10**digits) for value in place)
@@ -205,7 +205,7 @@ class _Writer:
         self.lower, self.upper = np.minimum(self.lower, lower), np.maximum(self.upper, upper)
 
     def bounds(self, ground: float | None) -> list[str]:
-        """A box about everything and the origin, with a margin, of round numbers."""
+        """A box with round numbers around all obstacles and the origin, with a margin."""
         lower, upper = np.minimum(self.lower, 0.0), np.maximum(self.upper, 0.0)
         size = float((upper - lower).max())
         step = 10.0 ** math.floor(math.log10(size)) / 2
@@ -224,18 +224,18 @@ class _Writer:
 
 
 def _told(source: str, name: str) -> bool:
-    """Whether a name shows what it was in the file: other characters alone became ``_``."""
+    """Whether a name shows what it was in the file: only other characters became ``_``."""
     plain = re.sub(r"[^A-Za-z0-9_]+", "_", source).strip("_")
     return source.isascii() and plain == name.removeprefix("_")
 
 
 def _line(text: str) -> str:
-    """A text of others as a part of a line."""
+    """A text from a file without characters that would break a line."""
     return "".join(each if each.isprintable() else " " for each in text)
 
 
 def described(found: Pieces) -> str:
-    """What pieces add to a mesh, in words."""
+    """Describe in words what the pieces add to a mesh."""
     number = len(found.pieces)
     said = [
         f"{number} convex piece{'' if number == 1 else 's'}",
@@ -248,7 +248,7 @@ def described(found: Pieces) -> str:
 
 
 def _unit(size: float) -> str:
-    """The unit in which a length of that size is a usual number."""
+    """The unit that gives a length of this size a convenient number."""
     return "m" if size >= 1 else "cm" if size >= 0.1 else "mm"
 
 

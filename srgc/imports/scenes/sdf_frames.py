@@ -1,6 +1,6 @@
-"""Where the frames of SDF are: models, links, joints and frames, by their names.
+"""Resolve the poses of SDF frames: models, links, joints and frames, by their names.
 
-Source: the SDFormat specification 1.11, *Pose frame semantics*.  A name counts within its model;
+Source: the SDFormat specification 1.11, *Pose frame semantics*.  A name is valid within its model;
 `A::b` is `b` in the model `A`.
 """
 
@@ -16,15 +16,15 @@ from srgc.imports.source_fault import SourceFault
 from srgc.imports.xml_source import Element, XmlFile
 
 LONGEST = 100
-"""So many poses may be relative one to the next."""
+"""The longest chain of poses that are relative to one another."""
 
 
 @dataclass(slots=True, eq=False)
 class Scope:
-    """A world, a model or the root of a file: what poses in it may name, and where that is.
+    """A world, a model or the root of a file, with the frames that poses in it can name.
 
-    ``include`` is the element by which a model was included; ``missing`` says which includes were
-    not found; ``begun`` is what is being placed, of all scopes.
+    ``include`` is the element that included a model; ``missing`` lists includes that were not
+    found.  ``begun`` lists the poses being resolved, and is shared by all scopes.
     """
 
     element: Element
@@ -46,38 +46,38 @@ class Scope:
 
     @property
     def whole(self) -> str:
-        """The names of the models that this one is in, and its own."""
+        """The names of the enclosing models and its own, joined."""
         outer = "" if self.parent is None else self.parent.whole
         return "_".join(filter(None, (outer, self.name)))
 
     @property
     def merged(self) -> bool:
-        """Whether what is in it counts as a part of the model that includes it."""
+        """Whether its contents count as part of the model that includes it."""
         return self.include is not None and is_true(self.include.get("merge"))
 
     def in_world(self) -> Pose:
         """The pose of the origin in the world.
 
         Raises:
-            SourceFault: a pose names a frame that is not there, or depends on itself.
+            SourceFault: a pose names an unknown frame, or depends on itself.
         """
         return Pose() if self.parent is None else self.parent.in_world().then(self.place())
 
     def place(self) -> Pose:
-        """The pose of the origin in the scope about it; a pose may place another frame of it.
+        """The pose of the origin in the enclosing scope; the file may place another frame instead.
 
         Raises:
-            SourceFault: as of :meth:`in_world`.
+            SourceFault: see :meth:`in_world`.
         """
         if self._place is None:
             self._place = Pose() if self.parent is None else self._placed_in(self.parent)
         return self._place
 
     def of(self, name: str) -> Pose | None:
-        """The pose in this scope of a frame that it names; None where it names none so.
+        """The pose in this scope of a named frame; None if there is no frame of this name.
 
         Raises:
-            SourceFault: as of :meth:`in_world`.
+            SourceFault: see :meth:`in_world`.
         """
         if name in {"", "__model__"}:
             return Pose()
@@ -89,10 +89,10 @@ class Scope:
         return self._within(name) if found is None else self.placed(found)
 
     def placed(self, element: Element) -> Pose:
-        """The pose in this scope of a link, joint or frame of it.
+        """The pose in this scope of one of its links, joints or frames.
 
         Raises:
-            SourceFault: as of :meth:`in_world`.
+            SourceFault: see :meth:`in_world`.
         """
         if element not in self._poses:
             self._begin(element, self.file, element.get("name", ""))
@@ -101,10 +101,10 @@ class Scope:
         return self._poses[element]
 
     def inside(self, element: Element, base: Pose) -> Pose:
-        """The pose in this scope of a part of a link that has the pose ``base`` in it.
+        """The pose in this scope of a part of a link whose pose is ``base``.
 
         Raises:
-            SourceFault: as of :meth:`in_world`.
+            SourceFault: see :meth:`in_world`.
         """
         pose = element.find("pose")
         if pose is None:
@@ -153,7 +153,7 @@ class Scope:
         return "; ".join(self.missing[:3]) or None
 
     def _known(self) -> dict[str, Element | Scope]:
-        """Links before models, frames and joints of the same name."""
+        """The parts by name; links take precedence over models, these over frames, then joints."""
         if self._named is None:
             self._named = {}
             for tag in ("joint", "frame"):
@@ -163,7 +163,7 @@ class Scope:
         return self._named
 
     def _within(self, name: str) -> Pose | None:
-        """The pose of a frame of a model in this one, or of a model that is merged into it."""
+        """The pose of a frame in a model nested in this one or merged into it."""
         model, _, rest = name.partition("::")
         child = self._known().get(model)
         tried = [(child, rest)] if isinstance(child, Scope) and rest else []
@@ -175,10 +175,10 @@ class Scope:
         return None
 
     def _begin(self, element: Element, file: XmlFile, name: str) -> None:
-        """Take note that a pose is looked for, so that it does not depend on itself.
+        """Record that a pose is being resolved, to detect one that depends on itself.
 
         Raises:
-            SourceFault: it does, or depends on very many others.
+            SourceFault: it does, or it depends on too many others.
         """
         before = [each for each, _ in self.begun]
         if element in before:
@@ -191,7 +191,7 @@ class Scope:
 
 
 def is_true(text: str | None) -> bool:
-    """Whether a text of SDF stands for true."""
+    """Whether a text means true in SDF."""
     return (text or "").strip().lower() in {"true", "1"}
 
 
@@ -200,7 +200,7 @@ def _relative(pose: Element) -> str:
 
 
 def _default(element: Element, file: XmlFile) -> str:
-    """What a pose is relative to that does not say it.
+    """The frame that a pose without ``relative_to`` is relative to.
 
     Raises:
         SourceFault: a joint has no child.

@@ -1,4 +1,4 @@
-"""The geometries of SDF as shapes."""
+"""Read geometries of SDF as shapes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from srgc.imports.xml_source import Element, XmlFile
 
 
 class Geometries:
-    """Reads geometries; meshes are below the folder of the file, or in packages that were named."""
+    """Reads geometries; meshes are below the folder of the file, or in the given packages."""
 
     def __init__(self, scene: Scene, files: SourceFiles) -> None:
         self.scene, self.files, self.folder = scene, files, files.folder
@@ -41,7 +41,7 @@ class Geometries:
     def of(
         self, geometry: Element | None, name: str, pose: Pose, file: XmlFile
     ) -> Iterator[tuple[Shape, Pose, str]]:
-        """The shapes of a geometry of ``file``, where they are in it, and what is to be said.
+        """The shapes of a geometry of ``file``, their poses in it, and notes on what changed.
 
         Raises:
             SourceFault: a number is missing or not positive, or a mesh cannot be read.
@@ -101,7 +101,7 @@ class Geometries:
 
 
 def _to_middle(mesh: Mesh) -> list[Fraction]:
-    """The shift that brings the middle of the box about a mesh, its centre in Gazebo, to 0."""
+    """The translation that moves the centre of a mesh's bounding box, as Gazebo has it, to 0."""
     places, found = mesh.exact(), list[Fraction]()
     for axis, column in enumerate(mesh.vertices.T):
         low, high = (places.of(int(i))[axis] for i in (column.argmin(), column.argmax()))
@@ -131,7 +131,7 @@ def _simple(element: Element, fault: Fault) -> tuple[Shape, str] | None:
 
 
 def _polyline(element: Element, fault: Fault) -> Shape:
-    """A polygon that is extruded upwards from its plane."""
+    """A polygon extruded upwards from its plane."""
     from trimesh.creation import extrude_triangulation
 
     from srgc.imports.scenes.polygons import triangulated

@@ -1,7 +1,7 @@
-"""Worlds and models of SDF (Gazebo): links, collisions, nested models and includes.
+"""Read worlds and models of SDF (Gazebo): links, collisions, nested models and includes.
 
-Source: the SDFormat specification 1.11 (sdformat.org/spec).  What collides is carried over; what
-has no bounds or no shape is listed.
+Source: the SDFormat specification 1.11 (sdformat.org/spec).  Collision geometry is carried over;
+anything unbounded or without a shape is listed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ PASSED = frozenset(
     {"pose", "static", "link", "model", "include", "frame", "name", "self_collide", "enable_wind"}
     | {"kinematic", "allow_auto_disable", "uri"}
 )
-"""Elements of a model that are carried over, or say nothing about where it is."""
+"""Elements of a model that are carried over, or do not affect where it is."""
 MOST_INCLUDES, DEEPEST = 1000, 20
 
 
@@ -30,7 +30,7 @@ class _Reader:
         self.includes = 0
 
     def world(self, world: Element) -> None:
-        """Take note of what of a world is no model."""
+        """Record the parts of a world that are not models."""
         shapeless = dict[str, int]()
         for element in world:
             tag = _tag(element)
@@ -44,7 +44,7 @@ class _Reader:
             self.scene.dropped.append(f"of the world: {', '.join(shapeless)}")
 
     def find_models(self, scope: Scope, depth: int = 0) -> None:
-        """The models and includes of a world or model, before poses name what is in them."""
+        """Find the models and includes of a world or model, before poses refer to them."""
         if depth > DEEPEST:
             raise scope.file.fault(scope.element, f"models are nested more than {DEEPEST} deep")
         for model in scope.element.findall("model"):
@@ -58,7 +58,7 @@ class _Reader:
             self.find_models(child, depth + 1)
 
     def included(self, include: Element, outer: Scope) -> Scope | None:
-        """The model that is included, or None and a note."""
+        """The included model; None with a note if it is not found."""
         uri = (include.findtext("uri") or "").strip()
         self.includes += 1
         if self.includes > MOST_INCLUDES:
@@ -80,7 +80,7 @@ class _Reader:
         return Scope(model, file, path.parent, name, outer, include)
 
     def model(self, model: Scope) -> None:
-        """The links of a model, and the models in it."""
+        """Read the links of a model, and its nested models."""
         self.listed(model)
         links = model.element.findall("link")
         for link in links:
@@ -90,7 +90,7 @@ class _Reader:
             self.model(child)
 
     def listed(self, model: Scope) -> None:
-        """What of a model is not carried over."""
+        """Record the parts of a model that are not carried over."""
         whole = model.whole
         outermost = model.parent is not None and model.parent.parent is None
         static = is_true(model.element.findtext("static"))
@@ -126,11 +126,11 @@ def _tag(element: Element) -> str:
 
 
 def sdf_scene(files: SourceFiles) -> Scene:
-    """What collides in the first world of a file, or in its models.
+    """The collision geometry of the first world in a file, or of its models.
 
     Raises:
-        SourceFault: it is not an SDF file, a number or a mesh of it cannot be read, or a pose is
-            relative to what is not there or to itself.
+        SourceFault: the file is not SDF, a number or a mesh in it cannot be read, or a pose is
+            relative to an unknown frame or to itself.
     """
     file = xml_file(files.main_bytes(), files.main)
     root = file.root

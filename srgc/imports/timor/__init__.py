@@ -1,1 +1,1 @@
-"""Module sets of Timor, a toolbox for modular robots (Külz, Mayer, Althoff, 2023)."""
+"""Import module sets of Timor, a toolbox for modular robots (Külz, Mayer, Althoff, 2023)."""

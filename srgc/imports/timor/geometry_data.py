@@ -1,4 +1,4 @@
-"""Geometry as Timor and CoBRA describe it: what a body or an obstacle fills."""
+"""Read geometry in the format of Timor and CoBRA: the shapes of bodies and obstacles."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ IDENTITY = np.eye(4).tolist()
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """A shape at a pose.
+    """A shape with a pose.
 
-    ``size`` in m: the edges of a box, (radius, length) of a cylinder, (radius,) of a sphere, the
-    scale along x, y and z of a mesh.  Boxes, cylinders (about z) and spheres are centred.
+    ``size`` is in m: the edges of a box, (radius, length) of a cylinder, (radius,) of a sphere; for
+    a mesh it is the scale along x, y and z.  Boxes, cylinders (along z) and spheres are centred.
     """
 
     kind: GeometryKind
@@ -32,12 +32,12 @@ class Geometry:
 
 
 def read_geometries(place: Place, depth: int = 0) -> list[Geometry]:
-    """The shapes of a list, or of one shape that stands without a list; ``empty`` is none.
+    """The shapes of a list, or of a single shape outside a list; ``empty`` gives none.
 
-    ``depth`` is how many composed shapes it is in.
+    ``depth`` is the number of composed shapes around it.
 
     Raises:
-        UsageFault: one is no geometry of CoBRA's schema.
+        UsageFault: one of them is not a geometry of CoBRA's schema.
     """
     found = list[Geometry]()
     for entry in place.one_or_more():
@@ -77,7 +77,7 @@ def _read(kind: GeometryKind, place: Place) -> Geometry:
 
 
 def _length(parameters: Place, names: Sequence[str]) -> float:
-    """A length above zero, which one of the names has."""
+    """A positive length under one of the names."""
     name = next((each for each in names if each in parameters), names[0])
     value = parameters[name].number()
     if value <= 0:
@@ -86,7 +86,7 @@ def _length(parameters: Place, names: Sequence[str]) -> float:
 
 
 def _scale(place: Place) -> tuple[float, ...]:
-    """The scale of a mesh along x, y and z, of one number or three."""
+    """The scale of a mesh along x, y and z, given as one number or three."""
     if isinstance(place.value, list) and len(place.value) == 3:
         found = place.numbers(3)
     else:

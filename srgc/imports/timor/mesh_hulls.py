@@ -1,4 +1,4 @@
-"""Meshes that a JSON file names: pieces of VRML as they are, others as bodies of URDF have them."""
+"""Meshes that a JSON file names: pieces of VRML are kept, others decomposed as for URDF."""
 
 from __future__ import annotations
 
@@ -17,17 +17,18 @@ from srgc.imports.timor.vrml_file import vrml_pieces
 
 
 class MeshHulls:
-    """Makes hulls of meshes; ``meshes`` has the files that they name."""
+    """Makes hulls from meshes; ``meshes`` reads and writes their files."""
 
     def __init__(self, meshes: BodyMeshes) -> None:
         self.meshes = meshes
         self._pieces = dict[tuple[str, tuple[float, ...]], list[str]]()
 
     def shapes(self, geometry: Geometry, body: str) -> Iterator[Shape]:
-        """The hulls of a mesh that is fixed to the frame ``body``.
+        """The hulls of a mesh fixed to the frame ``body``.
 
         Raises:
-            SourceFault: the file is not below the folder of the set, or is no mesh that is known.
+            SourceFault: the file is not below the folder of the set, or is not a known kind of
+                mesh.
         """
         place = Placement(body, steps_of(geometry.pose))
         if geometry.file.lower().endswith(".wrl"):
@@ -36,14 +37,14 @@ class MeshHulls:
             yield from self.meshes.hulls(geometry.place.path, geometry.file, geometry.size, place)
 
     def visuals(self, geometry: Geometry, body: str) -> Iterator[Shape]:
-        """A mesh for pictures alone; nothing for other shapes."""
+        """A mesh for pictures; nothing for other shapes."""
         if geometry.kind != "mesh":
             return
         place = Placement(body, steps_of(geometry.pose))
         yield from self.meshes.visual(geometry.place.path, geometry.file, geometry.size, place)
 
     def _vrml(self, geometry: Geometry, place: Placement) -> Iterator[Shape]:
-        """A hull for each shape of a VRML file, which is one point set each."""
+        """A hull for each shape of a VRML file, each of which is a set of points."""
         key = (geometry.file, geometry.size)
         if key not in self._pieces:
             stem = legible(posixpath.basename(geometry.file).split(".")[0], "mesh")
@@ -60,9 +61,9 @@ class MeshHulls:
 
 
 def _points_file(points: np.ndarray, scale: Sequence[float]) -> bytes:
-    """An OBJ file of points, whose hull is the piece; three of them make its only triangle.
+    """An OBJ file of points whose hull is the piece; its only triangle joins the first three.
 
-    Their decimals are those of the file, times the scale.
+    The coordinates are the decimals of the file, times the scale.
     """
     factors = [Decimal(repr(each)) for each in scale]
     lines = [

@@ -1,8 +1,9 @@
-"""A module of a set, mounted at one of its connectors, as the language has it.
+"""Convert a module of a set, mounted at one of its connectors, to a module of the language.
 
 A connector's z axis points away from its module, and two connectors that meet differ by a half turn
-about x.  So the frame of an output is that of its connector, where the next module stands; and the
-frame ``in`` of that module is its own connector turned by 180 degrees about x: z points into it.
+about x.  So the frame of an output is the frame of its connector, where the next module stands, and
+the frame ``in`` of that module is its own connector rotated by 180 degrees about x, so that z
+points into it.
 """
 
 from __future__ import annotations
@@ -46,24 +47,24 @@ from srgc.imports.timor.set_data import (
 )
 
 HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0])
-"""What brings a connector onto the one that it meets: half a turn about x."""
+"""Rotates a connector onto the one that it meets: a half turn about x."""
 NOTHING = 1e-12
-"""A displacement whose entries are off by less is none."""
+"""Displacements with entries of at most this size are ignored."""
 FAR_ANGLE, FAR_LENGTH = 1000.0, 1000.0
-"""Stands for a limit that is infinite where the other one is not, in rad and m."""
+"""Replaces an infinite limit if the other limit is finite, in rad and m."""
 _TAKEN = ("in", "u", "rate", "pi", "rot", "move", "sin", "cos", "tan", "sqrt", "abs")
 
 
 @dataclass(frozen=True, slots=True)
 class Mounting:
-    """A module, and the connector with which it stands on others."""
+    """A module, and the connector by which it stands on others."""
 
     module: ModuleData
     entry: Connector
 
     @property
     def outputs(self) -> list[Connector]:
-        """Where other modules may stand on it."""
+        """The connectors on which other modules may stand."""
         return [
             connector
             for connector in self.module.connectors
@@ -72,19 +73,19 @@ class Mounting:
 
     @property
     def effectors(self) -> list[Connector]:
-        """Where it works."""
+        """The connectors that are effectors."""
         return [each for each in self.module.connectors if each.type == EFFECTOR]
 
 
 def mounted_module(
     mounting: Mounting, name: str, types: PortTypes, meshes: MeshHulls, remarks: list[str]
 ) -> Module:
-    """The module of the language; what cannot be said is added to ``remarks``."""
+    """The module in the language; adds to ``remarks`` what the language cannot express."""
     return _Mounted(mounting, name, types, meshes, remarks).module()
 
 
 def output_names(mounting: Mounting) -> dict[str, str]:
-    """The names of ports by the IDs of the connectors that are outputs."""
+    """Maps the IDs of connectors that are outputs to the names of their ports."""
     outputs, names = mounting.outputs, Names(_TAKEN)
     if len(outputs) == 1:
         return {outputs[0].id: "out"}
@@ -146,7 +147,7 @@ class _Mounted:
         return "effector" if self.mounting.effectors and not self.mounting.outputs else "link"
 
     def _comment(self, ports: Mapping[str, str]) -> str:
-        """What it is called in the set, and which connector is which port."""
+        """A comment with the module's name in the set, and the connector of each port."""
         data = self.mounting.module
         called = data.id if data.name == data.id else f"{data.name} (ID {data.id})"
         met = [f"in is its connector {self.mounting.entry.id}"]
@@ -157,7 +158,7 @@ class _Mounted:
     # --- Frames -----------------------------------------------------------------------------------
 
     def _walk(self, names: Names) -> None:
-        """Frames of the bodies, from the one with the entry on, joint by joint."""
+        """Add frames of the bodies, joint by joint from the body with the entry."""
         data, entry = self.mounting.module, self.mounting.entry
         places = {joint.id: (joint, where) for joint, where in _placed_joints(data)}
         needed = self._needed()
@@ -175,7 +176,7 @@ class _Mounted:
                 waiting.append(other)
 
     def _needed(self) -> set[str]:
-        """Bodies that have something, or lead to one that has."""
+        """The bodies that are not empty, or that lead to one that is not."""
         data, entry = self.mounting.module, self.mounting.entry
         needed = {body.id for body in data.bodies if _has_something(body)} | {entry.body}
         joints = list(data.joints)
@@ -196,10 +197,10 @@ class _Mounted:
         return set(neighbours) - gone
 
     def _steps(self, joint: JointData, body: str, where: str, names: Names) -> Steps:
-        """From one body of a joint to the other.
+        """The steps from one body of a joint to the other.
 
-        From the child's side all is inverse, and the angle stays that of the child seen from the
-        parent: it turns about -z.
+        From the child to the parent all displacements are inverted.  The angle remains that of the
+        child relative to the parent, so the axis is -z.
         """
         forward = joint.parent == body
         first, second = joint.to_joint, joint.to_child
@@ -277,7 +278,7 @@ class _Mounted:
 
 
 def _from_its_end(geometry: Geometry) -> Pose:
-    """The pose of a cylinder at the end where its axis begins; turned only if that counts."""
+    """The pose of a cylinder's lower end; it is only rotated if its axis is not vertical."""
     pose, down = geometry.pose, np.eye(4)
     down[2, 3] = -geometry.size[1] / 2
     if abs(abs(pose[2, 2]) - 1) <= NOTHING:
@@ -294,7 +295,7 @@ def _inverse(pose: Pose) -> Pose:
 
 
 def _some_steps(pose: Pose) -> Steps:
-    """Steps of a pose without those that do nothing."""
+    """The steps of a pose without negligible ones."""
     return tuple(step for step in steps_of(pose) if _moves((step,)))
 
 
@@ -328,7 +329,7 @@ def _placed_joints(data: ModuleData) -> Iterator[tuple[JointData, str]]:
 
 
 def _short(wanted: str, module: ModuleData) -> str:
-    """An ID without that of its module in front."""
+    """An ID without the ID or name of its module as a prefix."""
     for start in (module.id, module.name):
         if wanted.startswith(start) and (wanted == start or not wanted[len(start)].isalnum()):
             return wanted[len(start) :].lstrip("_- .")

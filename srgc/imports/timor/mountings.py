@@ -1,4 +1,4 @@
-"""Which ends of modules are inputs, what stays open, and the grammars of a set."""
+"""Choose the inputs of modules, the outputs that may stay open, and the grammars of a set."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from srgc.imports.timor.set_data import (
 def mountings_of(module: ModuleData, *, any_end: bool) -> list[Mounting]:
     """The ways in which a module can stand on others.
 
-    A base stands on the world with its connector of type ``base``.  Another module stands on its
-    female end, or ends; one without any on those that are hermaphroditic, or else male.  With
-    ``any_end`` it may stand on any of its connectors.
+    A base stands on the world by its connector of type ``base``.  Another module stands on each of
+    its female connectors; if it has none, on the hermaphroditic ones, or else on the male ones.
+    With ``any_end`` it may stand on any of its connectors.
     """
     ends = [each for each in module.connectors if each.type == BASE][:1]
     if not ends:
@@ -43,7 +43,7 @@ def _usual(ends: Sequence[Connector]) -> list[Connector]:
 
 @dataclass(slots=True)
 class Arrangement:
-    """What carries what: mountings with their names, ends that stay open, and grammars."""
+    """Mountings with their names, outputs that may stay open, and grammars."""
 
     named: list[tuple[str, Mounting]]
     open_ends: dict[str, Connector] = field(default_factory=dict)
@@ -52,10 +52,10 @@ class Arrangement:
 
 
 def arranged(named: list[tuple[str, Mounting]], names: Names, family: str) -> Arrangement:
-    """The grammars from ports of a set: one for each base.
+    """The grammars from ports of a set, one for each base.
 
-    An output that nothing fits, or behind which no robot ever ends, may stay open, and so may
-    outputs of modules that have several, since Timor leaves open what it likes.
+    An output may stay open if nothing fits it or no robot beyond it ever ends.  So may the outputs
+    of modules that have several, since Timor may leave any of them open.
     """
     found = Arrangement(named)
     bases = [(name, each) for name, each in named if _is_base(each)]
@@ -80,7 +80,7 @@ def arranged(named: list[tuple[str, Mounting]], names: Names, family: str) -> Ar
 
 
 def open_module(name: str, end: Connector, types: PortTypes, *, effector: bool) -> Module:
-    """A module that stands for nothing on an output; where a set has no effectors, it is one."""
+    """A module that marks an output as open; it is an effector if ``effector`` is set."""
     place = Placement()
     return Module(
         name=name,
@@ -98,7 +98,7 @@ def _is_base(mounting: Mounting) -> bool:
 def _reached(
     starts: Iterable[Mounting], others: Sequence[tuple[str, Mounting]]
 ) -> list[tuple[str, Mounting]]:
-    """What can stand on the starts, directly or not, in the order of the set."""
+    """The mountings that can stand on the starts, directly or not, in the order of the set."""
     waiting = [output for start in starts for output in start.outputs]
     seen, met = set[str](), set[tuple[object, ...]]()
     while waiting:
@@ -117,7 +117,7 @@ def _reached(
 def _open_ends(
     starts: Sequence[Mounting], reached: Sequence[tuple[str, Mounting]]
 ) -> list[Connector]:
-    """One output of each type that has to be able to stay open."""
+    """One output of each kind that has to be able to stay open."""
     carried = [each for _, each in reached]
     outputs = [output for each in (*starts, *carried) for output in each.outputs]
     first = dict[tuple[object, ...], Connector]()
@@ -134,7 +134,7 @@ def _open_ends(
 def _endless(
     outputs: Sequence[Connector], carried: Sequence[Mounting], closed: set[tuple[object, ...]]
 ) -> list[Connector]:
-    """Outputs behind which no robot ends: whatever fits has such an output again."""
+    """The outputs beyond which no robot ends: all that fits one has such an output again."""
     ends = set(closed)
     while True:
         new = {

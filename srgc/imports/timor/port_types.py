@@ -1,4 +1,4 @@
-"""Names of types of ports: a type and the sizes of connectors, which have to be equal."""
+"""Name the types of ports, each for a type and the sizes of connectors, which must be equal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COMPLEMENT: Mapping[ConnectorGender, ConnectorGender] = {"f": "m", "m": "f", "h"
 
 
 class PortTypes:
-    """A name for each type with each size, in the order of the connectors that have them."""
+    """Names for each type with each size, in the order of the connectors."""
 
     def __init__(self, connectors: Iterable[Connector]) -> None:
         names = Names()
@@ -33,6 +33,6 @@ class PortTypes:
 
 
 def _wanted(connector: Connector) -> str:
-    """Such as ``Schunk_1`` or ``Default_0_08``."""
+    """The wanted name, such as ``Schunk_1`` or ``Default_0_08``."""
     kind = Names().camel(connector.type or "Flange")
     return "_".join((kind, *connector.size))

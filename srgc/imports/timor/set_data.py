@@ -1,4 +1,4 @@
-"""A module set as its file has it: bodies, joints and connectors, by CoBRA's ModuleSchema."""
+"""Read the file of a module set: bodies, joints and connectors, by CoBRA's ModuleSchema."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ JOINTS: dict[str, tuple[JointKind, bool]] = {
     "prismatic_passive": ("prismatic", True),
     "fixed": ("fixed", False),
 }
-"""By the name of a joint's type its kind, and whether it is passive."""
+"""Maps the name of a joint's type to its kind, and to whether it is passive."""
 JOINT_KEYS = (
     *("ID", "type", "passive", "parent", "child", "poseParent", "poseChild", "limits"),
     *("gearRatio", "motorInertia", "frictionCoulomb", "frictionViscous"),
 )
 MOST_MODULES, MOST_BODIES = 2000, 500
-"""A set has no more modules, a module no more bodies and joints."""
+"""The most modules of a set, and the most bodies or joints of a module."""
 BASE, EFFECTOR = "base", "eef"
-"""Types of connectors that stand on the world, and that are where the robot works."""
+"""The types of connectors that stand on the world, and that are effectors."""
 
 
 @dataclass(frozen=True, slots=True)
 class Connector:
-    """Where another module fits; its z axis points away from the module.
+    """A connector, to which another module fits; its z axis points away from the module.
 
-    Two connectors fit if their types and sizes are equal and one is male, the other female, or
+    Two connectors fit if their types and sizes are equal, and one is male and the other female, or
     both are hermaphroditic.
     """
 
@@ -65,7 +65,7 @@ class Connector:
 
 @dataclass(frozen=True, slots=True)
 class BodyData:
-    """A rigid body: mass (kg), its centre (m), inertia about that, (xx, yy, zz, xy, xz, yz)."""
+    """A rigid body: mass (kg), centre (m), and inertia about it (xx, yy, zz, xy, xz, yz)."""
 
     id: str
     mass: float
@@ -99,7 +99,7 @@ class JointData:
 
 @dataclass(frozen=True, slots=True)
 class ModuleData:
-    """A module of a set; ``place`` is where it stands."""
+    """A module of a set; ``place`` is its place in the file."""
 
     id: str
     name: str
@@ -117,17 +117,17 @@ class ModuleData:
 
 @dataclass(frozen=True, slots=True)
 class SetData:
-    """A module set; ``collisions`` is which neighbours its own tools leave out."""
+    """A module set; ``collisions`` says which neighbours Timor excludes from collision checks."""
 
     modules: Sequence[ModuleData]
     collisions: str
 
 
 def read_set(place: Place) -> SetData:
-    """The modules of a file: a list of them, or an object with ``modules``.
+    """Read the modules of a file, which is a list of them or an object with ``modules``.
 
     Raises:
-        UsageFault: it is against the schema, an ID stands twice, or bodies do not hang together.
+        UsageFault: the file violates the schema, an ID occurs twice, or bodies are not connected.
     """
     listed, collisions = place, "via_joint"
     if not isinstance(place.value, list):
@@ -277,7 +277,7 @@ def _bound(limits: Place, name: str) -> float:
     return found
 
 
-# --- What has to be so of a whole module ----------------------------------------------------------
+# --- Conditions on a whole module -----------------------------------------------------------------
 
 
 def _different(places: Sequence[Place]) -> None:
@@ -288,12 +288,12 @@ def _different(places: Sequence[Place]) -> None:
 
 
 def _tree(module: ModuleData) -> None:
-    """Joints and bodies are a tree: each joint adds a body, and all bodies are in it."""
+    """Reject joints and bodies that are not a tree with all bodies."""
     group = {body.id: body.id for body in module.bodies}
 
     def top(body: str) -> str:
         while group[body] != body:
-            group[body] = group[group[body]]  # so that a long chain is not walked again
+            group[body] = group[group[body]]  # path compression
             body = group[body]
         return body
 

@@ -1,4 +1,4 @@
-"""``srgc import timor``: a module set of Timor as modules with ports, and their grammar."""
+"""``srgc import timor``: import a module set of Timor as modules with ports and a grammar."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from srgc.imports.timor.set_data import EFFECTOR, SetData, read_set
 from srgc.imports.written_import import Imported, mesh_folder
 
 FILE = "modules.json"
-"""What Timor calls the file of a set, in a folder that is called like the set."""
+"""Timor's name for the file of a set, in a folder with the name of the set."""
 LIKE_OURS = "rigid_via_joint"
-"""The choice of colliding neighbours that is that of ``avoid self with body``."""
+"""The choice of colliding neighbours that matches ``avoid self with body``."""
 
 
 @dataclass(slots=True)
@@ -31,11 +31,11 @@ class ReadSet:
     """A set as modules of the language.
 
     Attributes:
-        name: what its grammar is called.
-        modules: what is to be written; its remarks are complete.
-        files: meshes that it names.
-        mounted: by the name of a module of the language how it stands on others.
-        types: of ports.
+        name: the name of its grammar.
+        modules: the modules to write, with all remarks.
+        files: the meshes that they name.
+        mounted: maps names of modules of the language to how they stand on others.
+        types: the types of ports.
     """
 
     name: str
@@ -47,16 +47,16 @@ class ReadSet:
 
 @dataclass(frozen=True, slots=True)
 class SetOptions:
-    """How a set is read.
+    """Options for reading a set.
 
     Attributes:
-        name: of the grammar, with which those of modules begin; that of the folder is the default,
-            and modules then have their own names alone.
-        any_end: modules may stand on any of their ends.
-        pieces: at most so many convex pieces of a mesh.
-        detail: what they may add to its volume, as a share.
-        stem: how the spec is called, without its end, after which the folder of meshes is; the
-            grammar if None.
+        name: the name of the grammar and the prefix of the modules' names; by default the grammar
+            has the name of the folder, and modules have no prefix.
+        any_end: modules may stand on any of their connectors.
+        pieces: the most convex pieces of a mesh.
+        detail: the share of the volume of a mesh that its pieces may add.
+        stem: the name of the spec without its extension, from which the folder of meshes is named;
+            if None, the name of the grammar.
     """
 
     name: str | None = None
@@ -79,16 +79,16 @@ def timor_import(
     """The spec of a module set.
 
     Args:
-        file: ``modules.json``, or the folder that it is in.
-        name: see :class:`SetOptions`, as of the others.
-        exact: keep angles as they are.
-        any_end: see there.
-        pieces: see there.
-        detail: see there.
-        stem: see there.
+        file: ``modules.json``, or its folder.
+        name: see :class:`SetOptions`.
+        exact: keep angles and lengths as they are.
+        any_end: see :class:`SetOptions`.
+        pieces: see :class:`SetOptions`.
+        detail: see :class:`SetOptions`.
+        stem: see :class:`SetOptions`.
 
     Raises:
-        UsageFault: the file cannot be read, or is against the schema.
+        UsageFault: the file cannot be read, or violates the schema.
     """
     found = read_modules(file, SetOptions(name, any_end, pieces, detail, stem))
     text = spec_text(found.modules, exact=exact)
@@ -96,7 +96,7 @@ def timor_import(
 
 
 def read_modules(file: Path, options: SetOptions) -> ReadSet:
-    """The modules of a set, before they are text."""
+    """Read the modules of a set, before they are written as text."""
     path = file / FILE if file.is_dir() else file
     if file.is_dir() and not path.is_file():
         raise file_fault(file, f"there is no {FILE} in it")
@@ -135,12 +135,12 @@ def read_modules(file: Path, options: SetOptions) -> ReadSet:
 
 
 def _wanted(identifier: str, called: str) -> str:
-    """The ID where it is a name, else what the module is called."""
+    """The ID if it begins like a name, otherwise the name of the module."""
     return identifier if identifier[:1].isalpha() or not called[:1].isalpha() else called
 
 
 def _file_name(family: str) -> str:
-    """``GeometricPrimitives`` as ``geometric_primitives``."""
+    """The file name of a grammar: ``geometric_primitives`` for ``GeometricPrimitives``."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", family).lower()
 
 

@@ -1,6 +1,6 @@
-"""The convex pieces of a VRML 2.0 file, of the kind that boundingmesh writes for Timor's sets.
+"""Read the convex pieces of a VRML 2.0 file, as boundingmesh writes them for Timor's sets.
 
-Only the lists of points count: a piece is their hull.
+Only the lists of points are read: a piece is the hull of one list.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ MOST_PIECES = 500
 
 
 def vrml_pieces(content: bytes, path: Path) -> list[NDArray[np.float64]]:
-    """The points (n, 3) of each shape of the content of a file.
+    """The points (n, 3) of each shape in the content of a file.
 
     Raises:
-        SourceFault: it is no such file, or a list of points is broken.
+        SourceFault: the file is of another kind, or a list of points is invalid.
     """
     if not content.startswith(START):
         said = f"it is not a VRML 2.0 file: it does not begin with {START.decode()}"

@@ -1,1 +1,1 @@
-"""Robots and modules in the unified robot description format of ROS."""
+"""Import robots and modules from the unified robot description format (URDF) of ROS."""

@@ -1,4 +1,4 @@
-"""Rotors and limits of accelerations from the file that ``srgc export`` writes beside a URDF."""
+"""Rotor inertias and acceleration limits from the file that ``srgc export`` writes with a URDF."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from srgc.joint_format import FORMAT, SUFFIX
 
 @dataclass(frozen=True, slots=True)
 class DriveBeside:
-    """What of a joint's drive a URDF does not say.
+    """Parameters of a joint's drive that a URDF cannot express; None if not given.
 
-    ``armature`` is the inertia of its rotor as the joint feels it (kg m^2, kg), ``acceleration``
-    the bound of its own (rad/s^2, m/s^2); None without.
+    ``armature`` is the inertia of its rotor at the joint (kg m^2, kg), ``acceleration`` the limit
+    of its acceleration (rad/s^2, m/s^2).
     """
 
     armature: float | None
@@ -26,20 +26,20 @@ class DriveBeside:
 
 @dataclass(frozen=True, slots=True)
 class JointFile:
-    """The file by its name, and what it says by the names of joints."""
+    """The name of the file, and its drives by the names of joints."""
 
     name: str
     drives: Mapping[str, DriveBeside]
 
 
 def joint_file(files: SourceFiles, robot: UrdfRobot, remarks: list[str]) -> JointFile | None:
-    """The file beside a URDF, None where there is none of our format.
+    """Read the file next to a URDF; None if there is no file of our format.
 
-    Friction stands in both; where they differ, the URDF counts, and a remark says so.
+    Friction is in both files; if they differ, the URDF is used, and a remark says so.
 
     Raises:
-        SourceFault: the file is a link that leads elsewhere, is no JSON, names a joint that the
-            robot does not have, or has a number that is none.
+        SourceFault: the file is a link that leads elsewhere, is not JSON, names a joint that the
+            robot does not have, or has an invalid number.
     """
     name = Path(files.main.name.removesuffix(".xacro")).stem + SUFFIX
     if not (files.folder / name).exists():

@@ -1,4 +1,4 @@
-"""What a joint of a URDF does: it is held, or it moves by degrees of freedom with limits."""
+"""The motion of joints of a URDF: held, or by degrees of freedom with limits."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _OPPOSITE: tuple[Axis, ...] = ("-x", "-y", "-z")
 
 @dataclass(frozen=True, slots=True)
 class JointMotion:
-    """The degrees of freedom of a joint, and the steps from its frame to that of its link."""
+    """The degrees of freedom of a joint, and the steps from its frame to the frame of its link."""
 
     dofs: tuple[Dof, ...]
     steps: Steps
@@ -47,8 +47,8 @@ class JointMotion:
 class JointMotions:
     """Reads joints.
 
-    ``held`` are values (rad, m) of joints that are to be fixed, ``beside`` what a file beside the
-    URDF says of joints.
+    ``held`` maps joints to be fixed to their values (rad, m), ``beside`` joints to the parameters
+    from the file next to the URDF.
     """
 
     robot: UrdfRobot
@@ -58,10 +58,10 @@ class JointMotions:
     unlimited: list[str] = field(default_factory=list)
 
     def of(self, name: str) -> JointMotion:
-        """What a joint does.
+        """The motion of a joint.
 
         Raises:
-            UsageFault: its axis, its limits or its kind are of no joint that srgc has.
+            UsageFault: srgc has no joint of this kind, or with this axis or these limits.
         """
         joint = self.robot.joints[name]
         if name in self.held:
@@ -80,7 +80,7 @@ class JointMotions:
                 return self._axial(joint)
 
     def _mimicking(self, joint: Joint) -> JointMotion:
-        """A joint that follows others is held where the first of them is at 0, or held."""
+        """Hold a joint that mimics others where it is when the joint they all follow is at rest."""
         name, leader = joint.name, joint.mimic.joint
         value = self._rest(name, ())
         unit = "m" if joint.type == "prismatic" else "rad"
@@ -97,7 +97,7 @@ class JointMotions:
         return JointMotion((), self._at(joint, value))
 
     def _rest(self, name: str, followers: tuple[str, ...]) -> float:
-        """Where a joint stands when all that move by themselves are at 0 (rad, m)."""
+        """The value of a joint when all independent joints are at 0 or held (rad, m)."""
         joint = self.robot.joints[name]
         if name in self.held:
             return self.held[name]
@@ -116,7 +116,7 @@ class JointMotions:
         return float(joint.mimic.multiplier) * leading + float(joint.mimic.offset)
 
     def _at(self, joint: Joint, value: float) -> Steps:
-        """The steps of a joint that is held at a value."""
+        """The steps of a joint held at a value."""
         axis = self._axis(joint) if joint.type not in ("fixed", "floating", "planar") else None
         if axis is None:
             return ()
@@ -138,7 +138,7 @@ class JointMotions:
             raise self.robot.fault("joint", joint.name, message)
         return axis / length
 
-    # --- Joints that move -------------------------------------------------------------------------
+    # --- Moving joints ----------------------------------------------------------------------------
 
     def _axial(self, joint: Joint) -> JointMotion:
         kind: MotionKind = "prismatic" if joint.type == "prismatic" else "revolute"
@@ -158,7 +158,7 @@ class JointMotions:
         return JointMotion((dof,), (*aligned, Motion(name), *_inverse(aligned)))
 
     def _planar(self, joint: Joint) -> JointMotion:
-        """Two shifts across the axis, then a turn about it, as the format says."""
+        """Two translations perpendicular to the axis, then a rotation about it, as URDF defines."""
         parts = {"limit": joint.limit, "dynamics": joint.dynamics}
         left = " and ".join(f"<{tag}>" for tag, part in parts.items() if part is not None)
         self.remarks.append(
@@ -177,7 +177,7 @@ class JointMotions:
     def _limits(
         self, joint: Joint
     ) -> tuple[tuple[float, float] | None, float | None, float | None, float | None]:
-        """Range, rate, acceleration and effort; None where there is no limit."""
+        """Range, rate, acceleration and effort; each None if it has no limit."""
         limit, beside = joint.limit, self.beside.get(joint.name)
         most = None if beside is None else beside.acceleration
         if limit is None:
@@ -200,7 +200,7 @@ class JointMotions:
         return found, self._bound(joint, "velocity"), most, self._bound(joint, "effort")
 
     def _bound(self, joint: Joint, name: str) -> float | None:
-        """A bound above 0 and below what stands for none."""
+        """The bound of a velocity or effort; None for 0 and for values that stand for no bound."""
         value = getattr(joint.limit, name)
         if value is None or value >= UNLIMITED:
             return None
@@ -226,12 +226,12 @@ class JointMotions:
         if beside is not None and beside.armature is not None:
             rotor = _rotor(beside.armature, gear or 1.0)
             if joint.type == "prismatic":
-                gear = gear or 1.0  # of such a joint the language wants it said
+                gear = gear or 1.0  # the language requires a gear for prismatic joints
         return Drive(gear, rotor, viscous=said["damping"], coulomb=said["friction"])
 
 
 def _rotor(armature: float, gear: float) -> float:
-    """The inertia of the rotor that a joint feels as ``armature``: the shortest decimal for it."""
+    """The inertia of a rotor that acts as ``armature`` at the joint, as the shortest decimal."""
     ratio = Fraction(repr(gear)) ** 2
     for digits in range(1, 17):
         text = f"{armature / gear**2:.{digits}g}"
@@ -241,7 +241,7 @@ def _rotor(armature: float, gear: float) -> float:
 
 
 def _only_value(joint: Joint) -> float | None:
-    """The value of a joint whose range has no other (rad, m)."""
+    """The value of a joint whose range has a single value (rad, m); otherwise None."""
     limit = joint.limit
     if limit is None or joint.type not in ("revolute", "prismatic"):
         return None
@@ -250,10 +250,10 @@ def _only_value(joint: Joint) -> float | None:
 
 
 def held_values(robot: UrdfRobot, texts: Iterable[str]) -> dict[str, float]:
-    """The joints that are to be held, each ``JOINT`` or ``JOINT=VALUE`` (rad, m).
+    """Parse the joints to be held, each ``JOINT`` or ``JOINT=VALUE`` (rad, m).
 
     Raises:
-        UsageFault: there is no such joint, or the value is no number.
+        UsageFault: there is no such joint, or the value is not a number.
     """
     found = dict[str, float]()
     for text in texts:
@@ -279,7 +279,7 @@ def held_values(robot: UrdfRobot, texts: Iterable[str]) -> dict[str, float]:
 
 
 def _coordinate(axis: np.ndarray) -> Axis | None:
-    """The axis of the frame that a unit vector is, if it is one."""
+    """The coordinate axis that a unit vector lies along, or None."""
     number = int(np.argmax(np.abs(axis)))
     rest = np.delete(axis, number)
     if np.abs(rest).max() > STRAIGHT:
@@ -289,7 +289,7 @@ def _coordinate(axis: np.ndarray) -> Axis | None:
 
 
 def _aligning(axis: np.ndarray) -> Steps:
-    """Turns after which z points along a unit vector."""
+    """Rotations after which z points along a unit vector."""
     if _coordinate(axis) == "z":
         return ()
     yaw = math.atan2(axis[1], axis[0])

@@ -1,6 +1,7 @@
-"""What the elements of a URDF may hold; all else is told, and an error where it says another robot.
+"""The elements and attributes that URDF defines.
 
-Source: wiki.ros.org/urdf/XML; ``quat_xyzw`` and ``capsule`` are newer (github.com/ros/urdfdom).
+Anything else gets a warning, or an error if it would change the robot.  Source:
+wiki.ros.org/urdf/XML; ``quat_xyzw`` and ``capsule`` are newer (github.com/ros/urdfdom).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from srgc.imports.urdf.written_numbers import NUMBERS
 from srgc.imports.xml_source import Element, XmlFile
 
 BESIDE = ("gazebo", "ros2_control", "sensor")
-"""Elements of a robot that say nothing of its body."""
+"""Elements of a robot that do not describe its body."""
 ONCE: Mapping[str, tuple[str, ...]] = {
     "link": ("inertial",),
     "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
@@ -22,7 +23,7 @@ ONCE: Mapping[str, tuple[str, ...]] = {
     "visual": ("origin", "geometry"),
     "collision": ("origin", "geometry"),
 }
-"""By element what it holds at most one of."""
+"""Maps each element to the children that it may have at most once."""
 SEVERAL: Mapping[str, tuple[str, ...]] = {
     "robot": ("link", "joint", "transmission", "material", *BESIDE),
     "link": ("visual", "collision"),
@@ -47,11 +48,11 @@ _SCHEMA = "{http://www.w3.org/2001/XMLSchema-instance}"
 
 
 def unknown_parts(file: XmlFile) -> list[SourceWarning]:
-    """What is in no URDF: the first of each kind is told, with the lines of the others.
+    """Warn of parts that URDF does not define: the first of each kind, and the lines of the others.
 
     Raises:
-        SourceFault: something stands twice, or is known in other letters, or an ``origin`` says
-            something else: then the robot would be another one.
+        SourceFault: a part occurs twice or is spelt in other letters, or an ``origin`` has an
+            unknown attribute: each would change the robot.
     """
     kinds = dict[tuple[str, str], list[Element]]()
     for element in _read(file.root):
@@ -64,7 +65,7 @@ def unknown_parts(file: XmlFile) -> list[SourceWarning]:
 
 
 def _read(root: Element) -> Iterator[Element]:
-    """The elements whose parts are looked at: links and joints with all but materials."""
+    """The elements whose parts are checked: links and joints with their parts, except materials."""
     yield root
     due = [each for each in reversed(root) if each.tag in ("link", "joint")]
     while due:
@@ -75,7 +76,7 @@ def _read(root: Element) -> Iterator[Element]:
 
 
 def _children(tag: str) -> tuple[str, ...]:
-    """What an element of that name may hold."""
+    """The children that an element of this name may have."""
     return (*ONCE.get(tag, ()), *SEVERAL.get(tag, ()))
 
 
@@ -121,7 +122,7 @@ def _unknown_attributes(file: XmlFile, element: Element) -> Iterator[str]:
 
 
 def _told(file: XmlFile, kind: tuple[str, str], elements: list[Element]) -> Iterator[SourceWarning]:
-    """What of one kind is left out: attributes of a name, or children by their own names."""
+    """Warnings for one kind: an attribute by its name, or children of an element by their names."""
     holder, attribute = kind
     if attribute:
         shown = visible(attribute.rpartition("}")[2])

@@ -1,4 +1,4 @@
-"""What a link of a URDF has: its body, its shapes, and meshes for pictures."""
+"""Read the parts of a URDF link: its body, its collision shapes, and meshes for pictures."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from yourdfpy.urdf import Collision, Link, Mesh, Visual
 
 NOISE = 1e-9
-"""Turns of an inertial frame below it (rad) are none."""
+"""Rotations of an inertial frame below this are ignored (rad)."""
 
 
 @dataclass(slots=True)
 class LinkParts:
-    """Reads links; what cannot be carried over goes to ``remarks``.
+    """Reads links; ``remarks`` collects what cannot be carried over.
 
-    ``density`` (kg/m^3) gives links without an inertial that of their shapes.
+    If there is a ``density`` (kg/m^3), links without mass get the mass of their shapes.
     """
 
     robot: UrdfRobot
@@ -37,10 +37,11 @@ class LinkParts:
     plain_looks: list[str] = field(default_factory=list)
 
     def bodies(self, name: str, frame: str) -> Iterator[Body]:
-        """The body of a link, at the frame of that name.
+        """The body of a link in the frame of the given name.
 
         Raises:
-            UsageFault: no body has such a mass or inertia.
+            UsageFault: the mass or a principal moment of inertia is negative, or the inertia is
+                missing.
         """
         link = self.robot.links[name]
         inertial = link.inertial
@@ -82,7 +83,7 @@ class LinkParts:
             )
 
     def _of_density(self, link: Link, frame: str) -> Iterator[Body]:
-        """What the shapes of a link weigh, where a density is given."""
+        """The body of a link from its collision shapes, if there is a density."""
         element = self.robot.elements["link", link.name]
         found = list[Moments]()
         if self.density is not None:
@@ -106,7 +107,7 @@ class LinkParts:
     # --- Shapes -----------------------------------------------------------------------------------
 
     def shapes(self, name: str, frame: str) -> Iterator[Shape]:
-        """What a link collides as, and its meshes for pictures."""
+        """The collision shapes of a link, and its meshes for pictures."""
         link = self.robot.links[name]
         element = self.robot.elements["link", name]
         for shape, written in zip(link.collisions, element.findall("collision"), strict=True):
@@ -141,12 +142,12 @@ class LinkParts:
 
 
 def _is_capsule(written: Element) -> bool:
-    """Whether a visual or collision is a capsule, whose length is that between its half-balls."""
+    """Whether a shape is a capsule; its length excludes the half-balls at its ends."""
     return written.find("geometry/capsule") is not None
 
 
 def _scale(mesh: Mesh) -> tuple[float, float, float]:
-    """The factors of a mesh along its axes."""
+    """The scale factors of a mesh along its axes."""
     if mesh.scale is None:
         return (1.0, 1.0, 1.0)
     values = np.broadcast_to(np.asarray(mesh.scale, dtype=float), (3,))

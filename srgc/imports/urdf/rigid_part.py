@@ -1,4 +1,4 @@
-"""Links that move as one body: what they have, in frames with names."""
+"""Links that move as one body: their bodies and shapes, with named frames."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ from srgc.imports.names import Names, is_legible
 from srgc.imports.urdf.link_parts import LinkParts
 
 MEMBERS = ("in", "out", "q", "s", "sx", "sy")
-"""Names that modules have for other things than links."""
+"""Names that modules use for things other than links."""
 MOVED = ("turned", "moved")
-"""Frames of links that joints carry."""
+"""Names of the frames of links that a joint moves."""
 
 
 @dataclass(slots=True)
 class RigidPart:
-    """A module that is being made.
+    """A module under construction.
 
     Attributes:
-        name: of the module.
-        parent: the part that carries it, None of the base.
+        name: the name of the module.
+        parent: the part that carries it; None for the base.
         joint: the joint by which it is carried.
-        links: by link the name of its frame.
-        places: where joints that leave it begin.
-        outputs: those that lead to other parts.
-        tips: where effectors are, by link.
-        named: its frames, in order; others build on those before them.
-        bodies, shapes: of all links.
+        links: maps each link to the name of its frame.
+        places: maps each moving joint that leaves the part to the place where it begins.
+        outputs: the places of the joints that lead to other parts.
+        tips: maps links to the places of their effectors.
+        named: its frames, in order; a frame may build on those before it.
+        bodies, shapes: those of all links.
     """
 
     name: str
@@ -58,31 +58,31 @@ class RigidPart:
 
     @property
     def depth(self) -> int:
-        """How many degrees of freedom lead to it."""
+        """The number of degrees of freedom between the ground and the part."""
         return len(self.dofs) + (0 if self.parent is None else self.parent.depth)
 
     @property
     def moves(self) -> bool:
-        """Whether anything moves it."""
+        """Whether a degree of freedom moves the part."""
         return self.depth > 0
 
     def is_bare(self, link: str) -> bool:
-        """Whether a link is nothing but a frame."""
+        """Whether a link is only a frame, without bodies and shapes."""
         return link not in self.full
 
     def place_of(self, joint: str) -> Placement:
-        """Where a joint that leaves the part begins."""
+        """The place where a joint that leaves the part begins."""
         return self.places[joint]
 
     def called(self) -> Iterator[str]:
-        """The links as the file calls them, with their frames where that is not plain to see."""
+        """The links by their names in the file, with their frames if these are not recognisable."""
         named = {frame.name for frame in self.named}
         for link, frame in self.links.items():
             shown = frame in named and frame not in MOVED and not is_legible(link)
             yield f"{visible(link)} (`{frame}`)" if shown else visible(link)
 
     def frame(self, wanted: str, place: Placement) -> str:
-        """The name of a frame; that of its base where it is the same frame."""
+        """Add a frame and return its name; if it equals its base, return the name of the base."""
         if not any(map(acts, place.steps)):
             return place.base
         name = self.names.name(wanted)
@@ -90,7 +90,7 @@ class RigidPart:
         return name
 
     def take(self, link: str, frame: str, parts: LinkParts) -> None:
-        """Take what a link has."""
+        """Add a link with its bodies and shapes."""
         self.links[link] = frame
         bodies, shapes = [*parts.bodies(link, frame)], [*parts.shapes(link, frame)]
         if bodies or shapes:
@@ -98,13 +98,10 @@ class RigidPart:
         self.bodies += bodies
         self.shapes += shapes
 
-    # --- Frames that are used once need no name ---------------------------------------------------
+    # --- Frames used only once need no name -------------------------------------------------------
 
     def inline(self, ports: Collection[str]) -> None:
-        """Write frames where they are used, those used once; leave out those never used.
-
-        Those of ``ports`` are kept.
-        """
+        """Inline frames that are used once and remove unused ones, but keep those of ``ports``."""
         while True:
             uses = Counter(place.base for place in self._placements())
             once = next(
@@ -122,7 +119,7 @@ class RigidPart:
 
     @staticmethod
     def _spare(frame: Frame, uses: int) -> bool:
-        """Whether a frame needs no name; one with a motion keeps it, as people write it."""
+        """Whether a frame can do without a name; one with a motion keeps it, for legibility."""
         moves = any(isinstance(step, Motion) for step in frame.place.steps)
         return uses <= 1 and not moves
 

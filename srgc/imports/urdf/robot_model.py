@@ -1,7 +1,7 @@
-"""A URDF as links and joints: read by yourdfpy, after its text was checked line by line.
+"""Read a URDF into links and joints with yourdfpy, after checking its elements.
 
-Source: wiki.ros.org/urdf/XML.  yourdfpy takes what is missing for a default and forgets where
-things stood; so numbers and names are looked at first, in the elements that lxml gives.
+Source: wiki.ros.org/urdf/XML.  yourdfpy replaces missing values by defaults and does not keep
+positions, so numbers and names are checked first, in the elements from lxml.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ class UrdfRobot:
     """A robot.
 
     Attributes:
-        file: its text.
-        name: as the file has it.
-        links: by name.
-        joints: by name, in the order of the file.
-        below: by link the joints that it carries, in the order of the file.
+        file: the document.
+        name: its name in the file.
+        links: the links by name.
+        joints: the joints by name, in the order of the file.
+        below: maps each link to the joints that it carries, in the order of the file.
         root: the link that no joint carries.
-        elements: by ``("link", name)`` and ``("joint", name)`` where they stand.
-        gears: by joint the reduction of its transmission, where that is not 1.
-        warnings: what of the file is not carried over.
-        others: how many elements there are that say nothing of a robot's body, by their names.
+        elements: maps ``("link", name)`` and ``("joint", name)`` to their elements.
+        gears: maps joints to the reduction of their transmission, if it is not 1.
+        warnings: what is not carried over from the file.
+        others: the numbers of elements that do not describe the robot's body, by their names.
     """
 
     file: XmlFile
@@ -62,11 +62,11 @@ class UrdfRobot:
     others: Mapping[str, int] = field(default_factory=dict)
 
     def fault(self, kind: str, name: str, message: str, hint: str | None = None) -> SourceFault:
-        """A fault of a link or joint."""
+        """A fault at a link or joint."""
         return self.file.fault(self.elements[kind, name], message, hint)
 
     def steps(self, element: Element) -> Steps:
-        """The ``origin`` of a joint, inertial, visual or collision, as shift and turns."""
+        """The ``origin`` of a joint, inertial, visual or collision: a translation and rotations."""
         origin = element.find("origin")
         if origin is None:
             return ()
@@ -78,15 +78,15 @@ class UrdfRobot:
 
 
 def robot_model(data: bytes, path: Path, *, expanded: bool = False) -> UrdfRobot:
-    """The robot of a URDF.
+    """Read the robot of a URDF.
 
     Args:
         data: its text.
         path: the file.
-        expanded: whether the text is what a xacro file became, which is another than in the file.
+        expanded: whether the text was expanded from a xacro file, and so differs from the file.
 
     Raises:
-        SourceFault: it is no robot.
+        SourceFault: the text is not a valid robot.
     """
     file = xml_file(data, f"{path} (expanded)" if expanded else path)
     root = file.root
@@ -130,7 +130,7 @@ def robot_model(data: bytes, path: Path, *, expanded: bool = False) -> UrdfRobot
 
 
 def _rotation(quaternion: str) -> NDArray[np.float64]:
-    """The matrix (3, 3) of a quaternion `x y z w`, which is made a unit one."""
+    """The rotation matrix (3, 3) of a quaternion `x y z w`, which is normalised."""
     four = np.array([float(part) for part in quaternion.split()])
     x, y, z, w = four / np.linalg.norm(four)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -144,7 +144,7 @@ def _vector(element: Element, name: str) -> Vector:
 
 
 def _without_namespace(root: Element) -> None:
-    """Give elements of the default namespace plain names, as parsers of ROS see them."""
+    """Remove the default namespace from the names of elements, as parsers of ROS do."""
     from lxml import etree
 
     if None not in root.nsmap:
@@ -156,7 +156,7 @@ def _without_namespace(root: Element) -> None:
 
 
 def _plain(root: Element) -> bytes:
-    """The text for yourdfpy, which knows no capsules and is given cylinders."""
+    """The text for yourdfpy, with cylinders instead of capsules, which it does not know."""
     from lxml import etree
 
     known = deepcopy(root)
@@ -167,7 +167,7 @@ def _plain(root: Element) -> bytes:
 
 
 def _named(file: XmlFile) -> dict[tuple[str, str], Element]:
-    """Links and joints by name; each has one of its own."""
+    """Links and joints by kind and name; duplicates are rejected."""
     found = dict[tuple[str, str], Element]()
     for element in file.root:
         kind = str(element.tag)
@@ -191,7 +191,7 @@ def _named(file: XmlFile) -> dict[tuple[str, str], Element]:
 
 
 def _tree(file: XmlFile, elements: Elements) -> tuple[dict[str, tuple[str, ...]], str]:
-    """The joints that each link carries, and the link that none carries."""
+    """The joints that each link carries, and the root link, which no joint carries."""
     links = [name for kind, name in elements if kind == "link"]
     below: dict[str, tuple[str, ...]] = dict.fromkeys(links, ())
     carrier = dict[str, str]()
@@ -220,7 +220,7 @@ def _tree(file: XmlFile, elements: Elements) -> tuple[dict[str, tuple[str, ...]]
 
 
 def _ends(file: XmlFile, name: str, element: Element, links: list[str]) -> tuple[str, str]:
-    """The links of a joint, its type looked at as well."""
+    """The parent and child links of a joint, whose type is checked too."""
     kind = element.get("type")
     if kind not in TYPES:
         said = "no type" if kind is None else f"the type `{visible(kind)}`"

@@ -1,9 +1,9 @@
-"""The links of a URDF as modules: one that stands on the ground, one for each joint that moves.
+"""Make modules from the links of a URDF: a base, and a module for each joint that moves.
 
-A module is what moves as one body: a joint, the link that it carries, and all links that held
-joints attach to that.  Its frame ``turned`` or ``moved`` is that of the joint's link, as the file
-has it; outputs lead to the next joints, and to the tips, which are modules of their own, so that
-another tool can take their place.
+A module moves as one body: a joint, the link that it carries, and all links attached to that by
+held joints.  Its frame ``turned`` or ``moved`` is the frame of the joint's link in the file.
+Outputs lead to the next joints and to the tips, which are separate modules, so that another tool
+can replace them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from srgc.imports.urdf.robot_model import UrdfRobot
 
 @dataclass(slots=True)
 class RobotModules:
-    """Makes the modules of a robot; all names begin with ``prefix``."""
+    """Makes the modules of a robot; all their names begin with ``prefix``."""
 
     robot: UrdfRobot
     parts: LinkParts
@@ -39,10 +39,10 @@ class RobotModules:
     type_names: Names = field(default_factory=Names)
 
     def module_set(self) -> ModuleSet:
-        """The modules, and the grammar with the robot as its one word.
+        """The modules, and a grammar whose only word is the robot.
 
         Raises:
-            UsageFault: a joint moves nothing that has a mass, or an effector is no link.
+            UsageFault: a joint moves no mass, or an effector is not a link.
         """
         self._collect(self._part("Base", None), self.robot.root, None)
         self._add_tips()
@@ -63,7 +63,7 @@ class RobotModules:
         return part
 
     def _collect(self, part: RigidPart, link: str, entry: tuple[str, JointMotion] | None) -> None:
-        """Put a link and all that stands on it into a part, and into parts of their own."""
+        """Add a link, and all that it carries, to a part and to new parts for moving joints."""
         frame = "in"
         if entry is not None:
             joint, motion = entry
@@ -82,7 +82,7 @@ class RobotModules:
     def _held_together(
         self, part: RigidPart, link: str, frame: str, moving: list[tuple[str, JointMotion]]
     ) -> Iterator[tuple[str, str]]:
-        """The links of a part with their frames; joints that move are put into ``moving``."""
+        """The links of a part with their frames; adds the joints that move to ``moving``."""
         due = [(link, frame)]
         while due:
             link, frame = due.pop(0)
@@ -99,7 +99,7 @@ class RobotModules:
                     due.append((child, part.frame(_snake(child, "link"), Placement(frame, steps))))
 
     def _short(self, link: str) -> str:
-        """The name of a link without that of the robot before and `link` behind."""
+        """The name of a link without the name of the robot before it and `_link` after it."""
         plain = _snake(link, "link")
         begun = f"{_snake(self.robot.name, 'robot')}_"
         plain = plain.removeprefix(begun)
@@ -120,7 +120,7 @@ class RobotModules:
             part.tips[link] = Placement(part.links[link])
 
     def _usual_tips(self) -> list[str]:
-        """The frame furthest along the robot that is nothing but a frame, else all last links."""
+        """The farthest end link that is only a frame; if there is none, all last links."""
         bare = [
             (part.depth, order, link)
             for part in self.made
@@ -185,7 +185,7 @@ class RobotModules:
         )
 
     def _type(self, kind: str, lead: str) -> str:
-        """The type of the ports where a joint, or the tip at a link, begins: each has its own."""
+        """The type of the ports at a joint, or at the tip of a link; each has its own type."""
         key = (kind, lead)
         if key not in self.types:
             wanted = f"{self.prefix}_{_camel(_snake(lead, kind).removesuffix('_joint'))}"
@@ -193,7 +193,7 @@ class RobotModules:
         return self.types[key]
 
     def _check_masses(self) -> None:
-        """A joint that moves no mass would have no inertia: no effort would be too small for it."""
+        """Reject a joint that moves no mass: it has no inertia, and needs no effort at all."""
         heavy = set[str]()
         for part in reversed(self.made):
             if part.name in heavy or any(body.mass > 0 for body in part.bodies):
@@ -211,7 +211,7 @@ _LIKELY = ("tool0", "tcp", "tool", "grasp", "ee", "tip", "flange")
 
 
 def _rank(link: str) -> int:
-    """How likely a name is that of the effector: less is likelier."""
+    """How unlikely an effector is at a link of this name, from 0."""
     words = re.split(r"[^a-z0-9]+", link.lower())
     return next((rank for rank, word in enumerate(_LIKELY) if word in words), len(_LIKELY))
 

@@ -1,4 +1,4 @@
-"""A URDF of one module: its links are frames, and links that are named are its ports."""
+"""Make one module from a URDF: its links are frames, and named links are its ports."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from srgc.imports.urdf.robot_model import UrdfRobot
 
 FORM = "write NAME=LINK:TYPE, as in in=base_link:Flange:male"
 USUAL = "Flange"
-"""The type of ports where none is said."""
+"""The default type of ports."""
 
 Gender = Literal["male", "female"]
 _PORT = re.compile(r"([A-Za-z_]\w*)=([^:]+):([A-Za-z_]\w*)(?::(male|female))?", re.ASCII)
@@ -28,7 +28,7 @@ _PORT = re.compile(r"([A-Za-z_]\w*)=([^:]+):([A-Za-z_]\w*)(?::(male|female))?", 
 
 @dataclass(frozen=True, slots=True)
 class _Said:
-    """A port as the command line says it."""
+    """A port as given on the command line."""
 
     name: str
     link: str
@@ -38,10 +38,10 @@ class _Said:
 
 @dataclass(slots=True)
 class SingleModule:
-    """Makes one module of a URDF.
+    """Makes one module from a URDF.
 
-    Without ``ports`` the root link is ``in``, and every link that is nothing but a frame at an end
-    is an output; all are of the type :data:`USUAL`.
+    Without ``ports`` the root link is ``in``, and every end link that is only a frame is an output;
+    all have the type :data:`USUAL`.
     """
 
     robot: UrdfRobot
@@ -53,10 +53,10 @@ class SingleModule:
     names: Names = field(default_factory=lambda: Names(MEMBERS))
 
     def module_set(self) -> ModuleSet:
-        """The module alone.
+        """The module, without a grammar.
 
         Raises:
-            UsageFault: a port is written otherwise or names no link, or ``in`` is not the root.
+            UsageFault: a port is malformed or names no link, or ``in`` is not at the root.
         """
         said = [_port(text, self.robot) for text in self.ports]
         self._check_ports(said)
@@ -99,10 +99,10 @@ class SingleModule:
                 )
 
     def _without_input(self, said: Sequence[_Said], *, moves: bool) -> None:
-        """A module without a port ``in`` stands on the ground: right for a base that never moves.
+        """Add a remark that a module without a port ``in`` is a base, which stands on the ground.
 
         Raises:
-            UsageFault: this one has joints.
+            UsageFault: the module has joints, so it cannot be a base.
         """
         root = self.robot.root
         if not moves:
@@ -118,7 +118,7 @@ class SingleModule:
         raise UsageFault(f"{message}; add --port in={visible(root)}:{USUAL}")
 
     def _usual(self, part: RigidPart) -> Iterator[_Said]:
-        """The root, and frames at the ends."""
+        """Default ports: the root, and end links that are only frames."""
         yield _Said("in", self.robot.root, USUAL, None)
         ends = [
             link
@@ -136,7 +136,7 @@ class SingleModule:
             )
 
     def _collect(self, part: RigidPart, outputs: dict[str, str]) -> None:
-        """All links, from the root on; degrees of freedom have names of their own."""
+        """Add all links, beginning with the root; degrees of freedom get unique names."""
         for output in outputs.values():
             self.names.take(output)
         due = [(self.robot.root, "in")]
@@ -156,7 +156,7 @@ class SingleModule:
                     due.append((child, part.frame(_word(child, "link"), place)))
 
     def _named(self, motion: JointMotion, joint: str) -> JointMotion:
-        """Degrees of freedom called after their joints, where there are several."""
+        """The motion with degrees of freedom named after their joint, if several joints move."""
         moving = sum(each.type not in ("fixed", "floating") for each in self.robot.joints.values())
         if moving <= 1:
             return motion
@@ -175,7 +175,7 @@ class SingleModule:
 
 
 def _port(text: str, robot: UrdfRobot) -> _Said:
-    """A port ``NAME=LINK:TYPE`` or ``NAME=LINK:TYPE:GENDER``."""
+    """Parse a port ``NAME=LINK:TYPE`` or ``NAME=LINK:TYPE:GENDER``."""
     known = _PORT.fullmatch(text)
     if known is None:
         raise UsageFault(f"--port {text}: {FORM}")

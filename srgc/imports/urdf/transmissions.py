@@ -1,6 +1,6 @@
-"""The gears of joints: reductions of transmissions, beside the joints or within ``ros2_control``.
+"""Read the gears of joints from transmissions, in the robot itself or within ``ros2_control``.
 
-Of a simple transmission the joint turns by the angle of its motor divided by the reduction.
+In a simple transmission the joint turns by the angle of its motor divided by the reduction.
 Sources: wiki.ros.org/urdf/XML/Transmission; control.ros.org, "transmission_interface".
 """
 
@@ -18,14 +18,14 @@ from srgc.imports.xml_source import Element, XmlFile
 SIMPLE = "SimpleTransmission"
 TAGS = ("mechanicalReduction", "mechanical_reduction")
 OF_ACTUATORS = (*TAGS, "hardwareInterface", "offset", "command_interface", "state_interface")
-"""The parts of an actuator that are read, or that say nothing of how a joint moves."""
+"""Parts of an actuator that are read, or that do not affect how a joint moves."""
 
 
 @dataclass(slots=True)
 class Gears:
-    """Reads transmissions; ``joints`` are the elements of the robot's joints by their names.
+    """Reads transmissions; ``joints`` maps names to the elements of the robot's joints.
 
-    ``ratios`` has for a joint how far its motor turns for it (1, rad/m), where that is not 1.
+    ``ratios`` maps joints to the motion of the motor per motion of the joint (1, rad/m), if not 1.
     """
 
     file: XmlFile
@@ -40,7 +40,7 @@ class Gears:
         """Read all transmissions.
 
         Raises:
-            SourceFault: a reduction is no number.
+            SourceFault: a reduction is not a number.
         """
         for transmission in self.file.root.iter("transmission"):
             self._tell_of_others(transmission)
@@ -56,9 +56,9 @@ class Gears:
             self._keep(joint, value, element)
 
     def _stated(self, transmission: Element) -> Iterator[tuple[float, Element]]:
-        """The reductions of a transmission, first that which ROS reads.
+        """The reductions of a transmission, beginning with the one that ROS reads.
 
-        That is the actuator's, or in ``ros2_control`` the joint's.
+        That is the actuator's, or the joint's in ``ros2_control``.
         """
         first = "joint" if _parent(transmission) == "ros2_control" else "actuator"
         found = list(transmission.iter(*TAGS))
@@ -76,7 +76,7 @@ class Gears:
                 self._tell(part, f"<{called}> in <actuator> is left out")
 
     def _joint(self, transmission: Element) -> str | None:
-        """The one joint of a transmission; it is told why one has none that counts."""
+        """The only joint of a transmission; otherwise None, with a warning."""
         names = [str(joint.get("name")) for joint in transmission.findall("joint")]
         kind, called = _kind(transmission), visible(transmission.get("name") or "transmission")
         listed = ", ".join(f"`{visible(name)}`" for name in names) or "none"
@@ -125,7 +125,7 @@ def _parent(element: Element) -> str:
 
 
 def _kind(transmission: Element) -> str:
-    """The class of a transmission, without its package; a simple one where none is said."""
+    """The class of a transmission without its package; by default the simple one."""
     texts = [transmission.findtext("type"), transmission.findtext("plugin")]
     said = next(filter(None, (*texts, transmission.get("type"))), SIMPLE)
     return said.strip().replace("::", "/").rpartition("/")[2] or SIMPLE

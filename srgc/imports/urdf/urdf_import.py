@@ -1,4 +1,4 @@
-"""``srgc import urdf``: a robot, or a module with ports, from URDF or xacro."""
+"""``srgc import urdf``: import a robot, or a module with ports, from URDF or xacro."""
 
 from __future__ import annotations
 
@@ -37,26 +37,27 @@ def urdf_import(
     detail: float | None = None,
     stem: str | None = None,
 ) -> Imported:
-    """The spec of a robot, whose one word it is; or of one module.
+    """A spec whose only word is the robot, or a spec of one module.
 
     Args:
-        file: URDF, or xacro by the end of its name.
-        name: what names begin with; that of the robot if None.
-        exact: keep angles as they are.
-        module: make one module of it, with ports.
-        ports: of a module each ``NAME=LINK:TYPE``, with ``:male`` or ``:female`` behind it.
-        effectors: links; the last frame if empty.
+        file: a URDF file, or a xacro file if its name ends in ``.xacro``.
+        name: the prefix of all names; if None, the name of the robot.
+        exact: keep angles and lengths as they are.
+        module: make one module with ports.
+        ports: the ports of the module, each ``NAME=LINK:TYPE``, and optionally ``:male`` or
+            ``:female``.
+        effectors: links with effectors; if empty, the last frame.
         fixed: joints that are held, each ``JOINT`` or ``JOINT=VALUE`` (rad, m).
         packages: where packages are, each ``NAME=DIR``.
-        density: of links without an inertial (kg/m^3).
-        arguments: of a xacro file, each ``NAME:=VALUE``.
-        pieces: at most so many convex pieces of a mesh.
-        detail: what they may add to its volume, as a share.
-        stem: how the spec is called, without its end, after which the folder of meshes is; the
-            robot if None.
+        density: the density of links without mass (kg/m^3).
+        arguments: arguments of a xacro file, each ``NAME:=VALUE``.
+        pieces: the most convex pieces of a mesh.
+        detail: the share of the volume of a mesh that its pieces may add.
+        stem: the name of the spec without its extension, from which the folder of meshes is named;
+            if None, the name of the robot.
 
     Raises:
-        UsageFault: the file cannot be read, or an option does not fit it.
+        UsageFault: the file cannot be read, or an option does not apply to it.
     """
     if ports and not module:
         raise UsageFault("--port goes with --module alone")
@@ -97,7 +98,7 @@ def urdf_import(
 def _add_remarks(
     made: ModuleSet, robot: UrdfRobot, parts: LinkParts, motions: JointMotions
 ) -> None:
-    """What nothing of the language stands for."""
+    """Add remarks on what the language cannot express."""
     if motions.unlimited:
         listed = ", ".join(motions.unlimited)
         made.remarks.append(f"limits of 0 are taken for none: {listed}")

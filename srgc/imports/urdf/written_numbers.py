@@ -1,4 +1,4 @@
-"""The numbers of a URDF: each attribute has as many as are due, finite and of a usual size."""
+"""Check the numbers of a URDF: the right count in each attribute, finite and not too large."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NUMBERS = {
     "capsule": {"radius": 1, "length": 1},
     "box": {"size": 3},
 }
-"""By element and attribute how many numbers it holds."""
+"""Maps each element and attribute to the count of its numbers."""
 NEEDED = {
     "mass": ("value",),
     "inertia": ("ixx", "iyy", "izz"),
@@ -35,16 +35,16 @@ NEEDED = {
 GEOMETRIES = ("box", "cylinder", "capsule", "sphere", "mesh")
 LARGEST = 1e9
 UNIT = 1e-3
-"""So much may the length of a quaternion differ from 1, as files round."""
+"""How far the length of a quaternion may differ from 1, since files round."""
 UNLIMITED = LARGEST
-"""From here on a limit is none: exporters write such numbers where URDF demands one."""
+"""Limits from here on mean no limit: exporters write such numbers where URDF requires one."""
 
 
 def check_numbers(file: XmlFile) -> None:
-    """Look at all numbers of links and joints.
+    """Check all numbers of links and joints.
 
     Raises:
-        SourceFault: one is none, or something that is needed is missing.
+        SourceFault: one of them is invalid, or a required attribute or geometry is missing.
     """
     parts = (each for top in file.root if top.tag in ("link", "joint") for each in top.iter())
     for element in parts:
@@ -64,24 +64,24 @@ def check_numbers(file: XmlFile) -> None:
 
 
 def check_text(file: XmlFile, element: Element, name: str, text: str, count: int) -> None:
-    """Refuse what is not so many finite numbers of a usual size.
+    """Reject a text other than ``count`` finite numbers that are not too large.
 
     Args:
-        file: that in which it stands.
-        element: where.
-        name: its attribute, or that of the element whose text it is.
-        text: what is written.
-        count: how many numbers are due.
+        file: the document, for messages.
+        element: the element with the text.
+        name: the attribute, or the name of the element whose text it is.
+        text: the text to check.
+        count: how many numbers it has to hold.
 
     Raises:
-        SourceFault: it is something else.
+        SourceFault: the text is anything else.
     """
 
     def fault(said: str) -> SourceFault:
         shown = f"`{name}` is `{visible(text[:60])}`, {said}"
         return file.fault(element, shown, attribute=name)
 
-    if "_" in text or not text.isascii():  # which Python takes for parts of numbers
+    if "_" in text or not text.isascii():  # Python accepts these in numbers
         raise fault("no number")
     try:
         values = [float(part) for part in text.split()]
@@ -93,7 +93,7 @@ def check_text(file: XmlFile, element: Element, name: str, text: str, count: int
     if not all(math.isfinite(value) for value in values):
         if element.tag != "limit" or any(math.isnan(value) for value in values):
             raise fault("which is not finite")
-        # Some write infinity for no limit.
+        # Some files have infinity for no limit.
         element.set(name, repr(math.copysign(UNLIMITED, values[0])))
         return
     if element.tag != "limit" and max(map(abs, values)) > LARGEST:
@@ -103,7 +103,7 @@ def check_text(file: XmlFile, element: Element, name: str, text: str, count: int
 
 
 def _check_quaternion(file: XmlFile, element: Element) -> None:
-    """Refuse two rotations of one frame, and a quaternion that is no rotation."""
+    """Reject an origin with two rotations, or with a quaternion that is not of unit length."""
     if "rpy" in element.attrib:
         raise file.fault(element, "<origin> has both `rpy` and `quat_xyzw`", "remove one")
     length = math.hypot(*map(float, str(element.get("quat_xyzw")).split()))

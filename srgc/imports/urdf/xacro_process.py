@@ -1,9 +1,9 @@
-"""A process of its own that expands a xacro file, and can read nothing but what it is given.
+"""A separate process that expands a xacro file, and can read only the files it is given.
 
-Macros are programs: they open files, compute without end, and read the environment.  So the
-process has limits of time and memory and an empty environment, and an audit hook ends whatever
-opens a file elsewhere or starts something.  Standard input is a JSON object, and so is standard
-output: the XML, and the arguments that the file has.
+Macros are programs: they open files, compute without end, and read the environment.  So the process
+has limits on time and memory and an empty environment, and an audit hook stops attempts to open
+files elsewhere or to start programs.  Standard input is a JSON object.  Standard output is one too:
+the XML, and the arguments that the file has.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _CHANGES = ("os.remove", "os.rename", "os.mkdir", "os.rmdir", "os.symlink", "os.
 
 
 def fence(roots: Sequence[str]) -> None:
-    """From now on files are opened below the roots alone, to be read."""
+    """From now on only files below the roots can be opened, and only for reading."""
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
         if event == "open":
@@ -40,9 +40,9 @@ def fence(roots: Sequence[str]) -> None:
 
 
 class Arguments(dict[str, str]):
-    """The arguments of a file by their names, and ``known``: those that it declares or reads.
+    """The arguments of a file by their names; ``known`` are those that it declares or reads.
 
-    The library asks for an argument at both, whether it is given or not.
+    The xacro library looks up an argument in either case, whether it is given or not.
     """
 
     def __init__(self, given: Mapping[str, str]) -> None:
@@ -59,14 +59,14 @@ class Arguments(dict[str, str]):
 
 
 def expanded(file: str, packages: Mapping[str, str], arguments: Arguments) -> str:
-    """The text of a xacro file without macros."""
+    """The text of a xacro file after expansion of its macros."""
     from xml.dom import minidom
 
     import xacro
     import yaml
     from xacro import substitution_args
 
-    # What they import only when they are used has to be there before the fence is.
+    # Modules that they import on first use have to be loaded before the fence is raised.
     minidom.parseString("<a>1</a>").toprettyxml()  # noqa: S318 — our own text
     yaml.safe_load("a: 1.5")
 
@@ -77,7 +77,7 @@ def expanded(file: str, packages: Mapping[str, str], arguments: Arguments) -> st
             )
         return packages[package]
 
-    # There is no other way to tell the library where packages are, without an index of ROS.
+    # The library offers no other way to set where packages are without an index of ROS.
     substitution_args._eval_find = find  # noqa: SLF001
     fence([str(Path(file).parent), *packages.values()])
     document = xacro.process_file(file, mappings=arguments)
@@ -86,7 +86,7 @@ def expanded(file: str, packages: Mapping[str, str], arguments: Arguments) -> st
 
 
 def _in_words(cause: BaseException) -> str:
-    """What a fault says, in one line and without numbers of the system."""
+    """The message of an error in one line, without error numbers of the system."""
     if isinstance(cause, RecursionError):
         return "a recursion of macros or expressions has no end"
     said = re.sub(r"\[Errno \d+\] ", "", " ".join(str(cause).split()))
@@ -94,7 +94,7 @@ def _in_words(cause: BaseException) -> str:
 
 
 def main() -> int:
-    """Expand what standard input names; 1 and one line on standard error where it fails."""
+    """Expand the file that standard input names; on failure return 1, with one line on stderr."""
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
     resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
     asked = json.load(sys.stdin)

@@ -1,4 +1,4 @@
-"""Xacro files: expanded by the library of ROS, in a process that reads nothing else."""
+"""Expand xacro files with the ROS library, in a process that can read nothing else."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from srgc.imports.urdf.xacro_process import SECONDS
 
 
 def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
-    """The URDF that a xacro file stands for.
+    """Expand a xacro file to URDF.
 
     Args:
-        files: the file, and what else may be read.
+        files: the file, and the other files that may be read.
         arguments: each ``NAME:=VALUE``, as on the command line of xacro.
 
     Raises:
-        UsageFault: it cannot be expanded, or not within limits of time and memory, or has no such
-            argument.
+        UsageFault: the file cannot be expanded within the limits of time and memory, or does not
+            have one of the arguments.
     """
     values = dict[str, str]()
     for text in arguments:
@@ -60,7 +60,7 @@ def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
 
 
 def _refuse_unknown(files: SourceFiles, values: Mapping[str, str], known: Sequence[str]) -> None:
-    """Refuse an argument that the file neither declares nor reads."""
+    """Reject an argument that the file neither declares nor reads."""
     for name, value in values.items():
         if name not in known:
             near = sorted(known, key=lambda each: -SequenceMatcher(None, name, each).ratio())
