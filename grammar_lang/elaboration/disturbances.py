@@ -189,8 +189,7 @@ def lower_robust(items: tuple[t.TaskItem, ...], names: NameTable, sink: Sink) ->
     )
 
 
-# --- The modules that bodies belong to, if a task asks for the bodies of a module
-# ------------------
+# --- The modules that bodies belong to, if a task asks for the bodies of a module -----------------
 
 
 def check_ownership(task: ir.Task, grammars: Mapping[str, ir.Grammar], sink: Sink) -> None:

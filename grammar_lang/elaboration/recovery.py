@@ -90,8 +90,7 @@ def sound_part(program: ir.Program, file: t.File, found: Iterable[Diagnostic]) -
     )
 
 
-# --- Diagnostics that follow from others
-# -----------------------------------------------------------
+# --- Diagnostics that follow from others ------------------------------------------------------
 
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

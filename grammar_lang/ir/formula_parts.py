@@ -79,6 +79,7 @@ def asked_poses(task: ir.Task) -> tuple[ir.Pose, ...]:
 
 
 # --- Occurrences of subformulas, and formulas in which one is replaced by a constant --------------
+#
 # Every operator is monotonic in an occurrence under an even number of negations (*positive*) and
 # antitonic in the others. So a formula becomes stronger if a positive occurrence is replaced by
 # false, or a negative one by true.

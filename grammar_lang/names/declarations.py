@@ -17,7 +17,7 @@ from grammar_lang.source import Span, node
 from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 
-# --- The entities that names refer to, as the items of a specification declare them ---------------
+# --- The entities that names refer to, as the items of a specification declare them ------------
 
 
 Kind: TypeAlias = Literal[

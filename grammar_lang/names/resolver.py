@@ -71,7 +71,7 @@ class _Resolver:
     )
     _grammars: dict[str, _GrammarNames] = field(default_factory=dict[str, _GrammarNames])
 
-    # --- Recording mentions ---------------------------------------------------------------------
+    # --- Recording mentions --------------------------------------------------------------------
 
     def add(
         self,

@@ -163,7 +163,7 @@ def _check_attributes(names: NameTable, sink: Sink) -> None:
             _warn(attribute, at, f"of `{attribute.scope[1]}` is never read", hint, sink)
 
 
-# --- Modules -----------------------------------------------------------------------------------
+# --- Modules --------------------------------------------------------------------------------------
 
 
 def _described(names: NameTable) -> Iterator[str]:
@@ -222,7 +222,7 @@ def _check_module(module: str, names: NameTable, sink: Sink) -> None:
         _warn(member, member.span, f"of module `{module}` is never used", hint, sink)
 
 
-# --- Tasks -------------------------------------------------------------------------------------
+# --- Tasks ----------------------------------------------------------------------------------------
 
 
 def _check_tasks(names: NameTable, sink: Sink) -> None:

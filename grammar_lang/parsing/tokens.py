@@ -116,8 +116,7 @@ def unclosed_comment(tokens: Tokens) -> Span | None:
     return Span(start, start + 2, tokens.file)
 
 
-# --- Split the tokens into top-level items, so that an error in one does not hide those in others
-# --
+# --- Split the tokens into top-level items, so that an error in one does not hide others ----------
 #
 # An item ends with a ``;`` outside all braces or with the ``}`` that closes its last brace. If a
 # brace or a ``;`` is missing, tokens that can only begin an item start a new one: ``KEYWORD NAME
