@@ -17,7 +17,7 @@ from grammar_lang import ir
 # --- The short words of a grammar with the numbers of their derivations, by dynamic programming ---
 #
 # Words of a nonterminal are composed of the shorter words of the symbols on its right sides, length
-# by length (the inside algorithm of Baker 1979, over sets of words). A budget of steps limits the
+# by length (the inside algorithm of Baker 1979, over sets of words).  A budget of steps limits the
 # lengths covered; a step composes one word.
 
 
@@ -162,7 +162,7 @@ def _ranks(cfg: Cfg) -> tuple[int, ...]:
 
 # --- Ambiguous words: words of a robot family that have several derivations -----------------------
 #
-# Ambiguity of a context-free grammar is undecidable (Cantor 1962; Floyd 1962). For a grammar
+# Ambiguity of a context-free grammar is undecidable (Cantor 1962; Floyd 1962).  For a grammar
 # without self-embedding it is decided exactly, and an LR(1) grammar is unambiguous (Knuth 1965).
 # For any other, all words up to some length are examined: the greatest length up to
 # ``LENGTH_LIMIT`` for which the words of all nonterminals can be composed in ``STEP_LIMIT`` steps.

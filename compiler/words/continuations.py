@@ -76,18 +76,18 @@ def sumset(left: int, right: int) -> int:
 
 # --- Continuations --------------------------------------------------------------------------------
 #
-# A continuation is a set of items: a symbol, and the continuation after it. It is ``final`` if the
-# word may end there. (These are the return points of the graph-structured stack, Tomita 1985; used
-# top-down as in GLL, Scott & Johnstone 2010.) No symbol derives the empty word here. So a system of
-# equations
+# A continuation is a set of items: a symbol, and the continuation after it.  It is ``final`` if the
+# word may end there.  (These are the return points of the graph-structured stack, Tomita 1985; used
+# top-down as in GLL, Scott & Johnstone 2010.) No symbol derives the empty word here.  So a system
+# of equations
 #
 # K_i = final_i + items_i + sum of X K_j
 #
-# has exactly one solution (Arden 1961; the same argument with words instead of letters). If
+# has exactly one solution (Arden 1961; the same argument with words instead of letters).  If
 # existing continuations satisfy the equations of new ones, they *are* the new ones, and nothing is
-# created. That keeps the ambiguous ``E -> E + E`` as small as an equivalent unambiguous grammar,
-# without discarding any alternative. For the same reason, an item X K may be omitted if there is an
-# item X K' and K' is known to include K: the true languages satisfy the equations without it as
+# created.  That keeps the ambiguous ``E -> E + E`` as small as an equivalent unambiguous grammar,
+# without discarding any alternative.  For the same reason, an item X K may be omitted if there is
+# an item X K' and K' is known to include K: the true languages satisfy the equations without it as
 # well.
 
 

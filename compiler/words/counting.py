@@ -108,7 +108,7 @@ def _search(
 
 # --- The number of derivations of a grammar in binary normal form, by length ----------------------
 #
-# For an unambiguous grammar this is the number of words, in polynomial time. A number below it
+# For an unambiguous grammar this is the number of words, in polynomial time.  A number below it
 # stands for one word, so a uniformly random number gives a uniformly random word (Hickey & Cohen
 # 1983, *Uniform random generation of strings in a context-free language*).
 
@@ -222,7 +222,7 @@ class DerivationCounts:
 
 # --- Words counted by their prefixes, each once, however many derivations it has ------------------
 #
-# Prefixes of one length are grouped by the state that they lead to. An automaton has a bounded
+# Prefixes of one length are grouped by the state that they lead to.  An automaton has a bounded
 # number of states; for an ambiguous grammar there may be exponentially many, hence the budget.
 
 

@@ -12,8 +12,8 @@ from compiler.words.recogniser import Recogniser
 
 # --- The first word, in length-lexicographic order, that exactly one of two languages has ---------
 #
-# Both are read in parallel. For two finite automata there are finitely many pairs of states, and
-# the answer is exact for all lengths (Moore 1956). Equivalence of context-free languages is
+# Both are read in parallel.  For two finite automata there are finitely many pairs of states, and
+# the answer is exact for all lengths (Moore 1956).  Equivalence of context-free languages is
 # undecidable, so they are compared up to a length.
 
 

@@ -14,8 +14,9 @@ from compiler.words.grammar import Cfg, Rule, components, nullable, on_cycle, tr
 # --- Binary normal form: right sides of one terminal or of two symbols ----------------------------
 #
 # There are no empty and no unit rules (Chomsky 1959, without the restriction that pairs consist of
-# nonterminals). Such a grammar describes only words; derivations are those of the original grammar.
-# The *binary form* keeps the unit rules except their cycles: removing them all can square the size.
+# nonterminals).  Such a grammar describes only words; derivations are those of the original
+# grammar.  The *binary form* keeps the unit rules except their cycles: removing them all can square
+# the size.
 
 
 RightSide: TypeAlias = tuple[int, ...]

@@ -154,8 +154,8 @@ def run_along(pda: Pda, labels: Sequence[str]) -> tuple[Transition, ...]:
 
 # --- Runs of a pushdown automaton: membership, and an accepting run -------------------------------
 #
-# The automaton runs on all its stacks at once. Calls and returns are tabulated on a
-# graph-structured stack (Tomita 1985; Scott and Johnstone 2010), position by position. So left
+# The automaton runs on all its stacks at once.  Calls and returns are tabulated on a
+# graph-structured stack (Tomita 1985; Scott and Johnstone 2010), position by position.  So left
 # recursion and empty cycles terminate, and the time is polynomial.
 
 

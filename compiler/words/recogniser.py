@@ -17,7 +17,7 @@ from compiler.words.residuals import Residual, Residuals
 # --- Reading words from left to right, one state per prefix, with what may still follow -----------
 #
 # Two kinds of automata do this: a finite one, and the residuals of a grammar, which are made on
-# demand. Enumeration, counting, sampling and comparison use only this interface.
+# demand.  Enumeration, counting, sampling and comparison use only this interface.
 
 
 State = TypeVar("State")
@@ -94,7 +94,7 @@ class FiniteRecogniser:
 # --- The residuals of a grammar paired with the states of an automaton: the words of both ---------
 #
 # Unlike the residuals of the grammar of the intersection, these coincide as often as those of the
-# grammar alone, so there are few states. But a state may be a dead end: the lengths that each of
+# grammar alone, so there are few states.  But a state may be a dead end: the lengths that each of
 # both allows are known, not those that both allow together.
 
 
@@ -196,9 +196,9 @@ class FiniteMembership:
 # Membership in any context-free language, by a pushdown automaton made on demand.
 #
 # Its states are residuals: all that may follow, over all derivations, so that no grammar is read as
-# if it were unambiguous. If everything that may follow goes through one continuation, that is put
-# on a stack, and reading goes on with what comes before it. So words that nest in the same way at
-# different depths reach the same states. When a residual may end, the continuation is taken from
+# if it were unambiguous.  If everything that may follow goes through one continuation, that is put
+# on a stack, and reading goes on with what comes before it.  So words that nest in the same way at
+# different depths reach the same states.  When a residual may end, the continuation is taken from
 # the stack and joined to it.
 #
 # Each step is computed once; then reading is one look-up per symbol, as with a finite automaton.

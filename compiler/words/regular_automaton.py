@@ -29,8 +29,8 @@ from compiler.words.grammar import (
 # --- A grammar without self-embedding as a finite network whose paths are its derivations ---------
 #
 # Source: Nederhof, *Practical experiments with regular approximation of context-free languages*
-# (2000), section 3. If every set of mutually recursive nonterminals recurs only at the left end, or
-# only at the right end, of its right sides, the grammar unfolds into a finite network. Every
+# (2000), section 3.  If every set of mutually recursive nonterminals recurs only at the left end,
+# or only at the right end, of its right sides, the grammar unfolds into a finite network.  Every
 # derivation is one path from its first state to its last, and every path is one derivation.
 
 
@@ -156,7 +156,7 @@ class _Builder:
 # --- The finite automaton of a left- or right-linear grammar (Hopcroft, Motwani, Ullman 2001) -----
 #
 # State 1 + k is nonterminal number k: what it still has to derive in a right-linear grammar, what
-# it has derived in a left-linear one. State 0 means that there is no nonterminal.
+# it has derived in a left-linear one.  State 0 means that there is no nonterminal.
 
 
 def linear_automaton(srg: Srg, accept: Dfa, limit: int = STATE_LIMIT) -> Dfa | None:

@@ -14,7 +14,7 @@ from compiler.words.lr_automaton import LrAutomaton, leftmost_derivation
 # --- The factors of a word that nonterminals derive, and all its derivations ----------------------
 #
 # The chart is that of Cocke, Younger and Kasami, with bit sets for the starts and rules of any
-# length. The leftmost search that uses it never enters a dead end. Nothing is recursive in the
+# length.  The leftmost search that uses it never enters a dead end.  Nothing is recursive in the
 # length of the word.
 
 

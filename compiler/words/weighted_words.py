@@ -31,8 +31,8 @@ def _scaled(
 #
 # The words of every nonterminal are a sorted list that grows on demand (Jimenez & Marzal,
 # *Computing the k shortest paths*, WAE 1999; Huang & Chiang, *Better k-best parsing*, IWPT 2005,
-# algorithm 3). The first word of each comes from Knuth's generalisation of shortest paths, *Inf.
-# Proc. Lett.* 6 (1977). Both need an order of words that concatenation preserves.
+# algorithm 3).  The first word of each comes from Knuth's generalisation of shortest paths, *Inf.
+# Proc. Lett.* 6 (1977).  Both need an order of words that concatenation preserves.
 
 
 _Key: TypeAlias = tuple[int, int, tuple[int, ...]]

@@ -278,8 +278,8 @@ def _numbered(
 # --- The cells between which a point may move that avoids some regions ----------------------------
 #
 # A point that moves continuously within the bounds, and never enters certain closed regions, is at
-# every instant in a cell outside all of them. The instants at which it is in a given closed cell
-# form a closed set. So it gets from one set of cells to another only through a point that is in
+# every instant in a cell outside all of them.  The instants at which it is in a given closed cell
+# form a closed set.  So it gets from one set of cells to another only through a point that is in
 # both: from cell to touching cell, where a common corner counts as contact.
 
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 # (structure of a file), 8.1 (interlacing), 11.2 (critical chunks) and 11.3.1 (transparency).
 #
 # A general PNG reader does more than a map needs: it follows animations, unpacks texts and colour
-# profiles, and uses the last of two headers. So it is given a file with only the chunks of the
+# profiles, and uses the last of two headers.  So it is given a file with only the chunks of the
 # image, whose number of pixels has been checked against the header.
 
 

@@ -13,11 +13,11 @@ from grammar_lang.ir import HalfSpace
 
 # --- Vertices of a polyhedron by the double description method, in integers -----------------------
 #
-# Source: Fukuda & Prodon, *Double description method revisited* (1996). A point of dimension d is a
-# *ray* ``(X_1, ..., X_d, W)`` of integers with ``W > 0`` that stands for ``X / W``. A half-space
+# Source: Fukuda & Prodon, *Double description method revisited* (1996).  A point of dimension d is
+# a *ray* ``(X_1, ..., X_d, W)`` of integers with ``W > 0`` that stands for ``X / W``.  A half-space
 # ``a . p <= b`` is a row ``(a_1, ..., a_d, -b)`` of integers, so that it holds iff ``row . ray`` is
-# at most zero. Every vertex carries the set of rows that are tight there, as the bits of an
-# integer. Two vertices are joined by an edge iff no third vertex is tight wherever both are
+# at most zero.  Every vertex carries the set of rows that are tight there, as the bits of an
+# integer.  Two vertices are joined by an edge iff no third vertex is tight wherever both are
 # (Proposition 7).
 
 
@@ -102,7 +102,7 @@ def describe(rows: Sequence[IntRow], dimension: int) -> tuple[list[Vertex], bool
     By Cramer's rule, every minimal face of the polyhedron has a point with coordinates of at most
     ``d! M^d``, where M is the largest entry, so a box larger by one meets every face.  The
     polyhedron is empty or flat iff its part in the box is, and unbounded iff a vertex of that part
-    is on the box. Row i is bit i; the sides of the box are the bits from ``len(rows)`` on.
+    is on the box.  Row i is bit i; the sides of the box are the bits from ``len(rows)`` on.
     """
     largest = max((abs(entry) for row in rows for entry in row), default=0)
     radius = factorial(dimension) * largest**dimension + 1
@@ -228,8 +228,8 @@ def _determinant(o: Lattice, a: Lattice, b: Lattice, c: Lattice) -> int:
 #
 # Source: Ziegler, *Lectures on Polytopes*, Theorem 2.11: for c in the interior of the hull of the
 # points p_i, the facets are ``y . (x - c) <= 1`` for the vertices y of the polar polytope ``{y :
-# (p_i - c) . y <= 1}``. A flat hull is described in its affine hull, whose equations are added as
-# pairs of inequalities. For polygons, the facets are found from their corners instead.
+# (p_i - c) . y <= 1}``.  A flat hull is described in its affine hull, whose equations are added as
+# pairs of inequalities.  For polygons, the facets are found from their corners instead.
 
 
 def hull_rows(points: Sequence[Point]) -> tuple[HalfSpace, ...]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # --- The YAML file of a map_server map: image, resolution, pose, thresholds, mode -----------------
 #
-# Source: the ROS wiki, map_server, sections 1.2 and 1.3 (YAML format, value interpretation). The
+# Source: the ROS wiki, map_server, sections 1.2 and 1.3 (YAML format, value interpretation).  The
 # file is composed to nodes but never constructed, so tags have no effect and every number is read
 # from its own text.
 

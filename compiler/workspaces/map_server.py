@@ -140,9 +140,9 @@ def obstacles(image: GreyImage, header: MapHeader) -> NDArray[np.bool_]:
     """Whether each pixel is occupied or unknown, shape (rows, columns), the top row first.
 
     The occupancy of a pixel of brightness v is p = (w - v) / w, or v / w if ``negate``, where w is
-    white. It is free iff p is below ``free`` (which is at most ``occupied``) and, in the modes that
-    give a transparent pixel no value, it is opaque.  Raw values are used as they are, or as their
-    negative if ``negate``: then only 0 is free.
+    white.  It is free iff p is below ``free`` (which is at most ``occupied``) and, in the modes
+    that give a transparent pixel no value, it is opaque.  Raw values are used as they are, or as
+    their negative if ``negate``: then only 0 is free.
     """
     white = image.white
     if header.mode == "raw":
@@ -160,7 +160,7 @@ def obstacles(image: GreyImage, header: MapHeader) -> NDArray[np.bool_]:
 # --- Rotations with rational sine and cosine, as near to a given angle as required ----------------
 #
 # Every rational t = tan(angle / 2) gives the rotation with cosine (1 - t^2) / (1 + t^2) and sine 2t
-# / (1 + t^2); quarter turns are exact. The error is bounded by a ball, not in floats.
+# / (1 + t^2); quarter turns are exact.  The error is bounded by a ball, not in floats.
 
 
 BITS = 48

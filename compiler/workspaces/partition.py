@@ -135,8 +135,8 @@ def _convex_union(
 # --- Cutting cells of a partition in two, and updating the common facets; exact and local ---------
 #
 # Source: Clarke, Grumberg, Jha, Lu & Veith, *Counterexample-guided abstraction refinement* (2003):
-# a cell that is too coarse is split, and the others stay. Only the facets of a cell that is cut are
-# recomputed.
+# a cell that is too coarse is split, and the others stay.  Only the facets of a cell that is cut
+# are recomputed.
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
 """Grammars from ports: productions that say which modules fit where, with their semantics.
 
 An output can carry the listed modules whose `in` has the same type and the opposite gender (or no
-gender, if the output has none).  For each type and gender of outputs there is one nonterminal. Each
-module is one production, with its outputs filled in declaration order:
+gender, if the output has none).  For each type and gender of outputs there is one nonterminal.
+Each module is one production, with its outputs filled in declaration order:
 
     Fork: Flange -> Fork left:Flange right:Flange
 

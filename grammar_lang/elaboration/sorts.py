@@ -33,7 +33,7 @@ from grammar_lang.units import unit as parse_unit
 
 # --- Sorts and dimensions of values, and checks that a value fits its place -----------------------
 #
-# A value is a scalar, a vector or a frame. A *bare* value (dimension None) is made of numbers
+# A value is a scalar, a vector or a frame.  A *bare* value (dimension None) is made of numbers
 # without units; it takes the dimension that its place requires.
 
 
@@ -245,8 +245,8 @@ def scale(value: Typed, unit: Unit, at: Span, sink: Sink) -> Typed:
 
 # --- Implausible values: probably a wrong unit, or a digit too many -------------------------------
 #
-# One table gives generous bounds. Zero is always plausible. In intervals and choices each value is
-# checked separately. Bare angles above a full turn are checked by
+# One table gives generous bounds.  Zero is always plausible.  In intervals and choices each value
+# is checked separately.  Bare angles above a full turn are checked by
 # :func:`grammar_lang.elaboration.sorts.warn_turn`.
 
 

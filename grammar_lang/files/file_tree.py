@@ -17,7 +17,7 @@ from grammar_lang.syntax import Ident
 
 # --- One file: from its path to its bytes, and from its bytes to a text ---------------------------
 #
-# A specification is UTF-8 text, with or without a byte order mark. Its lines end with LF or CR LF;
+# A specification is UTF-8 text, with or without a byte order mark.  Its lines end with LF or CR LF;
 # a lone CR counts as LF.
 
 
@@ -97,11 +97,11 @@ def is_text(text: str, file: int, sink: Sink) -> bool:
 # --- The directory tree of the file on the command line, and the paths that name files in it ------
 #
 # A path is written with ``/`` and is relative to the folder of the file in which it stands, under
-# the name of that file before links are resolved: so a copy of the tree has the same meaning. The
+# the name of that file before links are resolved: so a copy of the tree has the same meaning.  The
 # targets of links are checked as well: nothing outside the tree is ever read.
 #
-# The library, which ``include std`` reads, appears in the tree as the folder ``@std``. If the tree
-# has no such file, the file of the package is read. Results keep copies, which are read instead.
+# The library, which ``include std`` reads, appears in the tree as the folder ``@std``.  If the tree
+# has no such file, the file of the package is read.  Results keep copies, which are read instead.
 
 
 STD = "@std"

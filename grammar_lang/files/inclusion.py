@@ -160,8 +160,8 @@ def include_all(files: FileSet, real: str) -> Inclusion:
 # Obstacle files that a workspace names: their kind, and a first check of their contents.
 #
 # A map_server map is a YAML file that names an image, its resolution in metres per pixel and the
-# pose of its lower left pixel (https://wiki.ros.org/map_server, section 4). Polygons are GeoJSON
-# (RFC 7946), and bodies are meshes. The geometry of the files is not interpreted here.
+# pose of its lower left pixel (https://wiki.ros.org/map_server, section 4).  Polygons are GeoJSON
+# (RFC 7946), and bodies are meshes.  The geometry of the files is not interpreted here.
 
 
 Kind: TypeAlias = Literal["map_server", "geojson", "mesh"]

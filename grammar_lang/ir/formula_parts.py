@@ -81,7 +81,7 @@ def asked_poses(task: ir.Task) -> tuple[ir.Pose, ...]:
 # --- Occurrences of subformulas, and formulas in which one is replaced by a constant --------------
 #
 # Every operator is monotonic in an occurrence under an even number of negations (*positive*) and
-# antitonic in the others. So a formula becomes stronger if a positive occurrence is replaced by
+# antitonic in the others.  So a formula becomes stronger if a positive occurrence is replaced by
 # false, or a negative one by true.
 
 
@@ -146,7 +146,7 @@ def _with_operand(formula: ir.Formula, number: int, part: ir.Formula) -> ir.Form
 # --- ``F until G`` with G about closed regions, in an equivalent form that is easier to prove -----
 #
 # A point that moves from F straight into G is on the boundary of both at the instant of the change,
-# which no enclosure can decide. But it can be decided that the point is in one of them.
+# which no enclosure can decide.  But it can be decided that the point is in one of them.
 
 
 def attained(formula: ir.Formula) -> ir.Formula:

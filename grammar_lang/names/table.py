@@ -16,7 +16,7 @@ from grammar_lang.syntax import Ident
 
 # --- The names of a specification: every place that mentions an entity ----------------------------
 #
-# The resolver fills the table once, from the syntax alone. It is read by the checks, by the
+# The resolver fills the table once, from the syntax alone.  It is read by the checks, by the
 # warnings about unused names and by all editor requests (definition, references, rename, hover,
 # completion).
 
@@ -28,7 +28,7 @@ class Mention:
     ``whole`` is the word in the text; ``span`` is the part of it that is the name: a quoted symbol
     without its quotes, or ``L`` of the numbered occurrence ``L2``.  ``within`` is the entity in
     whose declaration it stands: a production (also in the semantics), a member, a task or a
-    mission. ``position`` belongs to the symbol whose member or attribute is named: its position on
+    mission.  ``position`` belongs to the symbol whose member or attribute is named: its position on
     the right side (``ir.THIS`` for the left side) or in the word of a ``from``.
     """
 
@@ -131,9 +131,9 @@ class NameTable:
 # --- Names that are declared and never used: the last check of a file without errors --------------
 #
 # In modules: parameters, constants and frames that neither the semantics nor a body reads, and
-# states and inputs on which no torque depends. In semantics: attributes and local values that
-# nothing reads. In a file with tasks: grammars, workspaces, regions and targets that no task names.
-# The declarations of an included file belong to a library and need not be used.
+# states and inputs on which no torque depends.  In semantics: attributes and local values that
+# nothing reads.  In a file with tasks: grammars, workspaces, regions and targets that no task
+# names.  The declarations of an included file belong to a library and need not be used.
 
 
 _HINTS: dict[str, str] = {

@@ -28,7 +28,7 @@ from grammar_lang.syntax.tasks import File, Item
 
 # --- Parsing without pauses of the garbage collector ----------------------------------------------
 #
-# The tree of a large file consists of millions of objects without a cycle. While it is built,
+# The tree of a large file consists of millions of objects without a cycle.  While it is built,
 # Python's collector would traverse all of them again and again; that took a third of the time of
 # ``check`` at 2 MB and made it more than linear.
 
