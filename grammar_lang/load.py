@@ -75,7 +75,8 @@ def load_text(
     Args:
         text: the specification.
         name: what diagnostics call it.
-        folder: the folder that relative paths start from; without it, the text can include nothing.
+        folder: the folder that paths in the text are relative to; without it, the text can include
+            only files of the library.
         open_files: the contents that an editor holds of other files, by path with links resolved;
             they are used instead of what is on disk.
     """

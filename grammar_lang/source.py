@@ -73,11 +73,11 @@ def written(span: Span, sources: Sequence[Source]) -> str | None:
     return text.removesuffix(";").rstrip() or None
 
 
-# --- Nodes of trees: frozen values with slots, equal up to their places in the text ---------------
+# --- Nodes of trees: immutable values with slots; equality ignores their places in the text -------
 #
-# Every command line begins by making some two hundred of these classes.  ``dataclass(frozen=True)``
-# writes and compiles six methods for each, which was a third of the time of a whole ``check``; here
-# only ``__init__`` is compiled.  That nodes are never changed is left to the type checker.
+# Every command first creates about two hundred of these classes.  ``dataclass(frozen=True)``
+# generates and compiles six methods for each, which took a third of the time of a ``check``; here
+# only ``__init__`` is compiled.  The type checker ensures that nodes are never changed.
 
 
 Node = TypeVar("Node")

@@ -21,8 +21,8 @@ from compiler.words.lr_automaton import LrAutomaton, leftmost_derivation
 class Chart:
     """The factors of a word that each nonterminal derives; consecutive words share their prefix.
 
-    ``starts[A][j]`` is the bit set of the positions i such that A derives word[i:j]; ``partial[r,
-    k][j]`` is the same for the first k > 0 symbols of the right side of rule r.
+    ``starts[A][j]`` is the bit set of the positions i such that A derives word[i:j];
+    ``partial[r, k][j]`` is the same for the first k > 0 symbols of the right side of rule r.
     """
 
     def __init__(self, srg: Srg) -> None:

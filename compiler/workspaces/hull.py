@@ -227,9 +227,9 @@ def _determinant(o: Lattice, a: Lattice, b: Lattice, c: Lattice) -> int:
 # --- Facets of the convex hull of points, exactly, by polarity ------------------------------------
 #
 # Source: Ziegler, *Lectures on Polytopes*, Theorem 2.11: for c in the interior of the hull of the
-# points p_i, the facets are ``y . (x - c) <= 1`` for the vertices y of the polar polytope ``{y :
-# (p_i - c) . y <= 1}``.  A flat hull is described in its affine hull, whose equations are added as
-# pairs of inequalities.  For polygons, the facets are found from their corners instead.
+# points p_i, the facets are ``y . (x - c) <= 1`` for the vertices y of the polar polytope
+# ``{y : (p_i - c) . y <= 1}``.  A flat hull is described in its affine hull, whose equations are
+# added as pairs of inequalities.  For polygons, the facets are found from their corners instead.
 
 
 def hull_rows(points: Sequence[Point]) -> tuple[HalfSpace, ...]:

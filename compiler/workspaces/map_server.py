@@ -141,8 +141,8 @@ def obstacles(image: GreyImage, header: MapHeader) -> NDArray[np.bool_]:
 
     The occupancy of a pixel of brightness v is p = (w - v) / w, or v / w if ``negate``, where w is
     white.  It is free iff p is below ``free`` (which is at most ``occupied``) and, in the modes
-    that give a transparent pixel no value, it is opaque.  Raw values are used as they are, or as
-    their negative if ``negate``: then only 0 is free.
+    that give a transparent pixel no value, it is opaque.  Raw values are used as they are, or
+    inverted if ``negate``, and only 0 is free.
     """
     white = image.white
     if header.mode == "raw":

@@ -1,4 +1,8 @@
-"""Pairs of convex polytopes whose interiors meet: a sweep over bounding boxes, then exact tests."""
+"""Pairs of convex polytopes whose interiors meet: a sweep over bounding boxes, then exact tests.
+
+Sources: Edelsbrunner & Maurer, *On the intersection of orthogonal objects* (1981), for the sweep;
+Ericson, *Real-Time Collision Detection* (2005), section 5.2, for separation by facets.
+"""
 
 from __future__ import annotations
 

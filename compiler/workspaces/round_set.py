@@ -23,7 +23,7 @@ SIDES = 16
 SLOPES = 100
 """The largest denominator of a slope."""
 DIGITS = 10**12
-"""Roots are rounded to multiples of 1 / ``DIGITS``."""
+"""Roots are rounded by at most 1 / ``DIGITS``."""
 
 Point: TypeAlias = tuple[Fraction, ...]
 

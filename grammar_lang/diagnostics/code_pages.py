@@ -1,8 +1,8 @@
 """The catalogue: one Markdown page for every diagnostic code, with examples that the tests run.
 
-A page says why something is a mistake.  It shows the smallest file that makes it, what ``srgc check
-spec.srg`` prints about that file, and the repaired file.  The idea is from Dafny's error catalogue
-(https://dafny.org/dafny/HowToFAQ/Errors), whose examples are run as well.
+A page says why something is a mistake.  It shows the smallest file that makes it, what
+``srgc check spec.srg`` prints about that file, and the repaired file.  The idea is from Dafny's
+error catalogue (https://dafny.org/dafny/HowToFAQ/Errors), whose examples are run as well.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ class ClosedScope:
         return plain_name(ident, (), sink)
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
-        """Always an error."""
+        """Report an error: ``owner.name`` is not a constant."""
         message = f"`{member.owner.text}.{member.name.text}` is not a constant"
         hint = "a constant is made of numbers, units and `pi`"
         sink.error(Code.NOT_CONSTANT, message, member.span, hint)

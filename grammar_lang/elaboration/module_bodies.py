@@ -84,7 +84,7 @@ class _BodyScope:
         return value
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
-        """Always an error."""
+        """Report an error: a module cannot read ``owner.name``."""
         owner, name = member.owner.text, member.name.text
         hint = None
         if owner == "this":

@@ -45,7 +45,7 @@ class ModuleScope:
         return UNKNOWN
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
-        """Always an error."""
+        """Report an error: a module cannot read ``owner.name``."""
         return foreign_member(member, sink)
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:

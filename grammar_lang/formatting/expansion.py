@@ -87,7 +87,7 @@ def _comments_outside(whole: Span, kept: list[Span], text: str) -> list[str]:
 
 @dataclass(slots=True)
 class _Expansion:
-    """The text of the main file with its replacements.
+    """Assembles the expanded text from the texts of the files.
 
     ``whole`` are the files that replace their includes; ``idle`` are the items in them to leave
     out.

@@ -45,8 +45,8 @@ class Dof:
 
     ``effort`` bounds its free input.  ``inertia`` is the rotor inertia times the square of the gear
     ratio; it moves with this joint only.  ``accel`` bounds the absolute acceleration, ``coulomb``
-    is the dry friction, and ``gear`` is the gear ratio, which exports need.  All are closed and in
-    SI units.
+    is the effort of dry friction, and ``gear`` is the gear ratio, which exports state.  All are
+    closed and in SI units.
     """
 
     name: str

@@ -197,7 +197,7 @@ def formula_text(formula: ir.Formula) -> str:
 
 
 def _within(formula: ir.Formula, level: int) -> str:
-    """A formula as an operand of an operator that takes operators up to ``level``."""
+    """A formula, in parentheses unless it binds at least as tightly as ``level``."""
     text, own = _text(formula)
     return text if own <= level else f"({text})"
 

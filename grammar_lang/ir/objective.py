@@ -14,10 +14,10 @@ ObjectiveKind: TypeAlias = Literal["modules", "mass", "time", "energy", "effort"
 
 @node
 class Objective:
-    """A quantity to minimize; later ones may exceed its least value by the fraction ``within``.
+    """A quantity to minimize; later ones may raise its least value by the fraction ``within``.
 
     ``modules`` is the number of modules, ``mass`` the mass of all bodies without loads (kg),
-    ``time`` the duration of the motion (s), ``energy`` the energy that its drives convert (J),
+    ``time`` the duration of the motion (s), ``energy`` the energy that its drives exchange (J),
     ``effort`` the largest fraction of its bound that an input uses, and ``changes`` the price of
     rebuilding the robots of a mission.  ``sum`` is the sum of an ``attribute`` over the modules of
     the word.  Its ``amounts`` are the modules of the grammar with the attribute, in declaration

@@ -239,8 +239,8 @@ class Carry:
     """A point mass (kg) that an effector (from 1) carries between two samples; None: the only one.
 
     The effector picks it up in the region ``source`` and puts it down, at least one sample later,
-    in ``target``.  At both samples all rates are below the bound of ``rates``; the rates do not
-    jump there.
+    in ``target``.  At both samples all rates are below the bound of ``rates``; they do not change
+    when the load does.
     """
 
     mass: Fraction
@@ -275,10 +275,10 @@ class ModuleMass:
 class Robust:
     """Disturbances that the motion has to withstand.
 
-    ``start`` holds the radii around the planned start, and ``measured`` those of the measured
-    around the true state.  Each input is off by up to the fraction ``effort`` of its value and the
-    fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities and
-    inertias are multiplied by one common factor within 1 +- ``mass``.  Those of the modules in
+    ``start`` holds the radii around the planned start, ``measured`` those of what the controller
+    measures around the true state.  Each input is off by up to the fraction ``effort`` of its value
+    and the fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities
+    and inertias are multiplied by one common factor within 1 +- ``mass``.  Those of the modules in
     ``masses`` are multiplied by one further factor per occurrence, and each payload by its own
     within 1 +- ``payload``.
 

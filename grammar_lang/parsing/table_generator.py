@@ -1,7 +1,7 @@
 """Compile ``srg.lark`` into the tables of the parser with lark, at development time.
 
-At run time the parser then needs neither lark nor the seconds to build its tables.  ``make
-grammar`` runs this file; a test compares its result with ``tables.json``.
+At run time the parser then needs neither lark nor the seconds to build its tables.
+``make grammar`` runs this file; a test compares its result with ``tables.json``.
 """
 
 from __future__ import annotations

@@ -119,8 +119,8 @@ def unclosed_comment(tokens: Tokens) -> Span | None:
 # --- Split the tokens into top-level items, so that an error in one does not hide others ----------
 #
 # An item ends with a ``;`` outside all braces or with the ``}`` that closes its last brace.  If a
-# brace or a ``;`` is missing, tokens that can only begin an item start a new one: ``KEYWORD NAME
-# {``, and ``edge NAME`` or ``include "FILE"`` on a new line.
+# brace or a ``;`` is missing, tokens that can only begin an item start a new one:
+# ``KEYWORD NAME {``, and ``edge NAME`` or ``include "FILE"`` on a new line.
 
 
 BLOCK_KEYWORDS = frozenset({"module", "grammar", "semantics", "workspace", "task", "mission"})
