@@ -75,7 +75,7 @@ def _place(source: Source, span: Span) -> str:
 
 
 def _foremost(diagnostics: Sequence[Diagnostic], most: int) -> list[Diagnostic]:
-    """The ``most`` gravest diagnostics in their order: errors, then warnings, then notes."""
+    """At most ``most`` diagnostics in their order, the most severe ones."""
     ranks = [_BY_SEVERITY[found.severity] for found in diagnostics]
     chosen = sorted(range(len(ranks)), key=ranks.__getitem__)[:most]
     return [diagnostics[index] for index in sorted(chosen)]
