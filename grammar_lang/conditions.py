@@ -1,4 +1,4 @@
-"""Conditions on words outside a file: as text of the language, and read from such a text."""
+"""Conditions on words that do not stand in a file: written as text, and read back from it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _NAME = "Condition"
 
 
 def condition_text(condition: ir.Accept) -> str:
-    """A condition as ``accept`` has it; read again, the text gives the same condition."""
+    """A condition as ``accept`` writes it; reading the text gives the same condition."""
     match condition:
         case ir.Contains(word):
             return f"contains {' '.join(word)}"
@@ -63,12 +63,12 @@ def _grouped(regex: ir.Regex, *kinds: type) -> str:
 
 
 def condition_of(text: str, symbols: Iterable[str]) -> ir.Accept:
-    """The condition that a text states of words of some symbols.
+    """Read a condition on words over the given symbols.
 
     Raises:
-        ValueError: it states none, or states it in another way than ``condition_text`` does.
+        ValueError: the text is not a condition, or not as ``condition_text`` writes it.
     """
-    # Not for those who write conditions: reading takes the parser.
+    # Imported here because only reading a condition needs the parser.
     from grammar_lang.load import load_text
 
     declared = "".join(f"edge {symbol};\n" for symbol in symbols)

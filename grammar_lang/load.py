@@ -1,4 +1,4 @@
-"""The face of this package: a file or a text in, a program or diagnostics out."""
+"""The interface of this package: it takes a file or a text and returns a program or diagnostics."""
 
 from __future__ import annotations
 
@@ -44,13 +44,14 @@ _START = Span(0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A program with its diagnostics; the program is None if and only if one is an error.
+    """A program with its diagnostics; the program is None if and only if there is an error.
 
-    ``sources`` are all files that were read: the main file, what it includes, maps and images.
-    ``sound`` is what of the program has no error, for the checks that look at one grammar,
-    workspace or task at a time; None where nothing could be read.  ``syntax`` is what could be
-    parsed, of all files, and ``names`` are the names in it; None where the main file is no text.
-    ``opened`` is the number of the file that each ``include`` reads, by the span of its path.
+    ``sources`` are all files that were read: the main file, its includes, maps and images.
+    ``sound`` is the part of the program without errors, for checks that look at one grammar,
+    workspace or task at a time; None if nothing could be read.  ``syntax`` is all that could be
+    parsed, of all files, and ``names`` are the names in it; both are None if the main file is not
+    text.  ``opened`` maps the span of the path in an ``include`` to the number of the file that it
+    reads.
     """
 
     program: ir.Program | None
@@ -74,9 +75,10 @@ def load_text(
     Args:
         text: the specification.
         name: what diagnostics call it.
-        folder: where the text is taken to stand; without it, it includes nothing.
-        open_files: what an editor holds of other files, by their path without links; these bytes
-            are taken for what stands on the disk.
+        folder: the folder that paths in the text are relative to; without it, the text can include
+            only files of the library.
+        open_files: the contents that an editor holds of other files, by path with links resolved;
+            they are used instead of what is on disk.
     """
     sink = Sink()
     text = text.removeprefix("\ufeff")
@@ -93,13 +95,13 @@ def load_text(
 
 @without_collection
 def load(path: Path, open_files: Mapping[str, bytes] | None = None) -> Loaded:
-    """Check a file with all it includes.
+    """Check a file and all that it includes.
 
-    One that cannot be read gives one diagnostic, never an exception.
+    A file that cannot be read gives a diagnostic, never an exception.
 
     Args:
         path: the file.
-        open_files: as for :func:`load_text`; the file itself may be one of them.
+        open_files: as for :func:`load_text`; the file itself may be among them.
     """
     sink = Sink()
     name = name_of(path)
@@ -121,7 +123,7 @@ def load(path: Path, open_files: Mapping[str, bytes] | None = None) -> Loaded:
 
 
 def _checked(source: Source, tree: FileTree | None, sink: Sink, *, sound: bool) -> Loaded:
-    """The program of a text that is not too large."""
+    """Check a text that is within the size limit."""
     if not sound:
         return _refused(source, sink=sink)
     files = FileSet(tree, sink, [source], LIMIT - len(source.data))
@@ -152,7 +154,7 @@ def _refused(*sources: Source, sink: Sink) -> Loaded:
 def _modules(
     file: t.File, names: NameTable, meshes: Mapping[Span, ir.Mesh | ir.VisualFile], sink: Sink
 ) -> dict[str, ModuleInfo]:
-    """The modules by name; a second one of a name is checked and left out."""
+    """The modules by name; if a name is declared twice, the second is checked but left out."""
     found: dict[str, ModuleInfo] = {}
     for item in file.items:
         if isinstance(item, s.Module):
@@ -185,14 +187,14 @@ def lower(
     read: Inclusion,
     sink: Sink,
 ) -> ir.Program:
-    """The program of a file, meaningful if no error was reported.
+    """Build the program of a file; it is meaningful only if no error was reported.
 
     Args:
-        file: the items of the file and of all it includes.
-        names: what its names stand for.
+        file: the items of the file and of all that it includes.
+        names: the declaration that each name refers to.
         sources: the texts that spans point into.
         read: the maps and meshes that were read.
-        sink: takes the findings.
+        sink: collects the diagnostics.
     """
     declared = names.declared
     modules = _modules(file, names, read.meshes, sink)
@@ -239,7 +241,7 @@ def lower(
     if declared.missions:
         from grammar_lang.elaboration.missions import lower_missions
 
-        # Of what has an error a mission says nothing more.
+        # A mission reports nothing about tasks that have errors of their own.
         sound = sound_part(program, file, sink.found) if sink.has_errors else program
         missions = lower_missions(declared.missions, around, sound.tasks, sink)
         program = replace(program, missions=missions)

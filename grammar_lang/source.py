@@ -1,4 +1,4 @@
-"""Source texts, positions in them, and the nodes of trees that have one."""
+"""Source texts, positions in them, and the base of all syntax and IR nodes."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from typing import Any, NamedTuple, TypeVar, dataclass_transform
 
 
 _BLANK = re.compile(r"(?:\s|//[^\n]*|/\*(?:[^*]|\*(?!/))*\*/)+")
-"""Blanks and comments."""
+"""Whitespace and comments."""
 
 
 class Span(NamedTuple):
-    """Half-open range of character offsets into the source number ``file``."""
+    """A half-open range of character offsets in the source number ``file``."""
 
     start: int
     end: int
@@ -32,11 +32,11 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True)
 class Source:
-    """A file or a text; lines and columns count from 1, columns in code points.
+    """A file or a text; lines and columns count from 1, and columns count code points.
 
-    ``name`` is what diagnostics call it, ``path`` where it lies below the folder of the main file
-    (with ``/``), ``data`` its bytes.  The text of an image is empty.  ``twin`` is the path under
-    which the same file was read before, where two names lead to one file.
+    ``name`` is what diagnostics call it, ``path`` is its path below the folder of the main file
+    (with ``/``), and ``data`` is its bytes.  The text of an image is empty.  If two names lead to
+    one file, ``twin`` is the path under which that file was read first.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Source:
         return list(accumulate((len(line) + 1 for line in lines[:-1]), initial=0))
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column of a character offset."""
+        """The line and column of a character offset."""
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
@@ -63,9 +63,9 @@ class Source:
 
 
 def written(span: Span, sources: Sequence[Source]) -> str | None:
-    """A statement as it is written, on one line, without comments and the semicolon at its end.
+    """A statement as it is written, on one line, without comments and the final semicolon.
 
-    None where its text is not known.
+    None if its text is not known.
     """
     if span.file >= len(sources) or span.start >= span.end:
         return None
@@ -73,11 +73,11 @@ def written(span: Span, sources: Sequence[Source]) -> str | None:
     return text.removesuffix(";").rstrip() or None
 
 
-# --- Nodes of trees: frozen values with slots, equal up to their places in the text ---------------
+# --- Nodes of trees: immutable values with slots; equality ignores their places in the text -------
 #
-# Every command line begins by making some two hundred of these classes.  ``dataclass(frozen=True)``
-# writes and compiles six methods for each, which was a third of the time of a whole ``check``; here
-# only ``__init__`` is compiled.  That nodes are never changed is left to the type checker.
+# Every command first creates about two hundred of these classes.  ``dataclass(frozen=True)``
+# generates and compiles six methods for each, which took a third of the time of a ``check``; here
+# only ``__init__`` is compiled.  The type checker ensures that nodes are never changed.
 
 
 Node = TypeVar("Node")
@@ -89,7 +89,7 @@ def _key(names: list[str]) -> Callable[[Any], object]:
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 def node(cls: type[Node]) -> type[Node]:
-    """Make a class a node: a dataclass whose fields are compared unless ``compare=False``."""
+    """Turn a class into a node: a dataclass that compares all fields but ``compare=False`` ones."""
     made: Any = dataclass(slots=True, eq=False, repr=False)(cls)
     shown = [f.name for f in fields(made) if f.repr]
     compared = _key([f.name for f in fields(made) if f.compare])

@@ -1,8 +1,8 @@
-"""Units: a closed list, exact factors to SI, and dimensions as integer vectors.
+"""The units of the language: a closed list, exact factors to SI, and dimensions as integer vectors.
 
 Source: BIPM, *The International System of Units*, 9th edition, tables 2, 4 and 8.  Angles are
-dimensionless; the only irrational factor is that of the degree, pi/180, so a factor is a rational
-times a power of pi.
+dimensionless.  The only irrational factor is pi/180, for the degree, so every factor is a rational
+number times a power of pi.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ MAX_EXPONENT = 12
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """Exponents of metre, kilogram, second and ampere."""
+    """The exponents of metre, kilogram, second and ampere."""
 
     length: int = 0
     mass: int = 0
@@ -43,7 +43,7 @@ class Dimension:
         return self * other**-1
 
     def root(self) -> Dimension | None:
-        """The dimension whose square this is."""
+        """The dimension whose square is this one; None if an exponent is odd."""
         exponents = (self.length, self.mass, self.time, self.current)
         if any(e % 2 for e in exponents):
             return None
@@ -85,7 +85,7 @@ _KNOWN: dict[Dimension, tuple[str, str]] = {
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """``factor * pi**pi_power`` SI units of a dimension; ``angular`` if rad or deg occurs."""
+    """``factor * pi**pi_power`` SI units of a dimension; ``angular`` if rad or deg occurs in it."""
 
     dimension: Dimension
     factor: Fraction
@@ -117,9 +117,9 @@ _FACTOR = re.compile(r"([*/]?)([A-Za-z]+)(?:\^(-?[0-9]+))?")
 
 
 def unit(text: str) -> Unit | None:
-    """The unit written as ``text``, read from left to right (``kg*m/s^2``).
+    """Read a unit from left to right (``kg*m/s^2``).
 
-    None if it is none, or if an exponent exceeds ``MAX_EXPONENT`` in size.
+    None if the text is not a unit, or if an exponent exceeds ``MAX_EXPONENT`` in size.
     """
     total = Unit(ONE, Fraction(1))
     position = 0
@@ -144,7 +144,7 @@ def unit(text: str) -> Unit | None:
 
 
 def symbol(dimension: Dimension, *, angular: bool = False) -> str:
-    """The SI unit of a dimension as text: ``m``, ``kg/m``; ``1`` or ``rad`` for none."""
+    """The SI unit of a dimension as text: ``m``, ``kg/m``; ``1`` or ``rad`` if dimensionless."""
     if dimension == ONE:
         return "rad" if angular else "1"
     if dimension in _KNOWN:
@@ -159,7 +159,7 @@ def symbol(dimension: Dimension, *, angular: bool = False) -> str:
 
 
 def describe(dimension: Dimension) -> str:
-    """A dimension for a message: ``a length (m)``."""
+    """A dimension as messages name it: ``a length (m)``."""
     if dimension == ONE:
         return _KNOWN[ONE][0]
     name = _KNOWN[dimension][0] if dimension in _KNOWN else "a quantity"

@@ -1,1 +1,1 @@
-"""Grammars and automata over words of modules: reading, listing, counting, ambiguity."""
+"""Grammars and automata over words of modules: recognition, enumeration, counting, ambiguity."""

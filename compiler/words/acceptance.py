@@ -1,7 +1,7 @@
 """The accept condition as a deterministic finite automaton.
 
 The paper's accept set A = {w : some w_i = EN} (Definition 4) is generalised to regular conditions
-on the word.  Factors by Knuth, Morris, Pratt (1977), regular expressions by Thompson (1968).
+on the word.  Factors: Knuth, Morris, Pratt (1977); regular expressions: Thompson (1968).
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def _factor(word: tuple[int, ...], alphabet: tuple[str, ...], *, absorbing: bool
 
 
 def _prefix(word: tuple[int, ...], alphabet: tuple[str, ...]) -> Dfa:
-    """State k < |word|: the first k symbols match; then the accepting and the dead state."""
+    """State k < |word|: the first k symbols match; the last two states accept and reject."""
     yes, no = len(word), len(word) + 1
     table = [
         state + 1 if symbol == expected else no
@@ -144,12 +144,12 @@ def _count(
 
 
 def at_most(alphabet: tuple[str, ...], symbols: Container[str], bound: int) -> Dfa:
-    """The words with at most ``bound`` occurrences of ``symbols`` together."""
+    """The words with at most ``bound`` occurrences of ``symbols`` in total."""
     counted = frozenset(i for i, name in enumerate(alphabet) if name in symbols)
     return minimal(_count(counted, "<=", bound, alphabet))
 
 
-# --- regular expressions -----------------------------------------------------------------------
+# --- Regular expressions -----------------------------------------------------------------------
 
 
 def _thompson(regex: ir.Regex, alphabet: tuple[str, ...]) -> Nfa:

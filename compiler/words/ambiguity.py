@@ -14,11 +14,11 @@ from compiler.words.regular_automaton import transition_network
 from compiler.words.structures import structures
 from grammar_lang import ir
 
-# --- The short words of a grammar with the number of their derivations, by dynamic programming ----
+# --- The short words of a grammar with the numbers of their derivations, by dynamic programming ---
 #
-# Words of a nonterminal are put together from the shorter words of the symbols of its right sides,
-# length by length (the inside algorithm of Baker 1979, over sets of words).  As many lengths are
-# covered as a budget of steps allows; a step puts one word together.
+# Words of a nonterminal are composed of the shorter words of the symbols on its right sides, length
+# by length (the inside algorithm of Baker 1979, over sets of words).  A budget of steps limits the
+# lengths covered; a step composes one word.
 
 
 # A word is a text with the character of code s for symbol s: quick to join and to hash.
@@ -35,12 +35,12 @@ class ShortWords:
 
 
 def short_words(cfg: Cfg, step_limit: int, longest: int) -> ShortWords:
-    """The words of a trimmed grammar without cycles, in order of length, then of symbols.
+    """The words of a trimmed grammar without cycles, by length and then by symbols.
 
     Args:
         cfg: the grammar.
-        step_limit: the most steps; the covered length is the largest that they suffice for.
-        longest: no words of more symbols are looked for.
+        step_limit: the most steps; they determine the greatest length covered.
+        longest: longer words are not sought.
     """
     tables = _Tables(cfg, step_limit)
     length = -1
@@ -54,10 +54,10 @@ def short_words(cfg: Cfg, step_limit: int, longest: int) -> ShortWords:
 
 
 class _Tables:
-    """``words[k][n]``: the words of length n of nonterminal k.
+    """``words[k][n]`` are the words of length n of nonterminal k.
 
-    ``heads[r][i][n]``: those of the first i + 1 symbols of rule r.  A head is made only as long as
-    the least length of what follows in its rule leaves room for.
+    ``heads[r][i][n]`` are those of the first i + 1 symbols of rule r.  A head is only made up to
+    the length that leaves room for the shortest rest of its rule.
     """
 
     def __init__(self, cfg: Cfg, steps: int) -> None:
@@ -79,7 +79,7 @@ class _Tables:
         return self.terminals[symbol] if symbol < first else self.words[symbol - first]
 
     def extend(self) -> bool:
-        """Make all tables one length longer; False where the steps do not suffice."""
+        """Extend all tables by one length; False if the steps do not suffice."""
         for table in self.words:
             table.append({})
         for r in self.order:
@@ -93,7 +93,7 @@ class _Tables:
         return True
 
     def _derive(self, r: int) -> None:
-        """Give the words of rule r that have the new length to its left side."""
+        """Add the words of rule r of the new length to its left side."""
         left, right = self.cfg.rules[r]
         target = self.words[left - self.cfg.terminals][self.length]
         row = self.heads[r][-1][self.length] if right else {"": 1} if self.length == 0 else {}
@@ -102,7 +102,7 @@ class _Tables:
             target[word] = target.get(word, 0) + number
 
     def _next_row(self, r: int, i: int) -> Row:
-        """The words of the first i + 1 symbols of rule r that have the next length."""
+        """The words of the next length of the first i + 1 symbols of rule r."""
         length = self.length - self.room[r][i]
         tail = self.of(self.cfg.rules[r].right[i])
         self.steps -= 1
@@ -121,7 +121,7 @@ class _Tables:
 
 
 def _least_lengths(cfg: Cfg) -> tuple[int, ...]:
-    """The length of the shortest word of every symbol, given that all rules are useful."""
+    """The length of the shortest word of every symbol; all rules must be useful."""
     first = cfg.terminals
     unknown = -1
     least = [1] * first + [unknown] * cfg.nonterminals
@@ -142,7 +142,7 @@ def _least_lengths(cfg: Cfg) -> tuple[int, ...]:
 
 
 def _room(rule: Rule, least: tuple[int, ...]) -> tuple[int, ...]:
-    """Per position of a right side, the least length of what comes after it."""
+    """For each position of a right side, the least length of what comes after it."""
     after = [0]
     for symbol in reversed(rule.right[1:]):
         after.append(after[-1] + least[symbol])
@@ -150,7 +150,7 @@ def _room(rule: Rule, least: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _ranks(cfg: Cfg) -> tuple[int, ...]:
-    """Nonterminals ranked so that a word of one comes from words of equal length of lower ones."""
+    """Ranks of nonterminals: words of one are made from words of equal length of lower ones."""
     empty, first = nullable(cfg), cfg.terminals
     below: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
     for left, right in cfg.rules:
@@ -163,11 +163,11 @@ def _ranks(cfg: Cfg) -> tuple[int, ...]:
 # --- Ambiguous words: words of a robot family that have several derivations -----------------------
 #
 # Ambiguity of a context-free grammar is undecidable (Cantor 1962; Floyd 1962).  For a grammar
-# without self-embedding it is decided exactly, and one that is LR(1) is unambiguous (Knuth 1965).
-# For any other, all words up to a length are looked at: the largest for which the words of all
-# nonterminals can be put together in ``STEP_LIMIT`` steps, but ``LENGTH_LIMIT`` at most.  If
-# nothing is found there, the first ``FIRST_DERIVATIONS`` derivations of accepted words with at most
-# ``FIRST_MODULES`` modules are looked at too.
+# without self-embedding it is decided exactly, and an LR(1) grammar is unambiguous (Knuth 1965).
+# For any other, all words up to some length are examined: the greatest length up to
+# ``LENGTH_LIMIT`` for which the words of all nonterminals can be composed in ``STEP_LIMIT`` steps.
+# If none of them is ambiguous, the first ``FIRST_DERIVATIONS`` derivations of accepted words with
+# at most ``FIRST_MODULES`` modules are examined as well.
 
 
 STEP_LIMIT = 6_000
@@ -178,9 +178,9 @@ FIRST_MODULES = 6
 
 @dataclass(frozen=True, slots=True)
 class Ambiguity:
-    """Ambiguous words, the first of them first: by length, then by the order of the symbols.
+    """Ambiguous words in order: by length, then by the order of the symbols.
 
-    ``decided``: there is an ambiguous word only if one is listed.
+    ``decided``: if no word is listed, none is ambiguous.
     """
 
     words: tuple[tuple[str, ...], ...]
@@ -190,11 +190,11 @@ class Ambiguity:
 def ambiguity(language: Language, longest: int | None) -> Ambiguity:
     """The ambiguous words found within the bounds above.
 
-    The empty word is no robot and is left aside.
+    The empty word is not a robot and is ignored.
 
     Args:
         language: the language of a grammar that is not cyclic.
-        longest: the length of its longest word, None where it is infinite.
+        longest: the length of its longest word; None if it is infinite.
     """
     cfg = trimmed(language.srg.cfg)
     network = transition_network(cfg)
@@ -209,7 +209,7 @@ def ambiguity(language: Language, longest: int | None) -> Ambiguity:
 
 
 def _short(language: Language, cfg: Cfg, longest: int | None) -> tuple[list[tuple[int, ...]], bool]:
-    """The ambiguous words that are short, and whether all words are."""
+    """The short ambiguous words, and whether all words were examined."""
     most = LENGTH_LIMIT if longest is None else min(longest, LENGTH_LIMIT)
     listed = short_words(cfg, STEP_LIMIT, most)
     complete = listed.length == longest
@@ -228,7 +228,7 @@ def _accepts(language: Language, word: tuple[int, ...]) -> bool:
 
 
 def _first(language: Language) -> list[tuple[int, ...]]:
-    """The ambiguous words among the first derivations, which come sorted by word."""
+    """The ambiguous words among the first derivations, which are sorted by word."""
     first = islice(structures(language, FIRST_MODULES), FIRST_DERIVATIONS)
     twice = dict.fromkeys(b.word for a, b in pairwise(first) if a.word == b.word)
     return [codes for word in twice if (codes := language.srg.encode(word)) is not None]
@@ -236,12 +236,12 @@ def _first(language: Language) -> list[tuple[int, ...]]:
 
 # --- Cycles of unit and empty productions: derivations A =>+ A, step by step ----------------------
 #
-# A production may replace a nonterminal by another one alone where all its other symbols derive the
+# A production may replace a nonterminal by another one alone if all its other symbols derive the
 # empty word (Hopcroft, Motwani & Ullman, section 7.1).
 
 
 class _Step(NamedTuple):
-    """Rule ``rule`` replaces ``source`` by ``target``, the rest of it deriving the empty word."""
+    """Rule ``rule`` replaces ``source`` by ``target``; its other symbols derive the empty word."""
 
     rule: int
     source: int
@@ -250,7 +250,7 @@ class _Step(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ProductionCycle:
-    """Productions that lead from a nonterminal back to it alone.
+    """Productions that lead from a nonterminal back to the same nonterminal alone.
 
     ``nonterminals`` has one entry more than ``productions``: the last is the first again.
     """
@@ -260,7 +260,7 @@ class ProductionCycle:
 
     @property
     def vanishing(self) -> tuple[str, ...]:
-        """What stands beside the nonterminals on the right sides and derives the empty word."""
+        """The other symbols on the right sides, which derive the empty word."""
         found: dict[str, None] = {}
         for production, target in zip(self.productions, self.nonterminals[1:], strict=True):
             names = [symbol.name for symbol in production.right]
@@ -272,7 +272,7 @@ class ProductionCycle:
 def production_cycles(rules: Srg) -> tuple[ProductionCycle, ...]:
     """One cycle for each set of nonterminals that derive each other alone.
 
-    A shortest one through the first of its productions that is on a cycle.
+    It is a shortest cycle through the first production of the set that is on a cycle.
     """
     steps = _steps(rules)
     outgoing: list[list[_Step]] = [[] for _ in rules.nonterminals]
@@ -293,7 +293,7 @@ def production_cycles(rules: Srg) -> tuple[ProductionCycle, ...]:
 
 
 def _steps(rules: Srg) -> list[_Step]:
-    """The steps of useful productions, in order of declaration."""
+    """The steps of useful productions, in declaration order."""
     cfg = rules.cfg
     useful = useful_rules(cfg)
     empty, first = nullable(cfg), cfg.terminals
@@ -308,7 +308,7 @@ def _steps(rules: Srg) -> list[_Step]:
 
 
 def _way(source: int, target: int, outgoing: list[list[_Step]]) -> list[_Step]:
-    """A shortest way from one nonterminal to another, which there is (breadth first)."""
+    """A shortest path from one nonterminal to another, which must exist (breadth first)."""
     arrived: dict[int, _Step | None] = {source: None}
     todo = deque([source])
     while target not in arrived:

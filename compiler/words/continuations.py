@@ -1,4 +1,4 @@
-"""What may follow a call in a derivation, each such language once."""
+"""Continuations: the languages that may follow a call in a derivation, each represented once."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import TypeAlias
 from compiler.words.intersection import BinaryGrammar
 from compiler.words.left_corners import Group
 
-# --- The lengths of words as bit sets: bit m is set where there is a word of length m -------------
+# --- The lengths of words as bit sets: bit m is set if there is a word of length m ----------------
 
 
 CACHE_LIMIT = 50_000
 
 
 class WordLengths:
-    """Exact up to ``horizon`` symbols; ``inside[k]`` are the lengths of nonterminal number k."""
+    """Lengths up to ``horizon``; ``inside[k]`` are those of the words of nonterminal number k."""
 
     def __init__(self, grammar: BinaryGrammar, horizon: int) -> None:
         self.grammar = grammar
@@ -27,7 +27,7 @@ class WordLengths:
         self._sums: dict[tuple[int, int], int] = {}
 
     def before(self, symbol: int, lengths: int) -> int:
-        """The lengths of a symbol followed by one of ``lengths``."""
+        """The lengths of a word of a symbol followed by a word of one of ``lengths``."""
         if symbol < self.grammar.terminals:
             return (lengths << 1) & self.mask
         key = (symbol, lengths)
@@ -63,7 +63,7 @@ def _inside(grammar: BinaryGrammar, mask: int) -> list[int]:
 
 
 def sumset(left: int, right: int) -> int:
-    """All sums of an element of one bit set and one of the other."""
+    """All sums of an element of one bit set and an element of the other."""
     if left.bit_count() > right.bit_count():
         left, right = right, left
     result = 0
@@ -74,20 +74,21 @@ def sumset(left: int, right: int) -> int:
     return result
 
 
-# --- What may follow a call, each such language once ----------------------------------------------
+# --- Continuations --------------------------------------------------------------------------------
 #
-# A continuation is a set of items: a symbol, and the continuation after it; it is ``final`` where
-# the word may end.  (The return points of the graph-structured stack, Tomita 1985; top-down as in
-# GLL, Scott & Johnstone 2010.)  Symbols derive no empty word here.  So a system of equations
+# A continuation is a set of items: a symbol, and the continuation after it.  It is ``final`` if the
+# word may end there.  (These are the return points of the graph-structured stack, Tomita 1985; used
+# top-down as in GLL, Scott & Johnstone 2010.) No symbol derives the empty word here.  So a system
+# of equations
 #
-#     K_i = final_i + items_i + sum of X K_j
+# K_i = final_i + items_i + sum of X K_j
 #
-# has exactly one solution (Arden 1961; the same argument over words in place of letters), and
-# continuations that fulfil the equations of new ones *are* these: nothing new is made.  That keeps
-# the ambiguous ``E -> E + E`` as small as a grammar that was written without the ambiguity, and no
-# alternative is discarded for it.  For the same reason an item X K may be left out where there is
-# an item X K' and K' is known to include K: the true languages fulfil the equations without it,
-# too.
+# has exactly one solution (Arden 1961; the same argument with words instead of letters).  If
+# existing continuations satisfy the equations of new ones, they *are* the new ones, and nothing is
+# created.  That keeps the ambiguous ``E -> E + E`` as small as an equivalent unambiguous grammar,
+# without discarding any alternative.  For the same reason, an item X K may be omitted if there is
+# an item X K' and K' is known to include K: the true languages satisfy the equations without it as
+# well.
 
 
 Item: TypeAlias = "tuple[int, Continuation]"
@@ -96,9 +97,9 @@ Part: TypeAlias = tuple[bool, frozenset[Item]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Knot:
-    """Continuations that were made together, one per member of ``members``.
+    """Continuations that were made together, one for each of ``members``.
 
-    ``inner``: per member, symbols before continuations of the knot, by their place in it.
+    ``inner`` has, for each member, symbols before continuations of the knot, given by index.
     """
 
     members: tuple[int, ...]
@@ -109,9 +110,9 @@ class Knot:
 class Continuation:
     """A language that may follow; compared by identity.
 
-    ``lengths``: those of its words, where asked for.  ``height``: how many continuations, at most,
-    are one after the other down to the end, those of a knot counting once.  ``includes``: some
-    whose words are all words of this one.
+    ``lengths``: the lengths of its words, if requested.  ``height``: the greatest number of
+    successive continuations down to the end, where a knot counts once.  ``includes``: continuations
+    all of whose words are also words of this one.
     """
 
     __slots__ = ("final", "height", "includes", "items", "knot", "lengths")
@@ -126,7 +127,7 @@ class Continuation:
 
 
 MOST_INCLUDED = 4
-"""Of the continuations that one includes, so many are remembered."""
+"""The most included continuations that are recorded for each one."""
 
 
 def _include(point: Continuation, others: Iterable[Continuation]) -> None:
@@ -136,7 +137,7 @@ def _include(point: Continuation, others: Iterable[Continuation]) -> None:
 
 
 def maximal(points: Iterable[Continuation]) -> list[Continuation]:
-    """The continuations without those that others of them include."""
+    """The continuations, without those that others among them include."""
     kept = dict.fromkeys(points)
     for point in list(kept):
         if point in kept:
@@ -146,7 +147,7 @@ def maximal(points: Iterable[Continuation]) -> list[Continuation]:
 
 
 def without_included(items: Iterable[Item]) -> frozenset[Item]:
-    """The items without those that others with the same symbol include."""
+    """The items, without those that others with the same symbol include."""
     kept = set(items)
     for item in tuple(kept):
         if item in kept:
@@ -175,12 +176,12 @@ class Continuations:
         direct: Mapping[int, Sequence[Continuation]],
         points: dict[int, Continuation],
     ) -> None:
-        """Give each member of a group of called nonterminals its continuation, in ``points``.
+        """Store the continuation of each member of a group of called nonterminals in ``points``.
 
         Args:
             group: the group.
             direct: the continuations of nonterminals that are called from outside.
-            points: those of the callers in other groups.
+            points: the continuations of the callers in other groups.
         """
         parts: list[Part] = []
         candidates: list[Continuation] = []
@@ -203,7 +204,7 @@ class Continuations:
         points.update(zip(group.members, knot.points, strict=True))
 
     def plugged(self, items: frozenset[Item], below: Continuation) -> frozenset[Item]:
-        """The items with ``below`` in the place of the end."""
+        """The items with the end replaced by ``below``."""
         for level in _levels(items, self._plugged, below):
             if level.knot is None:
                 parts = [self._plugged_part(level, below, frozenset())]
@@ -223,7 +224,7 @@ class Continuations:
     def _plugged_part(
         self, point: Continuation, below: Continuation, knot: frozenset[Continuation]
     ) -> Part:
-        """A continuation with another end, but for what leads into its own knot."""
+        """The part of a continuation with another end, without what leads into its own knot."""
         items = {
             (symbol, self._plugged[target, below])
             for symbol, target in point.items
@@ -251,9 +252,9 @@ class Continuations:
         candidates: Sequence[Continuation],
         included: Sequence[Sequence[Continuation]],
     ) -> Knot:
-        """The solution of the equations of a knot; a candidate's knot where that fulfils them.
+        """The solution of the equations of a knot; the knot of a candidate if that satisfies them.
 
-        ``included``: per member, continuations that it includes.
+        ``included``: for each member, continuations that it includes.
         """
         known = self._knots.get((members, parts))
         if known is None:
@@ -296,7 +297,7 @@ def _levels(
     done: Mapping[tuple[Continuation, Continuation], Continuation],
     below: Continuation,
 ) -> list[Continuation]:
-    """What is reached from the items and not plugged yet, by height; of a knot one alone."""
+    """The continuations reached from the items and not yet plugged, by height; one per knot."""
     found: dict[Continuation, None] = {}
     todo = [target for _, target in items]
     while todo:
@@ -315,7 +316,7 @@ def _with_inner(
     inner: tuple[tuple[tuple[int, int], ...], ...],
     parts: Sequence[Part],
 ) -> list[Part]:
-    """The parts with the symbols before continuations of the knot, which are ``points``."""
+    """The parts, with the symbols before continuations of the knot, which are ``points``."""
     return [
         (final, without_included(items.union((symbol, points[place]) for symbol, place in row)))
         for (final, items), row in zip(parts, inner, strict=True)
@@ -333,7 +334,7 @@ def _fulfils(
         return False
     for point, (final, items), row in zip(knot.points, parts, inner, strict=True):
         own = items.union((symbol, knot.points[place]) for symbol, place in row)
-        # Cheap to refuse: leaving out what is included only takes items away.
+        # A cheap test first: omitting what is included only removes items.
         if point.final != final or not point.items <= own:
             return False
         if point.items != without_included(own):
@@ -342,7 +343,7 @@ def _fulfils(
 
 
 def _settle(points: Sequence[Continuation], whole: Sequence[Part], lengths: WordLengths) -> None:
-    """The least fixpoint of the lengths of continuations that refer to each other."""
+    """Compute the lengths of mutually recursive continuations as a least fixpoint."""
     changed = True
     while changed:
         changed = False

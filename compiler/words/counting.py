@@ -1,4 +1,4 @@
-"""The words of a language: listed in order, and counted by length."""
+"""The words of a language: enumerated in order, and counted by length."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def words_in_order(
     """All words, by length and then by the order of the symbols.
 
     Args:
-        recogniser_up_to: makes one with the horizon asked for; longer words need a larger one.
-        first: no word is shorter.
-        longest: no longer ones are asked for, or there are none; None: not known.
-        last: asked once, where there is no word of some length: the length of the longest word,
-            less than ``first`` for an empty language; None: there are infinitely many.
+        recogniser_up_to: makes a recogniser with a given horizon; longer words need a larger one.
+        first: a lower bound on the length of all words.
+        longest: the greatest length wanted, or a bound on the length of all words; None if unknown.
+        last: called once, when some length has no word.  It returns the length of the longest word,
+            less than ``first`` for an empty language, or None if there are infinitely many words.
 
     Raises:
-        WordsTooLongError: it comes to words of more than ``LENGTH_LIMIT`` symbols.
+        WordsTooLongError: the enumeration reaches words of more than ``LENGTH_LIMIT`` symbols.
     """
     asked = longest is not None
     horizon = max(FIRST_HORIZON, first)
@@ -61,8 +61,8 @@ def words_of_length(
 ) -> Iterator[tuple[int, ...]]:
     """The words of one length in lexicographic order, by depth-first search.
 
-    ``dead`` remembers states from which no word of some length follows, though their lengths have
-    it: no such dead end is entered twice.
+    ``dead`` records states that allow a length but have no word of that length, so that no dead end
+    is entered twice.
     """
     if length and recogniser.lengths(recogniser.root) >> length & 1:
         yield from _search(recogniser, length, set() if dead is None else dead)
@@ -77,7 +77,7 @@ def _search(
     word: list[int] = []
     path = [recogniser.root]
     choices = [iter(moves(recogniser.root))]
-    # The length of the path at the last word, to tell dead ends from what has been listed.
+    # The length of the path at the last word, to distinguish dead ends from finished branches.
     fruitful = 0
     rest = length - 1
     while choices:
@@ -106,26 +106,23 @@ def _search(
             del word[-1:]
 
 
-# --- Words and derivations counted by length ------------------------------------------------------
-
-
-# --- How many derivations a grammar in binary normal form has, by length --------------------------
+# --- The number of derivations of a grammar in binary normal form, by length ----------------------
 #
-# For an unambiguous grammar these are its words, counted in polynomial time, and a number below the
-# count stands for one word: drawing the number uniformly draws the word uniformly (Hickey & Cohen
+# For an unambiguous grammar this is the number of words, in polynomial time.  A number below it
+# stands for one word, so a uniformly random number gives a uniformly random word (Hickey & Cohen
 # 1983, *Uniform random generation of strings in a context-free language*).
 
 
 SPARSE = 4
-"""Where fewer than one length in so many has words, only these are looked at."""
+"""If fewer than one in this many lengths has words, only those lengths are visited."""
 
 
 PRODUCT_BUDGET = 100_000_000
-"""So many products of two numbers are summed up at most."""
+"""The most products of two numbers that are computed."""
 
 
 class DerivationCounts:
-    """``of(symbol)[n]``: the derivations of words of n symbols, n up to ``longest``.
+    """``of(symbol)[n]`` is the number of derivations of words of n symbols, n up to ``longest``.
 
     Raises:
         BudgetExceededError: ``PRODUCT_BUDGET`` does not suffice.
@@ -137,7 +134,7 @@ class DerivationCounts:
         self._products = 0
         self._terminal = [0, 1][: longest + 1] + [0] * (longest - 1)
         self._rows: list[list[int]] = [[0] for _ in grammar.rules]
-        # Per nonterminal the lengths of its words: often few.
+        # For each nonterminal, the lengths of its words, which are often few.
         self._lengths: list[list[int]] = [[] for _ in grammar.rules]
         for length in range(1, longest + 1):
             found = [sum(self._ways(side, length) for side in rights) for rights in grammar.rules]
@@ -149,7 +146,7 @@ class DerivationCounts:
                 raise BudgetExceededError("counting derivations", PRODUCT_BUDGET, "of long words")
 
     def of(self, symbol: int) -> list[int]:
-        """The numbers for a symbol, by length."""
+        """The numbers of derivations of a symbol, by length."""
         first = self.grammar.terminals
         return self._terminal if symbol < first else self._rows[symbol - first]
 
@@ -180,7 +177,7 @@ class DerivationCounts:
         return tuple(word)
 
     def _ways(self, side: RightSide, length: int) -> int:
-        """The derivations of one length that begin with this right side; shorter ones are known."""
+        """The derivations of one length that begin with this right side, from the shorter ones."""
         first = self.grammar.terminals
         if len(side) == 1:
             return int(length == 1)
@@ -207,7 +204,7 @@ class DerivationCounts:
         raise IndexError("there are not so many derivations")
 
     def _choice(self, symbol: int, length: int, index: int) -> tuple[RightSide, int, int]:
-        """The right side, where it is cut in two, and the rest of the number."""
+        """The right side, where it is split in two, and the remaining index."""
         for side in self.grammar.rules[symbol - self.grammar.terminals]:
             if len(side) == 1:
                 if length == 1 and index == 0:
@@ -223,11 +220,10 @@ class DerivationCounts:
         raise IndexError("there are not so many derivations")
 
 
-# --- Words counted by their prefixes, each once however many derivations it has -------------------
+# --- Words counted by their prefixes, each once, however many derivations it has ------------------
 #
-# The prefixes of one length are put together by the state that reading them leads to.  An automaton
-# has a bounded number of these; for an ambiguous grammar there may be exponentially many, hence the
-# budget.
+# Prefixes of one length are grouped by the state that they lead to.  An automaton has a bounded
+# number of states; for an ambiguous grammar there may be exponentially many, hence the budget.
 
 
 QUESTION = "counting the words"
@@ -240,10 +236,10 @@ REASON = (
 def count_by_length(
     recogniser: Recogniser[State], longest: int, budget: int | None = MOVE_BUDGET
 ) -> tuple[int, ...]:
-    """The number of words of each length from 0 to ``longest``, at most the reading's horizon.
+    """The number of words of each length from 0 to ``longest``, at most the recogniser's horizon.
 
     Raises:
-        BudgetExceededError: more than ``budget`` moves are needed; None: there is no bound.
+        BudgetExceededError: more than ``budget`` moves are needed; None means no bound.
     """
     level = {recogniser.root: 1} if recogniser.lengths(recogniser.root) else {}
     counts: list[int] = []
@@ -267,10 +263,10 @@ def count_by_length(
 
 
 class WordsOfLength:
-    """The words of one length, numbered in lexicographic order: ``number`` of them.
+    """The ``number`` words of one length, numbered in lexicographic order.
 
     Raises:
-        BudgetExceededError: more than ``budget`` moves are needed; None: there is no bound.
+        BudgetExceededError: more than ``budget`` moves are needed; None means no bound.
     """
 
     def __init__(
@@ -305,7 +301,7 @@ class WordsOfLength:
         """The word with that number, from 0.
 
         Raises:
-            IndexError: there are not so many words.
+            IndexError: there are fewer words.
         """
         if not 0 <= index < self.number:
             raise IndexError(f"there are {self.number} words of length {self.length}")

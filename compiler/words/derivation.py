@@ -1,7 +1,7 @@
-"""Derivations (Definition 3): which productions make a word, as a tree.
+"""Derivations (Definition 3): the tree of productions that derives a word.
 
-A structure of a robot is a derivation, not a word.  A leftmost derivation is given by the labels of
-its productions; ``replay`` checks one.  Nothing here is recursive in the length of the word.
+The structure of a robot is a derivation, not a word.  A leftmost derivation is given by the labels
+of its productions; ``replay`` checks one.  Nothing here is recursive in the length of the word.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from grammar_lang import ir
 
 
 class BadDerivation(ValueError):
-    """Labels that are not a leftmost derivation of a word from the start symbol."""
+    """The labels are not a leftmost derivation of a word from the start symbol."""
 
 
 @dataclass(frozen=True, slots=True)
 class DerivationNode:
     """One application of a production.
 
-    ``children`` has one entry per symbol of the right side: for a terminal its index in the word,
-    for a nonterminal the index of its node.
+    ``children`` has one entry for each symbol of the right side: the index in the word for a
+    terminal, the index of the node for a nonterminal.
     """
 
     production: ir.Production
@@ -30,18 +30,18 @@ class DerivationNode:
 
 @dataclass(frozen=True, slots=True)
 class Derivation:
-    """A derivation tree; ``nodes`` in leftmost order (pre-order), node 0 derives the start."""
+    """A derivation tree; ``nodes`` are in leftmost order (pre-order), node 0 derives the start."""
 
     word: tuple[str, ...]
     nodes: tuple[DerivationNode, ...]
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The leftmost derivation as labels of productions."""
+        """The labels of the productions, in leftmost order."""
         return tuple(node.production.label for node in self.nodes)
 
     def spans(self) -> list[tuple[int, int]]:
-        """Per node, the positions in the word between which stands what it derives."""
+        """For each node, the range of positions in the word that it derives."""
         inner = [
             [
                 child
@@ -68,13 +68,13 @@ class Derivation:
 
 
 def replay(grammar: ir.Grammar, labels: Iterable[str]) -> Derivation:
-    """The derivation with these labels, leftmost, from the start symbol.
+    """The leftmost derivation with these labels, from the start symbol.
 
-    The accept condition is not looked at.
+    The accept condition is not checked.
 
     Raises:
-        BadDerivation: an unknown label, a production of another nonterminal than the leftmost,
-            too few labels or too many.
+        BadDerivation: an unknown label, a production of another nonterminal than the leftmost, or
+            too few or too many labels.
     """
     by_label = {production.label: production for production in grammar.productions}
     productions: list[ir.Production] = []
@@ -89,7 +89,7 @@ def tree(start: str, productions: Sequence[ir.Production]) -> Derivation:
     """The derivation that replaces the leftmost nonterminal by these productions in turn.
 
     Raises:
-        BadDerivation: as ``replay``.
+        BadDerivation: as in ``replay``.
     """
     word: list[str] = []
     children: list[list[int]] = []
@@ -126,11 +126,11 @@ def tree(start: str, productions: Sequence[ir.Production]) -> Derivation:
     return Derivation(tuple(word), tuple(nodes))
 
 
-# --- In which order the productions of a derivation emit: that of the word ------------------------
+# --- The order in which the productions of a derivation emit: that of the word --------------------
 
 
 def emission_order(derivation: Derivation) -> list[int]:
-    """The nodes by their first modules, else first terminals; effectors count in this order."""
+    """The nodes ordered by first module or else first terminal; effectors count in this order."""
     nodes = range(len(derivation.nodes))
     return sorted(nodes, key=lambda node: (_place(derivation, node), node))
 
@@ -138,9 +138,9 @@ def emission_order(derivation: Derivation) -> list[int]:
 def body_symbols(
     derivation: Derivation, semantics: Mapping[str, ir.SemanticBlock]
 ) -> tuple[tuple[int | None, ...], tuple[int | None, ...]]:
-    """Per body, and per shape, in the order of the robot's, the symbol that brings it.
+    """The symbol, by its position in the word, that each body and each shape belongs to.
 
-    None for those of a production without terminals.
+    None for a production without terminals.
     """
     bodies, shapes = list[int | None](), list[int | None]()
     for node in emission_order(derivation):
@@ -156,7 +156,7 @@ def body_symbols(
 
 
 def _place(derivation: Derivation, node: int) -> int:
-    """Where in the word a production emits."""
+    """The position in the word at which a production emits."""
     current = derivation.nodes[node]
     own = [
         (symbol.kind != "module", current.children[position])

@@ -1,12 +1,13 @@
 """The deterministic pushdown automaton of an LR(1) grammar with its accept condition.
 
-Knuth 1965: a language is deterministic exactly where it has an LR(1) grammar.  The stack holds the
-states of the LR automaton; the finite control holds the state of the accept automaton, the symbol
-looked ahead and, while a right side is taken off the stack, how much of it is left.
+Knuth 1965: a language is deterministic if and only if it has an LR(1) grammar.  The stack holds the
+states of the LR automaton.  The finite control holds the state of the accept automaton, the
+lookahead symbol and, while a right side is popped, how much of it is left.
 
-The automaton looks one symbol ahead to choose a reduction, and after the last symbol there is none
-to look at; with an emptied stack and no end marker it could not accept both a word and a proper
-prefix of it.  So the input is the word and an end marker, which is no terminal.
+The automaton looks one symbol ahead to choose a reduction, and after the last symbol there is
+nothing to look at.  Accepting with an empty stack and without an end marker, it could not accept
+both a word and a proper prefix of it.  So its input is the word and an end marker, which is not a
+terminal.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ NOTHING = -1
 def deterministic_pushdown(
     srg: Srg, automaton: LrAutomaton, accept: Dfa, limit: int = TRANSITION_LIMIT
 ) -> Pda | LrTooLarge:
-    """The deterministic automaton of L(SRG) intersected with L(accept), each word with its end.
+    """The deterministic automaton of L(SRG) intersected with L(accept), for words with end markers.
 
-    ``alphabet`` is Z and the end marker, ``stack_alphabet`` the states of ``automaton``, the LR(1)
-    automaton of ``srg.cfg``.  What no run can need is left out: controls that the LR automaton
-    does not lead to, and symbols after which the accept condition cannot hold any more.  Gives up
-    after ``limit`` transitions.
+    ``alphabet`` is Z and the end marker; ``stack_alphabet`` are the states of ``automaton``, the
+    LR(1) automaton of ``srg.cfg``.  Parts that no run can use are left out: controls that the LR
+    automaton does not lead to, and symbols after which the accept condition cannot hold.  The
+    construction gives up after ``limit`` transitions.
 
     Raises:
-        ValueError: ``accept`` has another alphabet, or ``automaton`` is of another grammar.
+        ValueError: ``accept`` has another alphabet, or ``automaton`` belongs to another grammar.
     """
     if accept.alphabet != srg.terminals:
         raise ValueError("the accept condition and the grammar have different alphabets")
@@ -74,8 +75,8 @@ def is_deterministic(pda: Pda) -> bool:
 class _Control:
     """A state of the finite control.
 
-    ``state``: of the accept automaton, once ``ahead`` is read; ``ahead``: the symbol looked at;
-    ``left``: the nonterminal to push when ``pops`` more symbols are off the stack.
+    ``state``: the state of the accept automaton after reading ``ahead``; ``ahead``: the lookahead
+    symbol; ``left``: the nonterminal to push once ``pops`` more symbols have been popped.
     """
 
     state: int
@@ -89,7 +90,7 @@ FINAL = _Control(NOTHING, pops=NOTHING)
 
 
 class _Exploration:
-    """The transitions, from the controls with the tops of the stack that they may meet."""
+    """Finds the transitions, by controls together with the tops of stack they may meet."""
 
     def __init__(self, srg: Srg, automaton: LrAutomaton, accept: Dfa) -> None:
         self.automaton = automaton
@@ -113,7 +114,7 @@ class _Exploration:
         self.seen = set(self.todo)
 
     def run(self, limit: int) -> bool:
-        """Find all transitions; False where there are more than ``limit``."""
+        """Find all transitions; False if there are more than ``limit``."""
         for control, top in self.todo:
             if control == CLOSING:
                 self._add(control, None, top, (), FINAL)
@@ -130,7 +131,7 @@ class _Exploration:
         return True
 
     def _seeing(self, control: _Control, symbol: int) -> Iterator[_Control]:
-        """The control that has read ``symbol``, if the word can still be accepted then."""
+        """The control that has read ``symbol``, if the word can then still be accepted."""
         if symbol == self.automaton.end:
             if self.accept.accepting[control.state]:
                 yield _Control(NOTHING, symbol)
@@ -138,7 +139,7 @@ class _Exploration:
             yield _Control(self.accept.step(control.state, symbol), symbol)
 
     def _act(self, control: _Control, read: int | None, top: int, seeing: _Control) -> None:
-        """The action of the LR automaton on the symbol that is seen."""
+        """Add the LR automaton's action on the lookahead symbol."""
         action = self.automaton.actions[top].get(seeing.ahead)
         if action is None:
             return
@@ -157,7 +158,7 @@ class _Exploration:
                 self._add(control, read, top, (target, top), seeing, label)
 
     def _replace(self, control: _Control, top: int) -> None:
-        """Go on taking a right side off; after it, push what its left side leads to."""
+        """Continue to pop a right side; when it is gone, push the goto state of its left side."""
         if control.pops:
             less = _Control(control.state, control.ahead, control.left, control.pops - 1)
             self._add(control, None, top, (), less)
@@ -184,7 +185,7 @@ class _Exploration:
                 self.todo.append((target, exposed))
 
     def name(self, control: _Control) -> str:
-        """A name that tells all of a control."""
+        """A name that identifies a control."""
         if control == FINAL:
             return "f"
         if control == CLOSING:

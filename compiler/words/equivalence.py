@@ -1,4 +1,4 @@
-"""Whether two families have the same words, and the first word of one that is not in the other."""
+"""Whether two families have the same words, and the first word that only one of them has."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from compiler.words.budget import MOVE_BUDGET, BudgetExceededError
 from compiler.words.language import Language
 from compiler.words.recogniser import Recogniser
 
-# --- The first word, in length-lexicographic order, that is in one language and not in another ----
+# --- The first word, in length-lexicographic order, that exactly one of two languages has ---------
 #
-# Both are read at once.  For two finite automata the pairs of states are finitely many and the
-# answer is exact for all lengths (Moore 1956); equivalence of context-free languages is
-# undecidable, and is answered up to a length.
+# Both are read in parallel.  For two finite automata there are finitely many pairs of states, and
+# the answer is exact for all lengths (Moore 1956).  Equivalence of context-free languages is
+# undecidable, so they are compared up to a length.
 
 
 REASON = "too many prefixes differ in what may follow them; compare shorter words"
@@ -27,13 +27,13 @@ Pair: TypeAlias = "tuple[Left | None, Right | None]"
 def first_difference(
     left: Recogniser[Left], right: Recogniser[Right], longest: int, budget: int | None = MOVE_BUDGET
 ) -> tuple[int, ...] | None:
-    """The first word of at most ``longest`` symbols that exactly one of both has; None: none.
+    """The first word of at most ``longest`` symbols that exactly one of both has; None if none has.
 
-    Terminals have the same numbers in both.  Words are looked at by length; pairs of states that
-    were met before lead to nothing that a shorter prefix has not led to.
+    Terminals have the same numbers in both.  Words are examined by length; a pair of states that
+    was reached before cannot lead to anything new.
 
     Raises:
-        BudgetExceededError: more than ``budget`` moves are needed; None: there is no bound.
+        BudgetExceededError: more than ``budget`` moves are needed; None means no bound.
     """
     start: Pair[Left, Right] = (left.root, right.root)
     before: dict[Pair[Left, Right], tuple[Pair[Left, Right], int] | None] = {start: None}
@@ -77,7 +77,7 @@ def _moves(
 def _alive(
     left: Recogniser[Left], right: Recogniser[Right], pair: Pair[Left, Right], mask: int
 ) -> bool:
-    """Whether some word of one of both is short enough."""
+    """Whether one of both has a word that is short enough."""
     p, q = pair
     first = 0 if p is None else left.lengths(p)
     second = 0 if q is None else right.lengths(q)
@@ -98,14 +98,15 @@ def _word(
 
 
 # --------------------------------------------------------------------------------------------------
-# Whether two families have the same words, up to a length or, where both are regular, at all.
+# Compare the words of two families, up to a length or, if both are regular, without a bound.
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """``word``: the first one that exactly one of both has, the first one where ``in_first``.
+    """The result of a comparison.
 
-    ``longest``: words of more symbols were not compared; None: all were.
+    ``word`` is the first word that exactly one language has (the first language if ``in_first``).
+    ``longest`` is the greatest length compared; None if all words were.
     """
 
     word: tuple[str, ...] | None
@@ -116,10 +117,10 @@ class Comparison:
 def compare(
     first: Language, second: Language, longest: int, budget: int = MOVE_BUDGET
 ) -> Comparison:
-    """Compare the words of at most ``longest`` symbols, or all where both languages are regular.
+    """Compare the words of at most ``longest`` symbols, or all words if both languages are regular.
 
-    Two minimal automata of m and n states that differ do so on a word of less than m + n symbols
-    (Moore 1956).
+    If two minimal automata of m and n states differ, they do so on a word of less than m + n
+    symbols (Moore 1956).
 
     Raises:
         ValueError: the languages have different terminals.

@@ -1,8 +1,8 @@
 """Finite automata: subset construction, Boolean operations, minimisation.
 
-Subset construction by Rabin and Scott (1959), Boolean operations by products, minimal by Hopcroft
-(1971); the states of a minimal automaton are numbered in breadth-first order over the symbols, so
-equal languages give equal automata.
+The subset construction is by Rabin and Scott (1959), Boolean operations use products, and
+minimisation is by Hopcroft (1971).  The states of a minimal automaton are numbered in breadth-first
+order by symbol, so equal languages give equal automata.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Dfa:
         return self.table[state * len(self.alphabet) + symbol]
 
     def run(self, word: Iterable[str]) -> tuple[int, ...] | None:
-        """The states met, the initial one first; None where a token is no symbol."""
+        """The states visited, starting with the initial one; None if a token is not a symbol."""
         number = {name: i for i, name in enumerate(self.alphabet)}
         states = [0]
         for token in word:
@@ -56,7 +56,7 @@ class Dfa:
         return states is not None and self.accepting[states[-1]]
 
     def live(self) -> tuple[bool, ...]:
-        """Per state, whether an accepting state can be reached from it."""
+        """For each state, whether an accepting state can be reached from it."""
         width = len(self.alphabet)
         before: list[list[int]] = [[] for _ in range(self.size)]
         for i, target in enumerate(self.table):
@@ -71,7 +71,7 @@ class Dfa:
         return tuple(alive)
 
     def longest(self) -> int | None:
-        """The length of the longest word; None where there is none such, -1 where no word."""
+        """The length of the longest word; None if there is no bound, -1 if there is no word."""
         live = self.live()
         if not live[0]:
             return -1
@@ -82,7 +82,7 @@ class Dfa:
             if live[target] and live[i // width]:
                 pending[i // width] += 1
                 before[target].append(i // width)
-        # From the states that nothing follows, backwards; states on a cycle are never reached.
+        # Backwards from states without live successors; states on a cycle are never reached.
         todo = [s for s in range(self.size) if live[s] and not pending[s]]
         length = [0] * self.size
         settled = 0
@@ -164,17 +164,17 @@ def _next_number(states: Sized, limit: int = STATE_LIMIT) -> int:
 
 
 def complement(dfa: Dfa) -> Dfa:
-    """The words that are not accepted; minimal where ``dfa`` is."""
+    """The words that are not accepted; minimal if ``dfa`` is."""
     return Dfa(dfa.alphabet, dfa.table, tuple(not a for a in dfa.accepting))
 
 
 def intersection(left: Dfa, right: Dfa) -> Dfa:
-    """The words that both accept, minimal."""
+    """The words that both accept; minimal."""
     return _product(left, right, lambda a, b: a and b)
 
 
 def union(left: Dfa, right: Dfa) -> Dfa:
-    """The words that one of both accepts, minimal."""
+    """The words that at least one of both accepts; minimal."""
     return _product(left, right, lambda a, b: a or b)
 
 
@@ -195,7 +195,7 @@ def _product(left: Dfa, right: Dfa, combine: Callable[[bool, bool], bool]) -> Df
     return minimal(Dfa(left.alphabet, tuple(table), marks))
 
 
-# --- minimisation ------------------------------------------------------------------------------
+# --- Minimisation ------------------------------------------------------------------------------
 
 
 def minimal(dfa: Dfa) -> Dfa:
@@ -216,7 +216,7 @@ def minimal(dfa: Dfa) -> Dfa:
 
 
 def _equivalence(dfa: Dfa) -> list[int]:
-    """Per state, the number of its class of equivalent states (Hopcroft 1971)."""
+    """For each state, the number of its class of equivalent states (Hopcroft 1971)."""
     width = len(dfa.alphabet)
     before: list[list[list[int]]] = [[[] for _ in range(dfa.size)] for _ in range(width)]
     for i, target in enumerate(dfa.table):
@@ -259,5 +259,5 @@ def _split(
     blocks.append(smaller)
     for state in smaller:
         block[state] = new
-    # The smaller part alone suffices where b is not pending; where it is, b stays pending.
+    # If b is not pending, the smaller part suffices; if b is pending, it stays so.
     todo.update((new, symbol) for symbol in range(width))

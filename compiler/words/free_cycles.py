@@ -1,8 +1,8 @@
-"""Cycles of derivations that add no weight: with one, infinitely many words weigh the same.
+"""Cycles in derivations that add no weight: with one, infinitely many words have the same weight.
 
 Without one, every bound on the weight leaves finitely many words.  A rule ``A -> B C`` leads from A
-to B, adding what C derives, and from A to C, adding what B derives; a cycle is free where all that
-it adds may weigh nothing.
+to B and adds what C derives, and from A to C and adds what B derives.  A cycle is free if all that
+it adds can have weight zero.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ def has_free_cycle(product: BinaryGrammar, weights: Sequence[Fraction]) -> bool:
 
     Args:
         product: a grammar in binary normal form whose nonterminals are all useful.
-        weights: of the terminals, by number; none is negative.
+        weights: the weights of the terminals, by number; none is negative.
     """
     return bool(free_terminals(product, weights))
 
 
 def free_terminals(product: BinaryGrammar, weights: Sequence[Fraction]) -> frozenset[int]:
-    """The terminals that free cycles add, by number; none where there is no such cycle."""
+    """The numbers of the terminals that free cycles add; empty if there is no free cycle."""
     first, size = product.terminals, len(product.rules)
     free = _weightless(product, weights)
     steps = [
@@ -65,7 +65,7 @@ def _weightless(product: BinaryGrammar, weights: Sequence[Fraction]) -> frozense
 
 
 def _derived(product: BinaryGrammar, symbols: set[int], free: frozenset[int]) -> frozenset[int]:
-    """The terminals in words over ``free`` that symbols derive."""
+    """The terminals in words over ``free`` that the symbols derive."""
     found, todo = set(symbols), list(symbols)
     while todo:
         symbol = todo.pop()

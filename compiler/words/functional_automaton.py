@@ -1,9 +1,9 @@
-"""The functional reconfiguration automaton (FRA): the SRA with semantic updates on its moves.
+"""The functional reconfiguration automaton (FRA): the SRA with semantic updates on its transitions.
 
-The paper omits its definition (after Definition 6); this is the completion: a transition that
-applies a production carries the attribute rules and emissions of that production, which speak of
-the symbol taken off the stack (``this``) and of those put on it.  The productions along an
-accepting run are a leftmost derivation, and the updates along it are all that defines the robot.
+The paper omits its definition (after Definition 6).  This module completes it: a transition that
+applies a production carries its attribute rules and emissions, which refer to the symbol popped
+(``this``) and to those pushed.  The productions along an accepting run are a leftmost derivation,
+and the updates along it define the robot completely.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ class Fra:
     productions: Mapping[str, ir.Production]
     semantics: Mapping[str, ir.SemanticBlock]
     sources: Sequence[Source] = ()
-    """Where given, updates are shown as they are written there."""
+    """If given, updates are shown as they are written in these sources."""
 
     def updates(self, transition: Transition) -> tuple[str, ...]:
-        """What a transition updates, as text; nothing where it applies no production."""
+        """The updates of a transition as text; empty if it applies no production."""
         if transition.label is None:
             return ()
         block = self.semantics[transition.label]
@@ -51,9 +51,9 @@ class Fra:
 
 @dataclass(frozen=True, slots=True)
 class FunctionalStep:
-    """A step of a run: the configuration it leads to, by which transition, and its updates.
+    """A step of a run: the transition, the configuration that it leads to, and its updates.
 
-    The first step has no transition: its configuration is the initial one.
+    The first step has no transition, and the initial configuration.
     """
 
     configuration: Configuration
@@ -62,7 +62,7 @@ class FunctionalStep:
 
     @property
     def label(self) -> str | None:
-        """The production that is applied."""
+        """The label of the production applied, if any."""
         return None if self.transition is None else self.transition.label
 
 
@@ -74,7 +74,7 @@ def fra(
 ) -> Fra:
     """The FRA of a grammar with its accept condition and its semantics.
 
-    With the ``sources`` of the program its updates are shown as they are written.
+    With the ``sources`` of the program, its updates are shown as they are written.
 
     Raises:
         ValueError: a production has no block in the semantics.
@@ -87,7 +87,7 @@ def fra(
 
 
 def functional_run(fra: Fra, word: Sequence[str]) -> Iterator[FunctionalStep] | None:
-    """An accepting run, lazily; None where there is none."""
+    """An accepting run, lazily; None if there is none."""
     run = accepting_run(fra.pda, word)
     return None if run is None else _steps(fra, word, run)
 
@@ -101,5 +101,5 @@ def _steps(fra: Fra, word: Sequence[str], run: Sequence[Transition]) -> Iterator
 
 
 def production_labels(run: Iterable[FunctionalStep]) -> tuple[str, ...]:
-    """The productions applied along a run: a leftmost derivation of its word."""
+    """The labels of the productions applied along a run: a leftmost derivation of its word."""
     return tuple(step.label for step in run if step.label is not None)

@@ -1,9 +1,9 @@
 """The structural reconfiguration grammar (SRG, Definitions 2 and 3) as a context-free grammar.
 
-The terminal alphabet is Z = Sigma + Gamma (modules and edges) in order of declaration; the order
-of productions is that of declaration too.  Every algorithm on the grammar works on ``Cfg``, where
-a symbol is an integer, so that no spelling of a name can mean anything.  The analyses are the
-textbook ones: Hopcroft, Motwani, Ullman, *Introduction to Automata Theory*, chapters 5 and 7.
+The terminal alphabet is Z = Sigma + Gamma (modules and edges) in declaration order; the productions
+are in declaration order too.  Every algorithm works on ``Cfg``, whose symbols are integers, so the
+spelling of a name cannot matter.  The analyses are the textbook ones: Hopcroft, Motwani, Ullman,
+*Introduction to Automata Theory*, chapters 5 and 7.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Srg:
     cfg: Cfg
 
     def encode(self, word: Sequence[str]) -> tuple[int, ...] | None:
-        """The word in terminal numbers; None where a token is no symbol of Z."""
+        """The word as terminal numbers; None if a token is not a symbol of Z."""
         number = {name: i for i, name in enumerate(self.terminals)}
         codes = tuple(number.get(token, -1) for token in word)
         return None if -1 in codes else codes
@@ -60,7 +60,7 @@ class Srg:
         return tuple(map(self.terminals.__getitem__, codes))
 
     def names(self, symbols: Container[int]) -> tuple[str, ...]:
-        """The nonterminals among ``symbols``, by name, in the order of the grammar."""
+        """The names of the nonterminals among ``symbols``, in the order of the grammar."""
         first = self.cfg.terminals
         return tuple(n for k, n in enumerate(self.nonterminals) if first + k in symbols)
 
@@ -70,8 +70,8 @@ def srg(grammar: ir.Grammar, program_terminals: tuple[str, ...], modules: Contai
 
     Args:
         grammar: the grammar; its accept condition is not part of the SRG.
-        program_terminals: the modules and edges of the program, in order of declaration.
-        modules: which of them are modules.
+        program_terminals: the modules and edges of the program, in declaration order.
+        modules: the terminals that are modules.
 
     Raises:
         ValueError: a production uses a symbol that is not declared.
@@ -103,7 +103,7 @@ def srg(grammar: ir.Grammar, program_terminals: tuple[str, ...], modules: Contai
     )
 
 
-# --- sets of symbols ---------------------------------------------------------------------------
+# --- Sets of symbols ---------------------------------------------------------------------------
 
 
 def _deriving(cfg: Cfg, given: Iterable[int]) -> frozenset[int]:
@@ -152,7 +152,7 @@ def reachable(cfg: Cfg) -> frozenset[int]:
 
 
 def rules_by_left(cfg: Cfg) -> tuple[tuple[int, ...], ...]:
-    """Per nonterminal number, the numbers of its rules in order."""
+    """For each nonterminal, the numbers of its rules, in order."""
     table: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
     for r, rule in enumerate(cfg.rules):
         table[rule.left - cfg.terminals].append(r)
@@ -160,7 +160,7 @@ def rules_by_left(cfg: Cfg) -> tuple[tuple[int, ...], ...]:
 
 
 def useful_rules(cfg: Cfg) -> tuple[int, ...]:
-    """The rules that occur in the derivation of some word of terminals, by number."""
+    """The numbers of the rules that occur in the derivation of some word of terminals."""
     good = productive(cfg)
     kept = [
         r
@@ -173,12 +173,12 @@ def useful_rules(cfg: Cfg) -> tuple[int, ...]:
 
 
 def trimmed(cfg: Cfg) -> Cfg:
-    """The same language with useful rules only (the numbering of the symbols stays)."""
+    """The same language with useful rules only; symbols keep their numbers."""
     rules = tuple(cfg.rules[r] for r in useful_rules(cfg))
     return Cfg(cfg.terminals, cfg.nonterminals, rules, cfg.start)
 
 
-# --- cycles ------------------------------------------------------------------------------------
+# --- Cycles ------------------------------------------------------------------------------------
 
 
 def components(size: int, successors: Callable[[int], Sequence[int]]) -> tuple[int, ...]:
@@ -219,7 +219,7 @@ def components(size: int, successors: Callable[[int], Sequence[int]]) -> tuple[i
 
 
 def _close(path: list[int], component: list[int], root: int, number: int) -> int:
-    """Give the nodes of ``path`` from ``root`` on the component ``number``; the next number."""
+    """Assign the nodes of ``path`` from ``root`` on to a component; return the next number."""
     while True:
         node = path.pop()
         component[node] = number
@@ -257,7 +257,7 @@ def cyclic(cfg: Cfg) -> frozenset[int]:
 
 
 def is_finite(cfg: Cfg) -> bool:
-    """Whether the language is finite: no useful A =>+ u A v with u v deriving a non-empty word."""
+    """Whether the language is finite: no useful A =>+ u A v where u v derives a non-empty word."""
     rules = trimmed(cfg).rules
     first = cfg.terminals
     adjacent: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
@@ -274,7 +274,7 @@ def is_finite(cfg: Cfg) -> bool:
 
 
 def _non_empty(terminals: int, rules: Iterable[Rule]) -> frozenset[int]:
-    """The symbols that derive some non-empty word, given that all rules are useful."""
+    """The symbols that derive some non-empty word; all rules must be useful."""
     users: dict[int, list[int]] = {}
     for left, right in rules:
         for symbol in right:
@@ -292,7 +292,7 @@ def _non_empty(terminals: int, rules: Iterable[Rule]) -> frozenset[int]:
 def linearity(cfg: Cfg) -> Linearity | None:
     """Whether all rules are left-linear (``A -> B w | w``) or right-linear (``A -> w B | w``).
 
-    Rules without terminals beside the nonterminal fit both; where all do, the answer is "left".
+    If all rules are both, the answer is "left".
     """
     for side in ("left", "right"):
         inner: Callable[[tuple[int, ...]], tuple[int, ...]]
@@ -303,18 +303,18 @@ def linearity(cfg: Cfg) -> Linearity | None:
 
 
 # --------------------------------------------------------------------------------------------------
-# The symbols that a grammar speaks of: those of its productions and of its accept condition.
+# The symbols that a grammar uses, in its productions and its accept condition.
 #
-# A language over these symbols alone is the same language, and its automata are as small as the
+# Restricted to these symbols, the language is the same, and its automata are as small as the
 # grammar, however many modules the file declares.
 
 
 def alphabet_of(grammar: ir.Grammar, order: Mapping[str, int]) -> tuple[str, ...]:
-    """The terminals of a grammar and of its accept condition, in order of declaration.
+    """The terminals of a grammar and of its accept condition, in declaration order.
 
     Args:
         grammar: a resolved grammar.
-        order: the place of every declared terminal in the file.
+        order: the position of every declared terminal in the file.
     """
     used = {
         symbol.name

@@ -1,4 +1,4 @@
-"""The accepted words of a grammar as a grammar, by way of its binary normal form."""
+"""The accepted words of a grammar as a grammar, using its binary normal form."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from compiler.words.grammar import Cfg, Rule, components, nullable, on_cycle, tr
 
 # --- Binary normal form: right sides of one terminal or of two symbols ----------------------------
 #
-# There are no empty and no unit rules (Chomsky 1959, without the restriction to nonterminals in
-# pairs).  Such a grammar speaks of words only; derivations are those of the original grammar.  The
-# *binary form* keeps the unit rules, but for their cycles: taking them out can square the size.
+# There are no empty and no unit rules (Chomsky 1959, without the restriction that pairs consist of
+# nonterminals).  Such a grammar describes only words; derivations are those of the original
+# grammar.  The *binary form* keeps the unit rules except their cycles: removing them all can square
+# the size.
 
 
 RightSide: TypeAlias = tuple[int, ...]
@@ -25,9 +26,9 @@ RightSide: TypeAlias = tuple[int, ...]
 class BinaryGrammar:
     """A grammar in binary normal form.
 
-    Symbols below ``terminals`` are terminals; ``rules[k]`` are the right sides of the nonterminal
-    ``terminals + k``: one terminal, or two symbols; in binary form also one nonterminal.  The
-    language is what any of ``starts`` derives, and the empty word where ``empty_word``.
+    Symbols below ``terminals`` are terminals.  ``rules[k]`` are the right sides of the nonterminal
+    ``terminals + k``: one terminal or two symbols; in binary form also one nonterminal.  The
+    language is what any of ``starts`` derives, and the empty word if ``empty_word``.
     """
 
     terminals: int
@@ -36,11 +37,11 @@ class BinaryGrammar:
     empty_word: bool
 
     def is_empty(self) -> bool:
-        """Whether there is no word, not even the empty one, given that all are useful."""
+        """Whether there is no word, not even the empty one; all nonterminals must be useful."""
         return not self.starts and not self.empty_word
 
     def is_finite(self) -> bool:
-        """Whether the language is finite: no nonterminal reaches itself, given all are useful."""
+        """Whether the language is finite: no nonterminal reaches itself; all must be useful."""
         first = self.terminals
         edges = ((k, s - first) for k, right in self._sides() for s in right if s >= first)
         return not on_cycle(len(self.rules), edges)
@@ -61,16 +62,16 @@ class BinaryGrammar:
         return max((length[s - first] for s in self.starts), default=0)
 
     def shortest(self) -> int | None:
-        """The length of the shortest word; None where there is none."""
+        """The length of the shortest word; None if there is none."""
         return 0 if self.empty_word else self.lightest([1] * self.terminals)
 
     def lightest(self, weights: Sequence[int]) -> int | None:
-        """The least weight of a word that is not empty; None where there is none.
+        """The least weight of a non-empty word; None if there is no such word.
 
         Knuth's generalisation of shortest paths, *Inf. Proc. Lett.* 6 (1977), by relaxation.
 
         Args:
-            weights: of the terminals, none negative.
+            weights: the weights of the terminals, none negative.
         """
         least: list[int | None] = [None] * len(self.rules)
         users: list[dict[int, None]] = [{} for _ in self.rules]
@@ -89,7 +90,7 @@ class BinaryGrammar:
         return min((total for total in totals if total is not None), default=None)
 
     def _least(self, k: int, least: Sequence[int | None], weights: Sequence[int]) -> int | None:
-        """The least weight of nonterminal number k, from what is known of the others."""
+        """The least weight of nonterminal number k, from the weights known so far."""
         found = least[k]
         for right in self.rules[k]:
             total = 0
@@ -128,9 +129,9 @@ def binary_normal_form(cfg: Cfg) -> BinaryGrammar:
 
 
 def binary_form(cfg: Cfg) -> BinaryGrammar:
-    """The language of ``cfg`` in binary form: with unit rules, of which none lead in a circle.
+    """The language of ``cfg`` in binary form: with unit rules, but without cycles of them.
 
-    Nonterminals that derive each other alone derive the same words, and are one.
+    Nonterminals that derive each other alone derive the same words, and are merged.
     """
     pairs = _binarised(trimmed(cfg))
     empty = nullable(pairs)
@@ -149,7 +150,8 @@ def binary_form(cfg: Cfg) -> BinaryGrammar:
         if renamed != (name[left - first],):
             rules[name[left - first] - first][renamed] = None
     start = name[pairs.start - first]
-    # Nonterminals that derive the empty word alone have no rules left: rules with them are useless.
+    # Nonterminals that derive only the empty word have no rules left; rules that use them are
+    # useless.
     kept = trimmed(
         Cfg(
             first,
@@ -166,7 +168,7 @@ def binary_form(cfg: Cfg) -> BinaryGrammar:
 
 
 def _binarised(cfg: Cfg) -> Cfg:
-    """Right sides of at most two symbols; equal rests of right sides share a nonterminal."""
+    """A grammar with at most two symbols on right sides; equal rests share a nonterminal."""
     rules: list[Rule] = []
     rest_of: dict[RightSide, int] = {}
     for left, right in cfg.rules:
@@ -184,7 +186,7 @@ def _binarised(cfg: Cfg) -> Cfg:
 
 
 def _without_empty(right: RightSide, empty: frozenset[int]) -> list[RightSide]:
-    """The right side with nullable symbols left out in all ways, without the empty one."""
+    """The right side with nullable symbols omitted in all ways, without the empty right side."""
     sides = [right] if right else []
     if len(right) == 2:
         sides += [(right[1 - i],) for i in (0, 1) if right[i] in empty]
@@ -205,26 +207,26 @@ def _reached(start: int, edges: list[list[int]]) -> list[int]:
 
 # --- L(SRG) intersected with L(accept) as a grammar (Bar-Hillel, Perles, Shamir 1961) -------------
 #
-# The product of a grammar in binary normal form with the automaton is built from the nonterminals
-# (p, A, q) that are really needed: called from the start in state p, returning in state q.
+# The product of a grammar in binary normal form with the automaton has only the nonterminals (p, A,
+# q) that are needed: called from the start in state p, returning in state q.
 
 
 Triple: TypeAlias = tuple[int, int, int]
 Call: TypeAlias = tuple[int, int]
 
 CHECKED_RULES = 200_000
-"""So many rules of a product are looked at by the checks of a file."""
+"""The most rules of a product that the checks of a file examine."""
 
 
 class IntersectionTooLargeError(ValueError):
-    """A product of more rules than were asked for; their number grows with cubes of states."""
+    """The product has more rules than allowed; their number grows with the cube of the states."""
 
 
 @dataclass(slots=True)
 class _Summaries:
-    """For each called (A, p) the states q such that A derives a word that leads p to q.
+    """For each called (A, p), the states q such that A derives a word that leads from p to q.
 
-    Only live states are kept: from the others no word is accepted any more.
+    Only live states are kept: no word is accepted from the others.
     """
 
     grammar: BinaryGrammar
@@ -236,7 +238,7 @@ class _Summaries:
     middles: dict[tuple[int, RightSide], dict[int, list[int]]] = field(default_factory=dict)
 
     def tabulate(self, start: int) -> None:
-        """Close the table under the rules, from the call of ``start`` in state 0."""
+        """Close the table under the rules, starting with the call of ``start`` in state 0."""
         todo: list[tuple[int, int, Call, int | None]] = []
         done: list[tuple[Call, int | None, int]] = []
         self._call((start, 0), todo)
@@ -284,7 +286,7 @@ class _Summaries:
         return (target,) if self.live[target] else ()
 
     def splits(self, triple: Triple, right: RightSide) -> list[tuple[Triple, ...]]:
-        """The ways in which a right side leads from p to q, as triples per symbol."""
+        """The ways in which a right side leads from p to q, as one triple per symbol."""
         p, _, q = triple
         if len(right) == 1:
             return [((p, right[0], q),)] if q in self.after(right[0], p) else []
@@ -292,7 +294,7 @@ class _Summaries:
         return [((p, right[0], s), (s, right[1], q)) for s in middles]
 
     def _middles(self, p: int, right: RightSide) -> dict[int, list[int]]:
-        """For each state to which two symbols lead from p, the states between them."""
+        """For each state that two symbols lead to from p, the states between them."""
         known = self.middles.get((p, right))
         if known is None:
             known = self.middles[p, right] = {}
@@ -308,7 +310,7 @@ def intersect(grammar: BinaryGrammar, dfa: Dfa, limit: int | None = None) -> Bin
     Args:
         grammar: the grammar.
         dfa: the automaton, over its terminals.
-        limit: the most rules, and steps towards them; None: as many as there are.
+        limit: the most rules, and the most steps to find them; None: no bound.
 
     Raises:
         IntersectionTooLargeError: there are more.

@@ -1,8 +1,8 @@
 """The language of a robot family: L(SRG) intersected with L(accept) (Definitions 3 and 4).
 
-Words come in length-lexicographic order, symbols in order of declaration, each word once however
-many derivations it has.  What is needed for a question is made when it is first asked: the finite
-automaton or the LR(1) automaton where there is one, and the grammar of the intersection.
+Words come in length-lexicographic order, with symbols in declaration order, each word once however
+many derivations it has.  Whatever a question needs is computed when it is first asked: the finite
+automaton or the LR(1) automaton, if there is one, and the grammar of the intersection.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ from compiler.words.residuals import Residuals
 from grammar_lang import ir
 
 QUICK_MOVES = 20_000
-"""So many moves are tried before the derivations of an LR(1) grammar are counted instead."""
+"""The most moves that are tried before the derivations of an LR(1) grammar are counted instead."""
 LR_STEPS = 300_000
-"""Larger LR(1) automata are not worth their construction for reading words."""
+"""Larger LR(1) automata are not worth constructing for reading words."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Language:
     accept: Dfa
     limit: int | None = None
 
-    # --- what it is made of --------------------------------------------------------------------
+    # --- Representations -----------------------------------------------------------------------
 
     @cached_property
     def normal(self) -> BinaryGrammar:
@@ -80,20 +80,20 @@ class Language:
         return intersect(self.normal, self._bounded(self.accept, max_modules))
 
     def condition(self, max_modules: int | None) -> Dfa:
-        """A condition that leaves of the grammar the words with at most so many modules.
+        """A condition for the grammar: met by words of the language with at most so many modules.
 
-        It is the whole language where a finite automaton of that is seen.
+        If the language has a known finite automaton, the condition alone describes those words.
         """
         return self._bounded(self.finite_automaton or self.accept, max_modules)
 
     @cached_property
     def finite_automaton(self) -> Dfa | None:
-        """The minimal finite automaton, where the form of the grammar shows that there is one."""
+        """The minimal finite automaton, if the form of the grammar shows that there is one."""
         return regular_automaton(self.srg, self.accept)
 
     @cached_property
     def lr_automaton(self) -> LrAutomaton | LrConflict | LrTooLarge:
-        """The LR(1) automaton of the SRG, or why there is none."""
+        """The LR(1) automaton of the SRG, or the reason why there is none."""
         return lr_automaton(self.srg.cfg, LR_STEPS)
 
     @property
@@ -103,20 +103,20 @@ class Language:
 
     @cached_property
     def membership(self) -> Membership:
-        """What tells the words of the language."""
+        """The membership test of the language."""
         if self.finite_automaton is not None:
             return Membership("finite automaton", FiniteMembership(self.finite_automaton), None)
         condition = None if all(self.accept.accepting) else FiniteMembership(self.accept)
         reader = PushdownMembership(self.binary, self.srg.terminals)
         return Membership("pushdown automaton", reader, condition)
 
-    # --- questions -----------------------------------------------------------------------------
+    # --- Questions -----------------------------------------------------------------------------
 
     @cached_property
     def accepts(self) -> Callable[[Sequence[str]], bool]:
-        """Whether a word is in the language; a token that is no symbol of Z means no.
+        """Whether a word is in the language; a word with a token that is not in Z is not.
 
-        Bound to the reader once, for it may be asked about millions of words.
+        Bound to the reader once, because it may be called for millions of words.
         """
         return self.membership.accepts
 
@@ -137,7 +137,7 @@ class Language:
         return None if last is None else max(last, 0)
 
     def _last(self, max_modules: int | None) -> int | None:
-        """The length of the longest word; None where there is none such, -1 where no word."""
+        """The length of the longest word; None if there is no bound, -1 if there is no word."""
         if self.finite_automaton is not None:
             return self._bounded(self.finite_automaton, max_modules).longest()
         condition = self._bounded(self.accept, max_modules)
@@ -155,7 +155,7 @@ class Language:
         return -1
 
     def shortest_word(self) -> tuple[str, ...] | None:
-        """The first word in length-lexicographic order; None where there is none.
+        """The first word in length-lexicographic order; None if there is none.
 
         Raises:
             WordsTooLongError: it has more than ``LENGTH_LIMIT`` symbols.
@@ -163,7 +163,7 @@ class Language:
         return next(self.words(), None)
 
     def fewest_modules(self) -> int | None:
-        """The least number of modules in a word that is not empty; None where there is none."""
+        """The least number of modules in a non-empty word; None if there is no such word."""
         return self.product.lightest([int(name in self.srg.modules) for name in self.srg.terminals])
 
     def words(
@@ -176,7 +176,7 @@ class Language:
             max_modules: the greatest number of modules; None: no bound.
 
         Raises:
-            WordsTooLongError: it comes to words of more than ``LENGTH_LIMIT`` symbols.
+            WordsTooLongError: the enumeration reaches words of more than ``LENGTH_LIMIT`` symbols.
         """
         first = self.binary.shortest()
         if first is None:
@@ -200,9 +200,9 @@ class Language:
 
         Raises:
             ValueError: no length is given and the language is infinite.
-            BudgetExceededError: the grammar is not LR(1) and more than ``budget`` moves are needed;
-                where none is given, there is no bound for a language shown to be regular, and
-                ``MOVE_BUDGET`` for any other.
+            BudgetExceededError: the grammar is not LR(1) and more than ``budget`` moves are needed.
+                By default there is no bound for an evidently regular language, and ``MOVE_BUDGET``
+                for any other.
         """
         longest = self.longest(max_modules=max_modules) if max_length is None else max_length
         if longest is None:
@@ -222,7 +222,7 @@ class Language:
         return tuple(derivations.total(length) for length in range(longest + 1))
 
     def recogniser(self, horizon: int, *, max_modules: int | None = None) -> Recogniser[Any]:
-        """The words read from left to right, by few states; some of them may be dead ends."""
+        """A recogniser of the words with few states, some of which may be dead ends."""
         if self.finite_automaton is not None:
             return FiniteRecogniser(self._bounded(self.finite_automaton, max_modules), horizon)
         residuals = Residuals(self.binary, self.srg.terminals, horizon)
@@ -232,7 +232,7 @@ class Language:
         )
 
     def _bound(self, condition: Dfa) -> int | None:
-        """A length that no word exceeds, where the grammar or the condition alone gives one."""
+        """A length that no word exceeds, if the grammar or the condition alone gives one."""
         return _least(condition.longest(), _longest(self.binary))
 
     def _bounded(self, dfa: Dfa, max_modules: int | None) -> Dfa:
@@ -281,7 +281,7 @@ def _least(first: int | None, second: int | None) -> int | None:
     return min(first, second)
 
 
-# --- The size of a finite language: how many words, and how long the longest is -------------------
+# --- The size of a finite language: the number of words, and the length of the longest ------------
 
 
 MOVE_LIMIT = 500
@@ -289,23 +289,24 @@ SIZE_LIMIT = 100_000
 
 
 def longest_word(language: Language) -> int | None:
-    """The length of the longest word of a language that is not empty; None where it is infinite."""
+    """The length of the longest word of a non-empty language; None if it is infinite."""
     product = language.product
     return product.longest() if product.is_finite() else None
 
 
 def number_of_words(language: Language, longest: int, *, unambiguous: bool) -> int | None:
-    """How many words a finite language has, the empty one left aside.
+    """The number of words of a finite language, without the empty word.
 
-    None where counting would take too long.
+    None if counting would take too long.
 
     Args:
         language: the language.
         longest: the length of its longest word.
-        unambiguous: whether every word is known to have one derivation, which are then counted.
-            Otherwise words are counted prefix by prefix: ``SIZE_LIMIT`` moves of a finite automaton
-            at most; where there is none and the grammar is not LR(1) either, ``MOVE_LIMIT`` moves,
-            if the nonterminals times ``longest`` are not more than ``SIZE_LIMIT``.
+        unambiguous: whether every word is known to have one derivation, so that derivations can be
+            counted.  Otherwise words are counted prefix by prefix, with at most ``SIZE_LIMIT``
+            moves of a finite automaton.  Without one, derivations are counted if the grammar is
+            LR(1); if it is not, at most ``MOVE_LIMIT`` moves are made, and only if the number of
+            nonterminals times ``longest`` is at most ``SIZE_LIMIT``.
     """
     if unambiguous:
         return _derivations(language.product)
@@ -325,7 +326,7 @@ def number_of_words(language: Language, longest: int, *, unambiguous: bool) -> i
 def _derivations(grammar: BinaryGrammar) -> int:
     """The number of derivations of a finite language.
 
-    Neither the normal form nor the product with a deterministic automaton adds one.
+    Neither the normal form nor the product with a deterministic automaton adds derivations.
     """
     first = grammar.terminals
     children = [

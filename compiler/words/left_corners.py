@@ -1,8 +1,8 @@
-"""What may come first: the left corners of nonterminals, and where reading goes on after them.
+"""Left corners of nonterminals: the terminals that may come first, and how reading goes on.
 
-A nonterminal that is called calls those at the left end of its right sides in turn (Rosenkrantz &
-Lewis 1970).  All of it is known before any word is read, so it is laid out once per set of
-nonterminals called together, and per terminal that may come next.
+A called nonterminal in turn calls those at the left end of its right sides (Rosenkrantz & Lewis
+1970).  All this is known before any word is read.  So it is computed once for each set of
+nonterminals called together, and for each terminal that may come next.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ CACHE_LIMIT = 10_000
 
 
 class Frame(NamedTuple):
-    """After a call: go on with ``symbol``, and then where ``caller`` goes on."""
+    """After a call, read ``symbol``, and then go on as after ``caller``."""
 
     symbol: int
     caller: int
 
 
 class Group(NamedTuple):
-    """Nonterminals whose calls depend on each other; per member, what comes after it.
+    """Nonterminals with mutually dependent calls; for each member, what comes after it.
 
-    ``inner``: frames of callers within the group; ``outer``: of others.  ``above``: callers in
-    other groups that end with it; ``direct``: members, itself among them, that end with it.
+    ``inner``: frames of callers within the group; ``outer``: frames of other callers.  ``above``:
+    callers in other groups that end with the member; ``direct``: members that end with it,
+    including itself.
     """
 
     members: tuple[int, ...]
@@ -39,10 +40,10 @@ class Group(NamedTuple):
 
 
 class Move(NamedTuple):
-    """What one terminal leads to.
+    """The effect of one terminal.
 
-    ``groups``: the groups that matter, callers before the called.  ``frames``: a symbol comes
-    next, and then reading goes on after the nonterminal; ``ends``: these nonterminals end.
+    ``groups``: the groups involved, callers first.  ``frames``: a symbol comes next, and then
+    reading goes on as after the caller; ``ends``: these nonterminals end.
     """
 
     groups: tuple[Group, ...]
@@ -52,26 +53,26 @@ class Move(NamedTuple):
 
 @dataclass(slots=True)
 class _Called:
-    """What comes after a nonterminal: ``frames``, and what comes after ``units``."""
+    """What comes after a nonterminal: ``frames``, and whatever comes after ``units``."""
 
     frames: dict[Frame, None] = field(default_factory=dict)
     units: dict[int, None] = field(default_factory=dict)
 
     def callers(self) -> Iterator[int]:
-        """All callers; some may come twice."""
+        """All callers, possibly with repetitions."""
         yield from self.units
         yield from (frame.caller for frame in self.frames)
 
 
 class LeftCorners:
-    """The left corners of a grammar in binary form, once per set of nonterminals called."""
+    """The left corners of a grammar in binary form, cached by the set of nonterminals called."""
 
     def __init__(self, grammar: BinaryGrammar) -> None:
         self.grammar = grammar
         self._known: dict[frozenset[int], dict[int, Move]] = {}
 
     def moves(self, called: frozenset[int]) -> dict[int, Move]:
-        """The move under each terminal that may come next when these are called."""
+        """The move under each terminal that may come next when these nonterminals are called."""
         known = self._known.get(called)
         if known is None:
             if len(self._known) >= CACHE_LIMIT:
@@ -123,9 +124,9 @@ class LeftCorners:
 
 
 def _groups(calls: dict[int, _Called]) -> tuple[dict[int, int], dict[int, Group]]:
-    """The number of the group of each nonterminal, callers having the larger ones, and the groups.
+    """The group number of each nonterminal, larger for callers, and the groups.
 
-    They are the strongly connected components of the calls.
+    Groups are the strongly connected components of the calls.
     """
     place = {symbol: i for i, symbol in enumerate(calls)}
     called: list[list[int]] = [[] for _ in place]
@@ -143,7 +144,7 @@ def _groups(calls: dict[int, _Called]) -> tuple[dict[int, int], dict[int, Group]
 def _group(
     members: list[int], number: int, rank: dict[int, int], calls: dict[int, _Called]
 ) -> Group:
-    """One component; units within it hand on what comes after the caller."""
+    """The group of one component; a unit within it passes on what comes after the caller."""
     ends = [_ending_with(member, number, rank, calls) for member in members]
     frames = [dict.fromkeys(f for end in row for f in calls[end].frames) for row in ends]
     units = [dict.fromkeys(u for end in row for u in calls[end].units) for row in ends]
@@ -171,7 +172,7 @@ def _ending_with(
 
 
 def _above(symbols: set[int], calls: dict[int, _Called]) -> set[int]:
-    """The nonterminals, their callers, the callers of these, and so on."""
+    """The nonterminals and all their direct and indirect callers."""
     found = set(symbols)
     todo = list(symbols)
     while todo:

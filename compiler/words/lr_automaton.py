@@ -1,9 +1,9 @@
-"""The canonical LR(1) automaton of a grammar, and recognition by it.
+"""The canonical LR(1) automaton of a grammar, and recognition with it.
 
-Knuth 1965; Aho, Lam, Sethi, Ullman, *Compilers*, section 4.7.  Lookahead sets are integers read as
-sets of bits.  What a nonterminal after a dot opens is found once per nonterminal, with one bit for
-the lookahead that is inherited, so that the closure of a state needs no fixed point.  Conflicts
-are never resolved: a table exists exactly where the trimmed grammar is LR(1).
+Knuth 1965; Aho, Lam, Sethi, Ullman, *Compilers*, section 4.7.  Lookahead sets are integers used as
+bit sets.  The closure of a nonterminal after a dot is computed once per nonterminal, with one bit
+for the inherited lookahead, so the closure of a state needs no fixpoint.  Conflicts are never
+resolved: a table exists exactly if the trimmed grammar is LR(1).
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ class LrAutomaton:
     """A conflict-free LR(1) automaton; the initial state is 0.
 
     ``rules`` are those of the trimmed grammar (rule r is number ``useful_rules(cfg)[r]`` of the
-    grammar given).  ``end``, the end marker, is the number after the last terminal.  Per state,
-    ``actions`` has for a terminal or ``end`` the state to shift to, or ``~r`` to reduce by rule r,
-    or ``accept_action``; ``gotos`` has the state after a nonterminal.
+    given grammar).  ``end``, the end marker, is the number after the last terminal.  For each
+    state, ``actions`` maps a terminal or ``end`` to the state to shift to, to ``~r`` for a
+    reduction by rule r, or to ``accept_action``; ``gotos`` maps a nonterminal to the next state.
     """
 
     rules: tuple[Rule, ...]
@@ -34,13 +34,13 @@ class LrAutomaton:
 
     @property
     def accept_action(self) -> int:
-        """The action on ``end`` that accepts: a reduction by the rule that adds the start."""
+        """The action on ``end`` that accepts: the reduction by the added start rule."""
         return ~len(self.rules)
 
 
 @dataclass(frozen=True, slots=True)
 class LrItem:
-    """Rule number ``rule`` with the dot before its symbol ``dot``.
+    """Rule number ``rule`` with the dot before its symbol number ``dot``.
 
     Rule ``len(rules)`` is the added ``S' -> start``.
     """
@@ -52,11 +52,11 @@ class LrItem:
 
 @dataclass(frozen=True, slots=True)
 class LrConflict:
-    """Why a grammar is not LR(1): after ``prefix``, seeing ``lookahead``, several actions fit.
+    """The reason why a grammar is not LR(1): after ``prefix``, several actions fit ``lookahead``.
 
-    ``prefix`` is a shortest viable prefix with a conflict; ``lookahead`` is a terminal or the
-    number after the last, the end.  The actions are a shift where ``shift`` is true, and the
-    reductions by the rules numbered ``reductions``, where ``len(rules)`` stands for accepting.
+    ``prefix`` is a shortest viable prefix with a conflict; ``lookahead`` is a terminal, or the
+    number after the last terminal for the end.  The actions are a shift, if ``shift`` is true, and
+    the reductions by the rules numbered ``reductions``, where ``len(rules)`` stands for accepting.
     """
 
     rules: tuple[Rule, ...]
@@ -69,19 +69,20 @@ class LrConflict:
 
 @dataclass(frozen=True, slots=True)
 class LrTooLarge:
-    """The construction was given up after ``steps`` steps; the grammar may be LR(1) or not."""
+    """The construction stopped after ``steps`` steps; the grammar may or may not be LR(1)."""
 
     steps: int
 
 
-# Items by number with their lookahead sets, in increasing order.
+# Item numbers with their lookahead sets, in increasing order.
 _Kernel: TypeAlias = tuple[tuple[int, int], ...]
 
 
 def lr_automaton(cfg: Cfg, step_limit: int = STEP_LIMIT) -> LrAutomaton | LrConflict | LrTooLarge:
-    """The LR(1) automaton, or the first conflict, or that it takes over ``step_limit`` steps.
+    """The LR(1) automaton, or the first conflict, or ``LrTooLarge`` after ``step_limit`` steps.
 
-    A step is an item or a table entry; their number, unlike the time, is the same everywhere.
+    A step is an item or a table entry; the number of steps, unlike the time, does not depend on the
+    machine.
     """
     grammar = trimmed(cfg)
     if not grammar.rules:
@@ -90,9 +91,9 @@ def lr_automaton(cfg: Cfg, step_limit: int = STEP_LIMIT) -> LrAutomaton | LrConf
 
 
 class _Construction:
-    """States in breadth-first order, so that the first conflict has a shortest prefix.
+    """Builds the states in breadth-first order, so that the first conflict has a shortest prefix.
 
-    An item is a number, and the next number is the item with the dot moved on.
+    An item is a number; the next number is the same item with the dot moved by one symbol.
     """
 
     def __init__(self, cfg: Cfg, step_limit: int) -> None:
@@ -103,11 +104,11 @@ class _Construction:
         self.empty = nullable(cfg)
         self.first = _first_sets(cfg, self.empty)
         self.places: list[tuple[int, int]] = []
-        # Per item: the symbol after the dot, or ~rule at the end.
+        # For each item, the symbol after the dot, or ~rule at the end.
         self.next: list[int] = []
-        # Per item: what the symbol after the dot can be followed by.
+        # For each item, the terminals that can follow the symbol after the dot.
         self.follow: list[int] = []
-        # Per nonterminal: the items of its rules with the dot after the first symbol.
+        # For each nonterminal, the items of its rules with the dot after the first symbol.
         self.openings: list[list[tuple[int, int]]] = [[] for _ in range(cfg.nonterminals)]
         self.empties: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
         self.corners: list[list[tuple[int, int]]] = [[] for _ in range(cfg.nonterminals)]
@@ -132,7 +133,7 @@ class _Construction:
             self.corners[left].append((rule.right[0], self.follow[item]))
 
     def _add_items(self, r: int, right: tuple[int, ...]) -> int:
-        """Number the items of a rule; the number of the one with the dot before everything."""
+        """Number the items of a rule; return the number of the item with the dot at the start."""
         item = len(self.next)
         self.places += [(r, dot) for dot in range(len(right) + 1)]
         self.next += [*right, ~r]
@@ -150,7 +151,7 @@ class _Construction:
         return item
 
     def _given(self, follow: int, ahead: int) -> int:
-        """``follow`` with ``ahead`` in the place of the bit for what is inherited."""
+        """``follow`` with the bit for the inherited lookahead replaced by ``ahead``."""
         return (follow ^ self.inherit) | ahead if follow & self.inherit else follow
 
     def run(self) -> LrAutomaton | LrConflict | LrTooLarge:
@@ -190,7 +191,7 @@ class _Construction:
     def _moves(
         self, kernel: _Kernel, closure: dict[int, int]
     ) -> tuple[dict[int, list[tuple[int, int]]], dict[int, int]]:
-        """Per symbol the items after it; per rule that is complete its lookaheads."""
+        """For each symbol, the items after it; for each complete rule, its lookaheads."""
         moves: dict[int, list[tuple[int, int]]] = {}
         reductions: dict[int, int] = {}
         for item, ahead in kernel:
@@ -222,7 +223,7 @@ class _Construction:
         return found
 
     def _opened(self, symbol: int) -> tuple[tuple[int, int], ...]:
-        """The closure of a nonterminal, its lookahead being the bit for what is inherited."""
+        """The closure of a nonterminal, whose own lookahead is the bit for the inherited one."""
         if symbol not in self.opened:
             found = {symbol: self.inherit}
             todo = [symbol]
@@ -239,7 +240,7 @@ class _Construction:
         return self.opened[symbol]
 
     def _target(self, state: int, symbol: int, moved: list[tuple[int, int]]) -> int:
-        """The state of a kernel; a new one where it is new."""
+        """The state of a kernel; added if it is new."""
         kernel = tuple(sorted(moved))
         if kernel not in self.number:
             self.number[kernel] = len(self.kernels)
@@ -286,7 +287,7 @@ def _bits(mask: int) -> tuple[int, ...]:
 
 
 def _first_sets(cfg: Cfg, empty: Container[int]) -> list[int]:
-    """FIRST per nonterminal, as sets of bits; one pass over the components of left corners."""
+    """FIRST of each nonterminal as bit sets, in one pass over the components of left corners."""
     own = [0] * cfg.nonterminals
     corners: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
     for left, right in cfg.rules:
@@ -306,7 +307,7 @@ def _first_sets(cfg: Cfg, empty: Container[int]) -> list[int]:
     return [shared[c] for c in component]
 
 
-# --- recognition -------------------------------------------------------------------------------
+# --- Recognition -------------------------------------------------------------------------------
 
 
 def accepts(automaton: LrAutomaton, word: Sequence[int]) -> bool:
@@ -315,7 +316,7 @@ def accepts(automaton: LrAutomaton, word: Sequence[int]) -> bool:
 
 
 def right_parse(automaton: LrAutomaton, word: Sequence[int]) -> tuple[int, ...] | None:
-    """The rules of the rightmost derivation in reverse, by number; None where there is none."""
+    """The rule numbers of the rightmost derivation in reverse; None if there is no derivation."""
     actions, gotos = automaton.actions, automaton.gotos
     accept = automaton.accept_action
     applied: list[int] = []
@@ -333,15 +334,15 @@ def right_parse(automaton: LrAutomaton, word: Sequence[int]) -> tuple[int, ...] 
         if action == accept:
             break
         stack.append(action)
-    # The end marker's number within the word would accept too early.
+    # If the word itself contained the number of the end marker, it would be accepted too early.
     return None if automaton.end in word else tuple(applied)
 
 
-# --- The leftmost derivation that an LR parse stands for ------------------------------------------
+# --- The leftmost derivation of an LR parse ----------------------------------------------------
 
 
 def leftmost_derivation(automaton: LrAutomaton, word: Sequence[int]) -> tuple[int, ...] | None:
-    """The rules of the word's leftmost derivation, by number; None where there is none.
+    """The rule numbers of the word's leftmost derivation; None if there is no derivation.
 
     A right parse lists the derivation tree in postorder, the leftmost derivation in preorder.
     """

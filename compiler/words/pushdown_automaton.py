@@ -1,9 +1,9 @@
 """The structural reconfiguration automaton (SRA, Definition 4 as corrected): a pushdown automaton.
 
-The paper's SRA has Q = (N + Z)*, an infinite state set without a stack.  Here the states are those
-of the accept condition's automaton and one final state, the stack alphabet is N + Z and a bottom
-marker, and the word is accepted in the final state with the whole word read (Hopcroft, Motwani,
-Ullman, section 6.3.1).
+The paper's SRA has Q = (N + Z)*, an infinite set of states without a stack.  Here the states are
+those of the accept condition's automaton and one final state.  The stack alphabet is N + Z and a
+bottom marker.  A word is accepted in the final state after it has been read completely (Hopcroft,
+Motwani, Ullman, section 6.3.1).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BOTTOM = "$"
 class Transition:
     """In ``state``, reading ``read`` (None: nothing), replace the top ``pop`` by ``push``.
 
-    Stack symbols by number; ``push[0]`` becomes the top.  ``label`` is the production applied.
+    Stack symbols are numbers; ``push[0]`` becomes the top.  ``label`` is the production applied.
     """
 
     state: int
@@ -35,11 +35,11 @@ class Transition:
 
 @dataclass(frozen=True, slots=True)
 class Pda:
-    """A pushdown automaton over Z; it accepts in ``final`` when the word is read.
+    """A pushdown automaton over Z; it accepts in ``final`` when the word has been read.
 
-    Stack symbols are numbers into ``stack_alphabet``; the SRA's lists Z, then N, then the bottom
-    marker, so that below ``len(alphabet)`` they are the input symbols.  ``initial_stack`` has the
-    top first.
+    Stack symbols are indices into ``stack_alphabet``.  That of the SRA lists Z, then N, then the
+    bottom marker, so numbers below ``len(alphabet)`` are the input symbols.  ``initial_stack`` has
+    the top first.
     """
 
     alphabet: tuple[str, ...]
@@ -63,9 +63,9 @@ class Configuration:
 def sra(srg: Srg, accept: Dfa) -> Pda:
     """The SRA of a grammar with its accept condition: L(SRA) = L(SRG) intersected with L(accept).
 
-    States q0 ... are those of ``accept``; a production replaces its left side on the stack, a
-    terminal on top is read while the accept automaton moves, and the bottom marker is popped to
-    the final state from accepting states.
+    States q0 ... are those of ``accept``.  A production replaces its left side on the stack; a
+    terminal on top is read while the accept automaton moves; and in an accepting state the bottom
+    marker is popped, leading to the final state.
 
     Raises:
         ValueError: ``accept`` has another alphabet than the grammar.
@@ -103,7 +103,7 @@ def sra(srg: Srg, accept: Dfa) -> Pda:
 def configurations(
     pda: Pda, word: Sequence[str], transitions: Sequence[Transition]
 ) -> Iterator[Configuration]:
-    """The configurations of a run, the initial one first, lazily.
+    """The configurations of a run, starting with the initial one, lazily.
 
     Raises:
         ValueError: a transition does not apply.
@@ -127,10 +127,10 @@ def configurations(
 
 
 def run_along(pda: Pda, labels: Sequence[str]) -> tuple[Transition, ...]:
-    """The run of the SRA that applies these productions, those of a leftmost derivation, in order.
+    """The run of the SRA that applies these productions of a leftmost derivation, in order.
 
     Raises:
-        ValueError: there is no accepting one.
+        ValueError: there is no accepting run.
     """
     moves: dict[tuple[int, int, str | None], Transition] = {}
     for transition in pda.transitions:
@@ -154,19 +154,19 @@ def run_along(pda: Pda, labels: Sequence[str]) -> tuple[Transition, ...]:
 
 # --- Runs of a pushdown automaton: membership, and an accepting run -------------------------------
 #
-# The automaton runs on all its stacks at once: calls and returns are tabulated on a
-# graph-structured stack (Tomita 1985; Scott and Johnstone 2010), position by position, so that left
-# recursion and empty cycles end and the time is polynomial.
+# The automaton runs on all its stacks at once.  Calls and returns are tabulated on a
+# graph-structured stack (Tomita 1985; Scott and Johnstone 2010), position by position.  So left
+# recursion and empty cycles terminate, and the time is polynomial.
 
 
 def accepts(pda: Pda, word: Sequence[str]) -> bool:
-    """Whether some run accepts the word; a token that is no symbol of Z means no."""
+    """Whether some run accepts the word; a word with a token that is not in Z is not accepted."""
     codes = _codes(pda, word)
     return codes is not None and _Simulation(pda, codes).run() is not None
 
 
 def accepting_run(pda: Pda, word: Sequence[str]) -> tuple[Transition, ...] | None:
-    """The transitions of an accepting run, None where there is none."""
+    """The transitions of an accepting run; None if there is none."""
     codes = _codes(pda, word)
     last = None if codes is None else _Simulation(pda, codes).run()
     if last is None:
@@ -193,15 +193,15 @@ def _codes(pda: Pda, word: Sequence[str]) -> tuple[int, ...] | None:
     return None if -1 in codes else codes
 
 
-# --- simulation --------------------------------------------------------------------------------
+# --- Simulation -----------------------------------------------------------------------------------
 
 
 @dataclass(slots=True, eq=False)
 class _Node:
-    """A stack symbol on top in a state at a position, for all stacks that have it there.
+    """A symbol on top of the stack, in a state at a position, for all stacks with that top.
 
-    ``edges`` say what lies below; they are complete once the position is past.  ``pops``: the
-    pops at this same position, for edges that come after them.
+    ``edges`` are what lies below; they are complete once the position has passed.  ``pops`` are the
+    pops at this position, for edges that are added later.
     """
 
     identity: int
@@ -216,7 +216,7 @@ class _Node:
 class _Edge:
     """What lies below a node: the symbols ``rest``, then what lies below ``parent``.
 
-    ``cause``: what put the node there.  ``outer``: the parent's own edge where it is taken over.
+    ``cause``: what put the node there.  ``outer``: the parent's own edge, if this edge replaces it.
     """
 
     rest: tuple[int, ...]
@@ -227,7 +227,7 @@ class _Edge:
 
 @dataclass(slots=True, eq=False)
 class _Pop:
-    """The symbol of ``node``, with all that replaced it, is gone; the state is now ``state``."""
+    """The symbol of ``node``, with all that replaced it, was popped; the state is now ``state``."""
 
     node: _Node
     state: int
@@ -239,7 +239,7 @@ Cause: TypeAlias = "Transition | tuple[_Pop, _Edge] | None"
 
 
 class _Simulation:
-    """All runs on one word at once; only the first cause of everything is remembered."""
+    """All runs on one word at once; only the first cause of each node, edge and pop is recorded."""
 
     def __init__(self, pda: Pda, word: tuple[int, ...]) -> None:
         self.pda = pda
@@ -256,7 +256,7 @@ class _Simulation:
         self.accepted: tuple[_Pop, _Edge] | None = None
 
     def run(self) -> tuple[_Pop, _Edge] | None:
-        """The last pop of an accepting run with its edge; None where no run accepts."""
+        """The last pop of an accepting run with its edge; None if no run accepts."""
         self._push(self.pda.initial, self.pda.initial_stack, None, None)
         self._exhaust()
         while self.position < len(self.word):
@@ -280,7 +280,7 @@ class _Simulation:
     def _push(
         self, state: int, symbols: tuple[int, ...], parent: _Node | None, cause: Cause
     ) -> None:
-        """Put ``symbols`` in the place of ``parent``, the first of them on top."""
+        """Replace ``parent`` by ``symbols``, the first of them on top."""
         node = self.nodes.get((symbols[0], state))
         if node is None:
             self.created += 1
@@ -288,7 +288,7 @@ class _Simulation:
             self.nodes[symbols[0], state] = node
             self.todo.append(node)
         edge = _Edge(symbols[1:], parent, cause)
-        # A last symbol takes over its parent's only edge: right recursion would otherwise leave a
+        # A last symbol takes over its parent's only edge: otherwise right recursion would leave a
         # chain of parents to be popped one by one at every position.
         if not edge.rest and parent is not None and parent.position < self.position:
             outer = next(iter(parent.edges.values())) if len(parent.edges) == 1 else None
@@ -309,14 +309,14 @@ class _Simulation:
                 self._replace(node, transition)
 
     def _replace(self, node: _Node, transition: Transition) -> None:
-        """Take the node off and put what the transition pushes in its place."""
+        """Remove the node and push what the transition pushes."""
         if transition.push:
             self._push(transition.target, transition.push, node, transition)
         else:
             self._pop(node, transition.target, transition)
 
     def _pop(self, node: _Node, state: int, cause: Cause) -> None:
-        """The node is gone at this position; once per state that this leads to."""
+        """Pop the node at this position, once for each resulting state."""
         if (node.identity, state) in self.popped:
             return
         self.popped.add((node.identity, state))
@@ -326,7 +326,7 @@ class _Simulation:
         self.todo += [(pop, edge) for edge in node.edges.values()]
 
     def _return(self, pop: _Pop, edge: _Edge) -> None:
-        """Go on with what lies below."""
+        """Continue with what lies below a popped node."""
         if edge.rest:
             self._push(pop.state, edge.rest, edge.parent, (pop, edge))
         elif edge.parent is not None:

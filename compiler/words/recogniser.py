@@ -1,4 +1,4 @@
-"""Words read from left to right: what may follow, and whether a word is in a language."""
+"""Reading words from left to right: what may follow, and whether a word is in a language."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from compiler.words.residuals import Residual, Residuals
 
 # --- Reading words from left to right, one state per prefix, with what may still follow -----------
 #
-# Two kinds of automata do so: a finite one, and the residuals of a grammar, which are made when
-# they are first needed.  Enumeration, counting, sampling and comparison know this interface only.
+# Two kinds of automata do this: a finite one, and the residuals of a grammar, which are made on
+# demand.  Enumeration, counting, sampling and comparison use only this interface.
 
 
 State = TypeVar("State")
 
 
 class Recogniser(Protocol[State]):
-    """A deterministic automaton over terminals by number.
+    """A deterministic automaton over terminal numbers.
 
-    ``horizon``: lengths are exact up to so many symbols.
+    ``horizon``: the greatest length for which lengths are exact.
     """
 
     @property
     def horizon(self) -> int:
-        """The greatest length that is known of."""
+        """The greatest length for which lengths are exact."""
 
     @property
     def root(self) -> State:
@@ -44,7 +44,7 @@ class Recogniser(Protocol[State]):
         """Whether the word may end here."""
 
     def lengths(self, state: State, /) -> int:
-        """Bit m is set where some word of m symbols may follow, up to the horizon."""
+        """Bit m is set if some word of m symbols may follow, up to the horizon."""
 
 
 # --- A finite automaton read from left to right ---------------------------------------------------
@@ -74,11 +74,11 @@ class FiniteRecogniser:
         return self._marks[state]
 
     def lengths(self, state: int, /) -> int:
-        """Bit m is set where some word of m symbols may follow, up to the horizon."""
+        """Bit m is set if some word of m symbols may follow, up to the horizon."""
         return self._lengths[state]
 
     def _all_lengths(self) -> list[int]:
-        """By length: from which states some word of that length is accepted."""
+        """For each state, the bit set of the lengths of accepted words."""
         following = [sorted({target for _, target in row}) for row in self._moves]
         bits = [bytearray(self.horizon // 8 + 1) for _ in following]
         level = list(self._marks)
@@ -91,20 +91,20 @@ class FiniteRecogniser:
         return [int.from_bytes(row, "little") for row in bits]
 
 
-# --- The residuals of a grammar beside the states of an automaton: the words of both --------------
+# --- The residuals of a grammar paired with the states of an automaton: the words of both ---------
 #
-# Unlike the residuals of the grammar of the intersection, these fall together as those of the
-# grammar alone do, so prefixes are counted by few states.  A state may be a dead end, though: the
-# lengths that each of both allows are known, not those that both allow together.
+# Unlike the residuals of the grammar of the intersection, these coincide as often as those of the
+# grammar alone, so there are few states.  But a state may be a dead end: the lengths that each of
+# both allows are known, not those that both allow together.
 
 
 Pair = tuple[Residual, int]
 
 
 class ConditionedRecogniser:
-    """A recogniser of the words that a condition accepts too.
+    """A recogniser of the words that a condition accepts as well.
 
-    ``lengths`` has all lengths of words that may follow, and maybe more.
+    ``lengths`` contains all lengths of words that may follow, and possibly more.
     """
 
     def __init__(self, residuals: Residuals, condition: Dfa) -> None:
@@ -114,7 +114,7 @@ class ConditionedRecogniser:
 
     @property
     def horizon(self) -> int:
-        """The greatest length that is known of."""
+        """The greatest length for which lengths are exact."""
         return self._residuals.horizon
 
     @property
@@ -138,17 +138,17 @@ class ConditionedRecogniser:
         return pair[0].accepting and self._finite.accepting(pair[1])
 
     def lengths(self, pair: Pair, /) -> int:
-        """Bit m is set where some word of m symbols may follow, and maybe where none may."""
+        """Bit m is set if some word of m symbols may follow; it may be set wrongly."""
         return pair[0].lengths & self._finite.lengths(pair[1])
 
 
-# --- How far a word is the beginning of a word of a grammar ---------------------------------------
+# --- The longest prefix of a word that begins some word of a grammar ------------------------------
 
 
 def viable_prefix(grammar: BinaryGrammar, names: Sequence[str], word: Sequence[str]) -> int:
     """The length of the longest prefix of ``word`` with which some word of the grammar begins.
 
-    ``names`` are those of the grammar's terminals.  For an empty language it is 0.
+    ``names`` are the names of the grammar's terminals.  For an empty language the result is 0.
     """
     residual = Residuals(grammar, names).root
     for length, symbol in enumerate(word):
@@ -161,15 +161,15 @@ def viable_prefix(grammar: BinaryGrammar, names: Sequence[str], word: Sequence[s
 
 # --- Membership by a finite automaton, as fast as Python reads: one dictionary per state ----------
 #
-# Keys are interned, as names in the text of a program are, so that these are found by identity.
+# Keys are interned, like names in the text of a program, so they are found by identity.
 
 
 ACCEPTING = object()
-"""A key of the accepting states; no symbol equals it."""
+"""A key of the accepting states that equals no symbol."""
 
 
 class FiniteMembership:
-    """The words of a finite automaton."""
+    """Membership in the language of a finite automaton."""
 
     def __init__(self, dfa: Dfa) -> None:
         live = dfa.live()
@@ -193,27 +193,28 @@ class FiniteMembership:
 
 
 # --------------------------------------------------------------------------------------------------
-# Membership in any context-free language, by a pushdown automaton that is made as it is needed.
+# Membership in any context-free language, by a pushdown automaton made on demand.
 #
-# Its states are residuals: all that may follow, whatever derivations there are, so that no grammar
-# is read as if it were unambiguous.  Where everything that may follow goes through one
-# continuation, that is put on a stack, and reading goes on with what comes before it alone: so
-# words that nest the same way at different depths meet the same states.  Where a residual may end,
-# the continuation is taken from the stack and joined to it.
+# Its states are residuals: all that may follow, over all derivations, so that no grammar is read as
+# if it were unambiguous.  If everything that may follow goes through one continuation, that is put
+# on a stack, and reading goes on with what comes before it.  So words that nest in the same way at
+# different depths reach the same states.  When a residual may end, the continuation is taken from
+# the stack and joined to it.
 #
-# Each step is worked out once; then reading is one look-up per symbol, as with a finite automaton.
+# Each step is computed once; then reading is one look-up per symbol, as with a finite automaton.
 
 
 HEIGHT = 3
-"""Continuations of this height are put on the stack."""
+"""The least height of continuations that are put on the stack."""
 CACHE_LIMIT = 50_000
-"""So many states are remembered; results never depend on it."""
+"""The most states that are cached; results never depend on it."""
 
 
 class _State(dict[Any, Any]):
-    """A residual up to the next continuation on the stack, which it does not reach.
+    """A residual up to the next continuation on the stack, which it does not include.
 
-    By symbol: the next state, or a ``_Push``.  ``KeyError`` where no word goes on like that.
+    It maps a symbol to the next state or a ``_Push``; ``KeyError`` if no word goes on with the
+    symbol.
     """
 
     __slots__ = ("owner", "residual")
@@ -229,9 +230,9 @@ class _State(dict[Any, Any]):
 
 
 class _Ending(_State):
-    """A state in which the word may end, or reading go on after the stack's top.
+    """A state in which the word may end, or reading may go on after the top of the stack.
 
-    By continuation: the next state where that is the stack's top.
+    It also maps a continuation to the next state if that is the top of the stack.
     """
 
     __slots__ = ()
@@ -245,14 +246,14 @@ class _Ending(_State):
 
 @dataclass(frozen=True, slots=True)
 class _Push:
-    """What comes after ``state`` is put on the stack."""
+    """Go on with ``state``, with the continuation ``following`` put on the stack."""
 
     state: _State
     following: Continuation
 
 
 class PushdownMembership:
-    """The words of a grammar in binary form over terminals with these names."""
+    """Membership in the language of a grammar in binary form over named terminals."""
 
     def __init__(self, grammar: BinaryGrammar, names: Sequence[str]) -> None:
         self._residuals = Residuals(grammar, names)
@@ -280,7 +281,7 @@ class PushdownMembership:
         return type(state) is _Ending and not stack
 
     def step(self, residual: Residual) -> _State | _Push:
-        """How to go on with a residual."""
+        """The next state or push for a residual."""
         if not residual.accepting:
             followings = {following for _, following in residual.agenda}
             if len(followings) == 1:
@@ -293,7 +294,7 @@ class PushdownMembership:
         return self._state(residual)
 
     def join(self, residual: Residual, top: Continuation) -> _State | _Push:
-        """How to go on where a residual may end and ``top`` was on the stack."""
+        """The next state or push if a residual may end and ``top`` was on the stack."""
         return self.step(self._residuals.before(residual, top))
 
     def _state(self, residual: Residual) -> _State:
@@ -309,15 +310,15 @@ class PushdownMembership:
 
 # --- Membership, by the fastest automaton that reads the grammar exactly as it is -----------------
 #
-# A finite automaton where the form of the grammar shows that it is regular; else a pushdown
-# automaton whose states are made as they are needed, which reads any grammar.
+# That is a finite automaton if the form of the grammar shows that it is regular; otherwise a
+# pushdown automaton whose states are made on demand, which reads any grammar.
 
 
 Kind: TypeAlias = Literal["finite automaton", "pushdown automaton"]
 
 
 class MembershipTest(Protocol):
-    """Something that tells the words of a language."""
+    """A membership test for a language."""
 
     def accepts(self, word: Iterable[str], /) -> bool:
         """Whether the word is in the language."""
@@ -325,7 +326,7 @@ class MembershipTest(Protocol):
 
 @dataclass(frozen=True)
 class Membership:
-    """``reader`` for the grammar; ``condition`` for the accept condition, None: it is in there."""
+    """``reader`` for the grammar, ``condition`` for the accept condition (None: in ``reader``)."""
 
     kind: Kind
     reader: MembershipTest

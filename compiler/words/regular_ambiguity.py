@@ -1,9 +1,9 @@
-"""Ambiguity of a grammar without self-embedding, decided exactly.
+"""Decide the ambiguity of a grammar without self-embedding.
 
 Source: Book, Even, Greibach & Ott, *Ambiguity in graphs and expressions* (1971): a network is
-ambiguous iff two different paths from the first state to the last read one word, which is a
-question of reachability in the product of the network with itself.  The accept condition, being
-deterministic, is a third factor of that product and adds no ambiguity.
+ambiguous iff two different paths from the first state to the last read the same word, which is a
+reachability question in the product of the network with itself.  The accept condition is
+deterministic; it is a third factor of that product and adds no ambiguity.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TypeAlias
 from compiler.words.finite_automaton import Dfa
 from compiler.words.regular_automaton import Network
 
-# Two paths by their states, whether they have parted already, and the state of the automaton.
+# The states of two paths, whether they have parted already, and the state of the accept automaton.
 Pair: TypeAlias = tuple[int, int, bool, int]
 Moves: TypeAlias = dict[int, dict[int, int]]
 
@@ -24,15 +24,15 @@ STEP_LIMIT = 20_000
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The first of the shortest ambiguous words, in numbers of symbols; None: there is none."""
+    """The first of the shortest ambiguous words, as symbol numbers; None if there is none."""
 
     word: tuple[int, ...] | None
 
 
 def decide_ambiguity(network: Network, accept: Dfa) -> Decision | None:
-    """Whether an accepted word has two paths, the empty word left aside.
+    """Whether some accepted non-empty word has two paths.
 
-    None where the search would take more than ``STEP_LIMIT`` steps.
+    None if the search would take more than ``STEP_LIMIT`` steps.
     """
     visible = _Visible.of(network)
     if visible is None:
@@ -49,11 +49,11 @@ def decide_ambiguity(network: Network, accept: Dfa) -> Decision | None:
 
 @dataclass(frozen=True, slots=True)
 class _Visible:
-    """The moves under terminals, those under the empty word taken into them.
+    """The moves under terminals, with the moves under the empty word merged into them.
 
-    ``moves[p][a][q]`` is the number of ways from p to q that read a, ``ends[p]`` that of ways to
-    the last state that read nothing, 2 standing for more.  ``opening[p]`` is the bit set of the
-    terminals that may come next, the lowest bit for the end.
+    ``moves[p][a][q]`` is the number of ways from p to q that read a, and ``ends[p]`` is the number
+    of ways to the last state that read nothing; 2 stands for more.  ``opening[p]`` is the bit set
+    of the terminals that may come next, with the lowest bit for the end.
     """
 
     moves: dict[int, Moves]
@@ -62,7 +62,7 @@ class _Visible:
 
     @staticmethod
     def of(network: Network) -> _Visible | None:
-        """None where there would be more than ``STEP_LIMIT`` moves."""
+        """The visible moves of a network; None if there would be more than ``STEP_LIMIT``."""
         moves: dict[int, Moves] = {}
         ends: dict[int, int] = {}
         steps = 0
@@ -93,7 +93,7 @@ def _count(moves: Moves, symbol: int, target: int, ways: int) -> None:
 
 
 def _by_empty_moves(network: Network) -> Iterator[int]:
-    """The states, each after those that its empty moves lead to (these have no cycle)."""
+    """The states, each after those that its empty moves lead to (empty moves have no cycle)."""
     done: set[int] = set()
     for root in range(len(network.moves)):
         todo = [] if root in done else [root]
@@ -110,7 +110,7 @@ def _by_empty_moves(network: Network) -> Iterator[int]:
 
 
 def _explore(visible: _Visible, accept: Dfa) -> dict[Pair, list[tuple[int, Pair]]] | None:
-    """The pairs that one word leads to, with their successors; None beyond the limit."""
+    """The pairs that a common word leads to, with their successors; None beyond the limit."""
     live = accept.live()
     start: Pair = (0, 0, False, 0)
     following: dict[Pair, list[tuple[int, Pair]]] = {}
@@ -148,7 +148,7 @@ def _successors(
 def _parted(
     first: dict[int, int], second: dict[int, int], visible: _Visible
 ) -> Iterator[tuple[int, int, bool]]:
-    """Two paths that have parted go on, each its way, where they may agree on the next symbol."""
+    """Continue two paths that have parted, if they may agree on the next symbol."""
     opening = visible.opening
     for r in first:
         for s in second:
@@ -157,7 +157,7 @@ def _parted(
 
 
 def _parting(targets: dict[int, int], visible: _Visible) -> Iterator[tuple[int, int, bool]]:
-    """One path goes on, or parts in two that may agree on the next symbol."""
+    """Continue one path, or part it into two that may agree on the next symbol."""
     opening = visible.opening
     seen: dict[int, list[int]] = {}
     for r, ways in targets.items():

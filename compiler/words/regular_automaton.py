@@ -29,9 +29,9 @@ from compiler.words.grammar import (
 # --- A grammar without self-embedding as a finite network whose paths are its derivations ---------
 #
 # Source: Nederhof, *Practical experiments with regular approximation of context-free languages*
-# (2000), section 3.  Where each set of mutually recursive nonterminals recurs at the left end of
-# its right sides only, or at the right end only, the grammar unfolds into a finite network: every
-# derivation is one path from its first state to its last, and every path one derivation.
+# (2000), section 3.  If every set of mutually recursive nonterminals recurs only at the left end,
+# or only at the right end, of its right sides, the grammar unfolds into a finite network.  Every
+# derivation is one path from its first state to its last, and every path is one derivation.
 
 
 Recursion: TypeAlias = Literal["none", "left", "right"]
@@ -42,10 +42,10 @@ WORK_LIMIT = 4_000
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """States with moves under a terminal or, where it is None, under the empty word.
+    """States with moves under a terminal, or under the empty word if that is None.
 
     ``moves[p]`` are (terminal, state).  Several equal moves are different paths.  State 0 is the
-    first and has no move into it, state 1 the last and has none out of it.
+    first and has no move into it; state 1 is the last and has no move out of it.
     """
 
     moves: tuple[tuple[tuple[int | None, int], ...], ...]
@@ -54,8 +54,8 @@ class Network:
 def transition_network(cfg: Cfg) -> Network | None:
     """The network of a trimmed grammar without cycles.
 
-    None where a nonterminal embeds itself, or recurs at both ends, or where the network would have
-    more than ``WORK_LIMIT`` states or moves.
+    None if a nonterminal embeds itself or recurs at both ends, or if the network would have more
+    than ``WORK_LIMIT`` states or moves.
     """
     recursion = _recursions(cfg)
     if recursion is None:
@@ -65,7 +65,7 @@ def transition_network(cfg: Cfg) -> Network | None:
 
 
 def _recursions(cfg: Cfg) -> tuple[tuple[int, ...], tuple[Recursion, ...]] | None:
-    """The component of each nonterminal, and how each component recurs; None: not by one end."""
+    """The component of each nonterminal and the recursion of each; None if one is mixed."""
     first = cfg.terminals
     children: list[list[int]] = [[] for _ in range(cfg.nonterminals)]
     for left, right in cfg.rules:
@@ -94,7 +94,7 @@ def _recursions(cfg: Cfg) -> tuple[tuple[int, ...], tuple[Recursion, ...]] | Non
 
 
 class _Builder:
-    """Unfolds occurrences one by one; a recursive component is laid out once per occurrence."""
+    """Unfolds occurrences one by one; a recursive component is unfolded once per occurrence."""
 
     def __init__(self, cfg: Cfg, component: tuple[int, ...], kinds: tuple[Recursion, ...]) -> None:
         self.cfg = cfg
@@ -153,19 +153,16 @@ class _Builder:
                     yield source if inner is None else inner, rest, state[k]
 
 
-# --- The finite automaton of a grammar whose form shows that its language is regular --------------
-
-
 # --- The finite automaton of a left- or right-linear grammar (Hopcroft, Motwani, Ullman 2001) -----
 #
-# State 1 + k is nonterminal number k: what it has yet to derive where the grammar is right-linear,
-# what it has derived where it is left-linear.  State 0 stands where there is no nonterminal.
+# State 1 + k is nonterminal number k: what it still has to derive in a right-linear grammar, what
+# it has derived in a left-linear one.  State 0 means that there is no nonterminal.
 
 
 def linear_automaton(srg: Srg, accept: Dfa, limit: int = STATE_LIMIT) -> Dfa | None:
     """The minimal finite automaton of a left- or right-linear grammar with its accept condition.
 
-    None where the useful productions are not all left-linear or all right-linear.
+    None if the useful productions are not all left-linear or all right-linear.
 
     Raises:
         AutomatonTooLargeError: the subset construction needs more than ``limit`` states.
@@ -194,18 +191,18 @@ def linear_automaton(srg: Srg, accept: Dfa, limit: int = STATE_LIMIT) -> Dfa | N
 
 # --- The finite automaton of a grammar whose form shows that its language is regular --------------
 #
-# Linear grammars, and those without self-embedding: each set of mutually recursive nonterminals
-# recurs at one end of its right sides only (Chomsky 1959; Nederhof 2000).
+# These are linear grammars, and those without self-embedding: each set of mutually recursive
+# nonterminals recurs only at one end of its right sides (Chomsky 1959; Nederhof 2000).
 
 
 SUBSET_LIMIT = 2_000
-"""Larger automata are not worth their construction: there are other ways to read words."""
+"""Larger automata are not worth constructing: there are other ways to read words."""
 
 
 def regular_automaton(srg: Srg, accept: Dfa) -> Dfa | None:
     """The minimal finite automaton of L(SRG) intersected with L(accept).
 
-    None where the form of the grammar does not show that L(SRG) is regular, or where the subset
+    None if the form of the grammar does not show that L(SRG) is regular, or if the subset
     construction needs more than ``SUBSET_LIMIT`` states.
     """
     try:

@@ -1,10 +1,10 @@
-"""Reading words of a context-free grammar from left to right, deterministically.
+"""Read words of a context-free grammar from left to right, deterministically.
 
-A *residual* stands for what may follow a prefix: a set of symbols, each with what comes after it
-(:mod:`compiler.words.continuations`).  Equal sets are one object, and a symbol at the end of
-its rule takes over what comes after the rule.  A left- or right-linear grammar therefore has
-finitely many residuals, the states of a finite automaton, and any grammar is read as by an
-automaton whose states are made when they are first needed.
+A *residual* describes what may follow a prefix: a set of symbols, each with its continuation
+(:mod:`compiler.words.continuations`).  Equal sets are one object, and the last symbol of a rule has
+the continuation of the whole rule.  So a left- or right-linear grammar has finitely many residuals,
+the states of a finite automaton.  Any other grammar is read like an automaton whose states are made
+on demand.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from compiler.words.intersection import BinaryGrammar
 from compiler.words.left_corners import LeftCorners, Move
 
 CACHE_LIMIT = 50_000
-"""So many residuals and continuations are remembered; results never depend on it."""
+"""The most residuals and continuations that are cached; results never depend on it."""
 
 Name: TypeAlias = str
 
 
 @dataclass(slots=True)
 class _Calls:
-    """What a residual calls: nonterminals with their moves, and what comes after terminals."""
+    """The calls of a residual: nonterminals with their moves, and continuations of terminals."""
 
     direct: dict[int, list[Continuation]]
     after: dict[int, list[Continuation]]
@@ -42,11 +42,12 @@ class _Calls:
 
 
 class Residual(dict[Name, "Residual"]):
-    """What may follow a prefix: the residuals after one more symbol, made when asked for.
+    """What may follow a prefix; maps each possible next symbol to its residual, made on demand.
 
-    ``residual[name]`` raises ``KeyError`` where that symbol may not come next.
+    ``residual[name]`` raises ``KeyError`` if that symbol may not come next.
 
-    ``accepting``: nothing may follow.  Bit m of ``lengths``: some word of length m may follow.
+    ``accepting``: the word may end here.  Bit m of ``lengths`` is set if some word of length m may
+    follow.
     """
 
     __slots__ = ("accepting", "agenda", "calls", "following", "lengths", "owner")
@@ -59,7 +60,7 @@ class Residual(dict[Name, "Residual"]):
         self.following: tuple[tuple[int, Residual], ...] | None = None
         self.lengths = int(accepting)
 
-    # A dictionary that is compared by identity: it is the state, not what it leads to.
+    # A dictionary compared by identity: it is a state, whatever its entries.
     __hash__ = object.__hash__  # type: ignore[assignment]
 
     def __eq__(self, other: object) -> bool:
@@ -75,12 +76,12 @@ class Residual(dict[Name, "Residual"]):
 
 
 class Residuals:
-    """The residuals of a grammar over terminals with names.
+    """The residuals of a grammar over named terminals.
 
     Args:
         grammar: the grammar, in binary form.
-        names: of its terminals; interned, as names in the text of a program are.
-        horizon: lengths are exact up to so many symbols; None: they are not asked for.
+        names: the names of its terminals; they are interned, like names in the text of a program.
+        horizon: the greatest length for which lengths are exact; None if they are not needed.
     """
 
     def __init__(
@@ -101,7 +102,7 @@ class Residuals:
 
     @property
     def horizon(self) -> int:
-        """The greatest length that is known of."""
+        """The greatest length for which lengths are exact."""
         return 0 if self._lengths is None else self._lengths.horizon
 
     def accepting(self, residual: Residual, /) -> bool:
@@ -109,11 +110,11 @@ class Residuals:
         return residual.accepting
 
     def lengths(self, residual: Residual, /) -> int:
-        """Bit m is set where some word of m symbols may follow, up to the horizon."""
+        """Bit m is set if some word of m symbols may follow, up to the horizon."""
         return residual.lengths
 
     def moves(self, residual: Residual, /) -> Sequence[tuple[int, Residual]]:
-        """The terminals that may come next, in order, with the residuals that they lead to."""
+        """The terminals that may come next, in order, with their residuals."""
         if residual.following is None:
             calls = self._calls(residual)
             symbols = sorted({*calls.after, *calls.moves})
@@ -121,7 +122,7 @@ class Residuals:
         return residual.following
 
     def after(self, residual: Residual, symbol: int) -> Residual | None:
-        """The residual after one more terminal, by number; None where it may not come next."""
+        """The residual after one more terminal, by number; None if it may not come next."""
         calls = self._calls(residual)
         move = calls.moves.get(symbol)
         ends = calls.after.get(symbol, ())
@@ -154,7 +155,7 @@ class Residuals:
         return result
 
     def before(self, residual: Residual, following: Continuation) -> Residual:
-        """What may follow where ``following`` comes after each end of a residual."""
+        """The residual of what may follow if ``following`` comes after each end of a residual."""
         items = self._continuations.plugged(residual.agenda, following)
         if not residual.accepting:
             return self.of(items, accepting=False)

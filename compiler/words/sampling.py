@@ -1,8 +1,8 @@
-"""Words of one length drawn uniformly: every word has the same chance, however many derivations.
+"""Draw words of one length uniformly: every word is equally likely, whatever its derivations.
 
-A number below the number of words is drawn, and the word with that number is the sample.  Words of
-a regular or LR(1) grammar are numbered in polynomial time; those of any other by the states that
-prefixes lead to, up to a budget.
+A random number below the number of words is drawn, and the word with that number is the sample.
+Words of a regular or LR(1) grammar are numbered in polynomial time; those of any other grammar are
+numbered by the states that prefixes lead to, up to a budget.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ class WordSampler:
 
     Raises:
         ValueError: the length is negative.
-        BudgetExceededError: the language is neither shown to be regular nor LR(1), and more than
-            ``budget`` moves are needed to number its words.
+        BudgetExceededError: the language is neither evidently regular nor LR(1), and numbering its
+            words needs more than ``budget`` moves.
     """
 
     def __init__(self, language: Language, length: int, budget: int = MOVE_BUDGET) -> None:
@@ -52,14 +52,14 @@ class WordSampler:
         """The word with that number, from 0, in an order that depends on the grammar alone.
 
         Raises:
-            IndexError: there are not so many words.
+            IndexError: there are fewer words.
         """
         if not 0 <= index < self.number:
             raise IndexError(f"there are {self.number} words of length {self._length}")
         return self._language.srg.decode(self._numbered(index))
 
     def draw(self, random: Random) -> tuple[str, ...]:
-        """A word, all with the same probability.
+        """A random word; all words have the same probability.
 
         Raises:
             IndexError: there is no word of that length.
@@ -70,7 +70,7 @@ class WordSampler:
 
 
 def _numbered(language: Language, length: int, budget: int) -> WordsOfLength | None:
-    """The words numbered by prefixes; None where the derivations of an LR(1) grammar are to be."""
+    """The words numbered by prefixes; None if derivations of an LR(1) grammar should be used."""
     recogniser = language.recogniser(length)
     if language.finite_automaton is not None:
         return WordsOfLength(recogniser, length, None)

@@ -11,18 +11,18 @@ from compiler.words.grammar import Srg, cyclic, nullable, trimmed, useful_rules
 from compiler.words.language import Language
 from compiler.words.lr_automaton import LrAutomaton, leftmost_derivation
 
-# --- The factors of a word that the nonterminals of a grammar derive, and all its derivations -----
+# --- The factors of a word that nonterminals derive, and all its derivations ----------------------
 #
-# The chart is that of Cocke, Younger and Kasami with bit sets for the starts and rules of any
-# length; the leftmost search that follows it never enters a dead end.  Nothing is recursive in the
+# The chart is that of Cocke, Younger and Kasami, with bit sets for the starts and rules of any
+# length.  The leftmost search that uses it never enters a dead end.  Nothing is recursive in the
 # length of the word.
 
 
 class Chart:
-    """Which nonterminals derive which factors of a word; consecutive words share their prefix.
+    """The factors of a word that each nonterminal derives; consecutive words share their prefix.
 
     ``starts[A][j]`` is the bit set of the positions i such that A derives word[i:j];
-    ``partial[r, k][j]`` the same for the first k > 0 symbols of the right side of rule r.
+    ``partial[r, k][j]`` is the same for the first k > 0 symbols of the right side of rule r.
     """
 
     def __init__(self, srg: Srg) -> None:
@@ -56,7 +56,7 @@ class Chart:
         self._column()
 
     def read(self, word: tuple[int, ...]) -> None:
-        """Make the chart that of ``word``, keeping the columns of the common prefix."""
+        """Compute the chart of ``word``, keeping the columns of the common prefix."""
         common = 0
         while common < min(len(word), len(self.word)) and word[common] == self.word[common]:
             common += 1
@@ -72,7 +72,7 @@ class Chart:
             self._column()
 
     def before(self, symbol: int, ends: int, least: int) -> int:
-        """The i >= least such that the symbol derives word[i:j] for some j of ``ends``."""
+        """The i >= least such that the symbol derives word[i:j] for some j in ``ends``."""
         if symbol < self.first:
             found = (ends >> 1) & self.masks[symbol]
         else:
@@ -86,7 +86,7 @@ class Chart:
         return found >> least << least
 
     def _column(self) -> None:
-        """Append the column of the last position: a least fixpoint, each new bit handled once."""
+        """Append the column of the last position: a least fixpoint, handling each bit once."""
         j = len(self.word)
         for table in (*self.starts, *self.partial.values()):
             table.append(0)
@@ -109,7 +109,7 @@ class Chart:
                 todo.append((r, k + 1, bits))
 
     def _derived(self, k: int, bits: int, j: int, todo: list[tuple[int, int, int]]) -> None:
-        """Nonterminal number k derives word[i:j] for the i in ``bits``: tell its users."""
+        """Record that nonterminal number k derives word[i:j] for i in ``bits``; tell its users."""
         bits &= ~self.starts[k][j]
         self.starts[k][j] |= bits
         if not bits:
@@ -128,7 +128,7 @@ class Chart:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Stack:
-    """Symbols still to be derived; ``starts``: from which positions they derive the rest."""
+    """Symbols still to be derived; ``starts`` are the positions from which they derive the rest."""
 
     symbol: int
     below: _Stack | None
@@ -169,7 +169,7 @@ def leftmost_derivations(srg: Srg, chart: Chart) -> Iterator[tuple[int, ...]]:
 def _push(
     chart: Chart, right: tuple[int, ...], below: _Stack | None, position: int
 ) -> _Stack | None:
-    """The right side on top of the symbols below; ``below`` itself where it is empty."""
+    """The right side pushed on the symbols below; ``below`` itself if it is empty."""
     stack = below
     for symbol in reversed(right):
         ends = 1 << len(chart.word) if stack is None else stack.starts
@@ -180,12 +180,12 @@ def _push(
 # --------------------------------------------------------------------------------------------------
 # The derivations of a word, and the structures of a robot family: all derivations of all words.
 #
-# For an LR(1) grammar, the one derivation is read off its automaton in linear time; for any other,
-# the derivations come from a chart of the word's factors.
+# For an LR(1) grammar, the one derivation is computed by its automaton in linear time; for any
+# other grammar, the derivations come from a chart of the word's factors.
 
 
 class InfiniteAmbiguityError(ValueError):
-    """A grammar with a derivation A =>+ A, whose words may have infinitely many derivations."""
+    """A grammar has a derivation A =>+ A, so words may have infinitely many derivations."""
 
     def __init__(self, nonterminals: tuple[str, ...]) -> None:
         super().__init__(
@@ -197,10 +197,10 @@ class InfiniteAmbiguityError(ValueError):
 def derivations_of(language: Language, word: Sequence[str]) -> Iterator[Derivation]:
     """All derivations of a word of the language, ordered by production sequence.
 
-    Productions compare in order of declaration.  A word that is not in the language has none.
+    Productions compare in declaration order.  A word that is not in the language has no derivation.
 
     Raises:
-        InfiniteAmbiguityError: at once, where the grammar has a useful derivation A =>+ A.
+        InfiniteAmbiguityError: immediately, if the grammar has a useful derivation A =>+ A.
     """
     _refuse_cycles(language.srg)
     codes = language.srg.encode(word)
@@ -212,21 +212,21 @@ def derivations_of(language: Language, word: Sequence[str]) -> Iterator[Derivati
 def structures(language: Language, max_modules: int) -> Iterator[Derivation]:
     """All derivations of all words with at most ``max_modules`` modules, lazily.
 
-    Ordered by word (length, then symbols in order of declaration), then by production sequence.
-    The empty word is no robot.  Where edges alone repeat without bound there are infinitely many:
-    see ``Language.is_finite``.
+    Ordered by word (length, then symbols in declaration order), then by production sequence.  The
+    empty word is not a robot.  If edges can repeat without bound, there are infinitely many
+    structures: see ``Language.is_finite``.
 
     Raises:
-        InfiniteAmbiguityError: at once, where the grammar has a useful derivation A =>+ A.
+        InfiniteAmbiguityError: immediately, if the grammar has a useful derivation A =>+ A.
     """
     return structures_of(language, language.words(max_modules=max_modules))
 
 
 def structures_of(language: Language, words: Iterable[tuple[str, ...]]) -> Iterator[Derivation]:
-    """All derivations of given words of the language, lazily: by word, then as above.
+    """All derivations of the given words of the language, lazily: by word, then as above.
 
     Raises:
-        InfiniteAmbiguityError: at once, as above.
+        InfiniteAmbiguityError: immediately, as above.
     """
     _refuse_cycles(language.srg)
     return _structures(language, words)

@@ -1,4 +1,4 @@
-"""Words by the sum of the weights of their symbols: listed in order, and up to a bound accepted."""
+"""Words by the sum of the weights of their symbols: enumerated, and accepted up to a bound."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from compiler.words.language import Language
 def _scaled(
     alphabet: Sequence[str], weights: Mapping[str, Fraction]
 ) -> tuple[tuple[int, ...], int]:
-    """The weights of the symbols as integers, and by what they were multiplied."""
+    """The weights of the symbols as integers, and the factor that they were multiplied by."""
     negative = [name for name, weight in weights.items() if weight < 0]
     if negative:
         raise ValueError(f"the weight of `{negative[0]}` is negative")
@@ -36,7 +36,7 @@ def _scaled(
 
 
 _Key: TypeAlias = tuple[int, int, tuple[int, ...]]
-"""The weight, the length and the symbols of a word, which compare in this order."""
+"""The weight, the length and the symbols of a word, compared in this order."""
 _Choice: TypeAlias = tuple[RightSide, tuple[int, ...]]
 """A right side, and for each of its symbols the position of a word in the list of that symbol."""
 
@@ -46,16 +46,17 @@ def words_by_weight(
 ) -> Iterator[tuple[Fraction, tuple[str, ...]]]:
     """The words of a language by the sum of the weights of their symbols, each once, lazily.
 
-    Words of one weight come by length and then by the order of the symbols.  Where symbols without
-    weight repeat without bound, the words of one weight may never end, and heavier ones not come.
+    Words of equal weight are ordered by length and then by the order of the symbols.  If weightless
+    symbols can repeat without bound, there may be infinitely many words of one weight, and heavier
+    words are never reached.
 
     Args:
         language: the language.
-        weights: of symbols, none negative; symbols that are not named weigh 0.
+        weights: the weights of symbols, none negative; symbols that are not named weigh 0.
         max_modules: the greatest number of modules; None: no bound.
 
     Raises:
-        ValueError: at once, where a weight is negative.
+        ValueError: immediately, if a weight is negative.
     """
     scaled, scale = _scaled(language.srg.terminals, weights)
     return _in_order(language, scaled, scale, max_modules)
@@ -73,7 +74,7 @@ def _in_order(
 
 @dataclass(slots=True)
 class _Ranked:
-    """The first words of a symbol in order, and the choices among which the next one is.
+    """The first words of a symbol in order, and the choices that the next word is among.
 
     The words of all other choices come after that of a choice in ``heap`` or ``waiting``.
     """
@@ -84,12 +85,13 @@ class _Ranked:
     complete: bool = False
 
     def advance(self) -> bool:
-        """Take the least choice of the heap; whether that ends the search for the next word."""
+        """Take the least choice of the heap; return whether that ends the search for a word."""
         if not self.heap:
             self.complete = True
             return True
         key, (right, ranks) = heappop(self.heap)
-        # One way to each choice: the last rank grows first, the first one while the last is 0.
+        # Each choice is reached in one way: the last rank grows first, the first while the last is
+        # 0.
         self.waiting.append((right, (*ranks[:-1], ranks[-1] + 1)))
         if len(ranks) == 2 and not ranks[1]:
             self.waiting.append((right, (ranks[0] + 1, 0)))
@@ -100,7 +102,7 @@ class _Ranked:
 
 
 class _RankedWords:
-    """The words of a grammar in order, but for the empty one; terminals are words of one symbol."""
+    """The non-empty words of a grammar in order; a terminal is a word of one symbol."""
 
     def __init__(self, grammar: BinaryGrammar, weights: Sequence[int]) -> None:
         # The last nonterminal derives what the start symbols derive.
@@ -112,7 +114,7 @@ class _RankedWords:
         self._find_first(weights)
 
     def words(self) -> Iterator[_Key]:
-        """All words."""
+        """All words in order."""
         start = len(self._ranked) - 1
         ranked = self._ranked[start]
         while not ranked.complete:
@@ -120,7 +122,7 @@ class _RankedWords:
             self._extend(start)
 
     def _find_first(self, weights: Sequence[int]) -> None:
-        """The first word of every symbol; a symbol without any is complete."""
+        """Find the first word of every symbol; a symbol without words is complete."""
         users: list[list[tuple[int, RightSide]]] = [[] for _ in self._ranked]
         for left, ranked in enumerate(self._ranked):
             for right, _ in ranked.waiting:
@@ -145,8 +147,8 @@ class _RankedWords:
     def _extend(self, symbol: int) -> None:
         """Find the next word of a symbol, or that there is none.
 
-        That may need the next word of a part of the last word, and so on: the last words of the
-        symbols on the stack become smaller, so that none is there twice.
+        That may need the next word of a part of the last word, and so on.  The last words of the
+        symbols on the stack become smaller, so no symbol is on it twice.
         """
         stack = [symbol]
         while stack:
@@ -159,7 +161,7 @@ class _RankedWords:
                 stack.pop()
 
     def _enter(self, ranked: _Ranked) -> int | None:
-        """Put the waiting choices into the heap, until one needs a further word of a symbol."""
+        """Move the waiting choices to the heap, until one needs a further word of some symbol."""
         while ranked.waiting:
             check_time()
             choice = ranked.waiting[-1]
@@ -174,7 +176,7 @@ class _RankedWords:
         return None
 
     def _key(self, right: RightSide, ranks: tuple[int, ...]) -> _Key | None:
-        """The word of a choice; None where a symbol has no word at that position."""
+        """The word of a choice; None if a symbol has no word at that position."""
         weight, length = 0, 0
         word: tuple[int, ...] = ()
         for symbol, rank in zip(right, ranks, strict=True):
@@ -197,14 +199,15 @@ def weight_at_most(
     strict: bool = False,
     inside: Dfa | None = None,
 ) -> Dfa:
-    """The minimal automaton of the words whose weight is at most the bound; or, strict, below it.
+    """The minimal automaton of the words whose weight is at most the bound (``strict``: below it).
 
     Args:
         alphabet: the symbols.
-        weights: of symbols, none negative; symbols that are not named weigh 0.
-        bound: of the sum of the weights.
-        strict: whether the sum has to be below the bound.
-        inside: an automaton that has to accept the words, too; sums of no such word are not states.
+        weights: the weights of symbols, none negative; symbols that are not named weigh 0.
+        bound: the bound on the sum of the weights.
+        strict: whether the sum must be below the bound.
+        inside: an automaton that must accept the words as well; sums without such words get no
+            state.
 
     Raises:
         ValueError: a weight is negative.

@@ -1,8 +1,9 @@
 """WS.Abstraction: the workspace as labelled convex cells with adjacency.
 
 Source: Sections 3 and 4.2 of the paper, W = (P, H, N).  The cells partition the bounds and refine
-every region, so that a cell has the propositions of all its inner points.  Only cells that meet a
-region are cut, along its facets; pieces of equal propositions are then made few and large.
+every region, so all inner points of a cell have the same propositions.  Only cells that meet a
+region are cut, along its facets; pieces with equal propositions are then merged into few large
+ones.
 """
 
 from __future__ import annotations
@@ -31,12 +32,12 @@ from grammar_lang.ir import Region, Round, Workspace
 CellKind: TypeAlias = Literal["obstacle", "target", "region", "free"]
 FREE: Final = "free"
 OUTSIDE = 1e-9
-"""Distance in metres up to which a point outside every cell still counts as on its boundary."""
+"""The distance (m) at which a point outside all cells still counts as on their boundary."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A closed convex cell; ``region`` is what it is named after, ``kind`` the kind of that."""
+    """A closed convex cell; it is named after ``region``, whose kind is ``kind``."""
 
     name: str
     kind: CellKind
@@ -52,11 +53,11 @@ class Cell:
 
 @dataclass(frozen=True)
 class Abstraction:
-    """The cells in order of their names' regions, and the facets that neighbours share.
+    """The cells in order of their regions, and the facets that neighbours share.
 
-    ``facets`` maps every pair i < j of neighbours to the corners of their common facet.
-    ``cuts`` are those made since ``abstract``, by the numbers cells had then and got since;
-    ``numbers`` has that number of every cell, none where nothing is cut.
+    ``facets`` maps every pair i < j of neighbours to the corners of their common facet.  ``cuts``
+    are those made since ``abstract``, in the cell numbers of that time and those added since.
+    ``numbers`` has this number of every cell; it is empty if nothing has been cut.
     """
 
     dimension: int
@@ -72,7 +73,7 @@ class Abstraction:
 
     @cached_property
     def neighbours(self) -> tuple[tuple[int, ...], ...]:
-        """Per cell its neighbours, ascending, itself not among them."""
+        """The neighbours of each cell, ascending, without itself."""
         found: list[list[int]] = [[] for _ in self.cells]
         for i, j in self.facets:
             found[i].append(j)
@@ -85,7 +86,7 @@ class Abstraction:
         return touching([cell.polytope for cell in self.cells])
 
     def index(self, name: str) -> int:
-        """The cell of that name; KeyError if there is none."""
+        """The index of the cell with that name; KeyError if there is none."""
         return self._indices[name]
 
     def within(self, regions: Iterable[str]) -> tuple[int, ...]:
@@ -98,11 +99,11 @@ class Abstraction:
         return self.within((region,))
 
     def refined(self, cuts: Iterable[Cut]) -> tuple[Abstraction, tuple[tuple[int, ...], ...]]:
-        """The abstraction after some cuts in turn, and per cell of this one the cells it became.
+        """The abstraction after applying cuts in turn, and the new cells of each cell of this one.
 
-        A cut numbers cells as they are here; each makes the next number, ``len(self.cells)`` first.
-        Named anew at the end, the cells are the same as if all ``cuts`` ever made had been made
-        of the first abstraction at once.
+        A cut uses the cell numbers of this abstraction; each cut adds the next number, starting
+        with ``len(self.cells)``.  Cells are renamed at the end, so the result is the same as if all
+        ``cuts`` ever made had been applied to the first abstraction at once.
 
         Raises:
             ValueError: a cut names no cell, or misses the interior of its cell.
@@ -135,7 +136,7 @@ class Abstraction:
         return finer, tuple(map(tuple, children))
 
     def cut(self, cuts: Iterable[Cut]) -> Abstraction:
-        """The abstraction after some cuts, see ``refined``."""
+        """The abstraction after applying cuts; see ``refined``."""
         return self.refined(cuts)[0]
 
     def containing(self, point: Sequence[Fraction]) -> tuple[int, ...]:
@@ -145,7 +146,7 @@ class Abstraction:
     def locate(self, point: ArrayLike) -> int | None:
         """The cell in which a point (d,) lies deepest, the first on a tie; None outside the bounds.
 
-        In floats: near a common facet the answer may be either of its cells.
+        Computed in floats: near a common facet the answer may be either of its cells.
         """
         normals, offsets, starts = self._stacked
         excess = np.maximum.reduceat(normals @ np.asarray(point, dtype=float) - offsets, starts)
@@ -153,10 +154,10 @@ class Abstraction:
         return best if excess[best] <= OUTSIDE else None
 
     def facet_centre(self, first: int, second: int) -> Array:
-        """The mean of the corners of the facet two neighbours share, shape (d,), metres.
+        """The mean of the corners of the facet that two neighbours share, shape (d,), in metres.
 
         Raises:
-            KeyError: they are no neighbours.
+            KeyError: they are not neighbours.
         """
         corners = self.facets[min(first, second), max(first, second)]
         return np.array(
@@ -164,7 +165,7 @@ class Abstraction:
         )
 
     def describe(self) -> dict[str, list[str]]:
-        """Every cell's inequalities as text with rationals, by name."""
+        """The inequalities of every cell as text with rationals, by name."""
         return {cell.name: cell.polytope.inequalities() for cell in self.cells}
 
     @cached_property
@@ -173,7 +174,7 @@ class Abstraction:
 
     @cached_property
     def _stacked(self) -> tuple[Array, Array, NDArray[np.intp]]:
-        """All rows of all cells, (M, d) and (M,), and where each cell's rows begin."""
+        """All rows of all cells, (M, d) and (M,), and the index of each cell's first row."""
         sizes = [len(cell.polytope.b) for cell in self.cells]
         return (
             np.concatenate([cell.polytope.A for cell in self.cells]),
@@ -188,8 +189,8 @@ def abstract(workspace: Workspace) -> Abstraction:
     A region without interior inside the bounds makes no cell.
 
     Raises:
-        ValueError: the bounds are empty, flat or unbounded, or there are maps: these become regions
-            before (:mod:`compiler.tasks.obstacle_pieces`), so that no obstacle is left out.
+        ValueError: the bounds are empty, flat or unbounded, or there are maps.  Maps must become
+            regions first (:mod:`compiler.tasks.obstacle_pieces`), so that no obstacle is left out.
     """
     if workspace.maps:
         raise ValueError("the maps of a workspace become regions before it is divided")
@@ -202,7 +203,7 @@ def abstract(workspace: Workspace) -> Abstraction:
         if shape.has_interior:
             shapes.append((shape.irredundant(), region.name))
     if workspace.dimension == 3:
-        # In space, where nothing is divided afresh, fewer pieces are cut if large regions go first.
+        # Pieces are not divided anew in space; fewer pieces are cut if large regions go first.
         shapes.sort(key=lambda shape: (-shape[0].volume, shape[0].centre))
     pieces: list[tuple[Polytope, frozenset[str]]] = [(bounds.irredundant(), frozenset())]
     for shape, name in shapes:
@@ -262,7 +263,7 @@ def _named(
 def _numbered(
     sorted_cells: Iterable[tuple[str, CellKind, Polytope, frozenset[str]]],
 ) -> tuple[Cell, ...]:
-    """Cells of a region, a kind, a shape and propositions, named in this order."""
+    """The cells with names, given their region, kind, polytope and propositions in order."""
     ordered = list(sorted_cells)
     total = Counter(region for region, _, _, _ in ordered)
     used = Counter[str]()
@@ -274,24 +275,24 @@ def _numbered(
     return tuple(cells)
 
 
-# --- The cells between which a point may move that keeps out of some regions ----------------------
+# --- The cells between which a point may move that avoids some regions ----------------------------
 #
 # A point that moves continuously within the bounds, and never enters certain closed regions, is at
-# every instant in a cell that is inside none of them.  The instants at which it is in a given
-# closed cell are a closed set, so that it gets from one set of cells to the others only through a
-# point that is in both: from cell to touching cell, where a common corner is contact, too.
+# every instant in a cell outside all of them.  The instants at which it is in a given closed cell
+# form a closed set.  So it gets from one set of cells to another only through a point that is in
+# both: from cell to touching cell, where a common corner counts as contact.
 
 
 @dataclass(frozen=True)
 class PassableCells:
-    """The cells of a workspace, and which of them meet what."""
+    """The cells of a workspace, and which cells and regions meet."""
 
     abstraction: Abstraction
     workspace: ir.Workspace
     _meeting: dict[str, frozenset[int]] = field(default_factory=dict[str, frozenset[int]])
 
     def free(self, avoided: Collection[str]) -> frozenset[int]:
-        """The cells that may be outside all avoided regions, as those about a round one may."""
+        """The cells that may be outside all avoided regions; cells of a round region may be."""
         regions = map(self.workspace.region, avoided)
         sure = [region.name for region in regions if not isinstance(region.shape, Round)]
         inside = self.abstraction.within(sure)
@@ -314,7 +315,7 @@ class PassableCells:
 
     @cached_property
     def touching(self) -> list[list[int]]:
-        """Per cell those that it has a point in common with."""
+        """For each cell, the cells that it has a common point with."""
         found: list[list[int]] = [[] for _ in self.abstraction.cells]
         for i, j in self.abstraction.touches:
             found[i].append(j)
@@ -322,16 +323,16 @@ class PassableCells:
         return found
 
     def cut_off(self, source: str, target: str, avoided: Collection[str]) -> bool:
-        """Whether no chain of touching cells leads from region to region."""
+        """Whether no chain of touching free cells leads from one region to the other."""
         free = self.free(avoided)
         first, last = self.meeting(source) & free, self.meeting(target) & free
         if connected(first, self.abstraction.neighbours, free) & last:
-            return False  # without asking which cells touch at corners
+            return False  # no need to ask which cells touch at corners
         return not connected(first, self.touching, free) & last
 
 
 def _near(one: Polytope, other: Polytope) -> bool:
-    """Whether the boxes about two bounded polytopes meet; they do if the polytopes do."""
+    """Whether the boxes of two bounded polytopes meet; they do if the polytopes do."""
     (low, high), (lower, upper) = one.box, other.box
     return bool((low <= upper).all() and (lower <= high).all())
 
@@ -339,7 +340,7 @@ def _near(one: Polytope, other: Polytope) -> bool:
 def connected(
     cells: Collection[int], beside: Sequence[Collection[int]], free: Collection[int]
 ) -> frozenset[int]:
-    """The free cells that chains of free cells lead to."""
+    """The free cells that can be reached through chains of free cells."""
     reached, pending = set(cells), list(cells)
     while pending:
         for cell in beside[pending.pop()]:

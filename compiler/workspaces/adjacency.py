@@ -1,4 +1,4 @@
-"""Which cells of a partition share a facet, and which touch at all; exact.
+"""Which cells of a partition share a facet, and which ones touch at all; exact.
 
 Source: Section 3, the adjacency matrix N.  Two cells are neighbours iff their intersection has
 dimension d - 1; a common corner (or, in space, a common edge) is contact, not adjacency.
@@ -21,9 +21,9 @@ Boxes: TypeAlias = Array
 
 
 def shared_facets(cells: Sequence[Polytope]) -> dict[Pair, tuple[Point, ...]]:
-    """The corners of the common facet of every two neighbours i < j, in order of the pairs.
+    """The corners of the common facet of each pair of neighbours i < j, in order of the pairs.
 
-    The cells are bounded, with interior, irredundant, and pairwise interior-disjoint; then a
+    The cells must be bounded, full-dimensional, irredundant and pairwise interior-disjoint; then a
     common facet lies in one hyperplane that bounds both, from its two sides.
     """
     walls: dict[IntRow, tuple[list[Pair], list[Pair]]] = {}
@@ -45,10 +45,10 @@ def shared_facets(cells: Sequence[Polytope]) -> dict[Pair, tuple[Point, ...]]:
 
 
 def touching(cells: Sequence[Polytope]) -> tuple[Pair, ...]:
-    """The pairs i < j of closed cells that have a point in common, sorted.
+    """The pairs i < j of closed cells that have a common point, sorted.
 
-    The cells are bounded, with interior, and pairwise interior-disjoint.  Then two polygons meet
-    iff a corner of one is in the other; in space two edges may also cross.
+    The cells must be bounded, full-dimensional and pairwise interior-disjoint.  Then two polygons
+    meet iff a corner of one is in the other; in space two edges may also cross.
     """
     boxes = np.array([cell.box for cell in cells])
     rays = [frozenset(vertex.ray for vertex in cell.description.vertices) for cell in cells]
@@ -63,12 +63,12 @@ def touching(cells: Sequence[Polytope]) -> tuple[Pair, ...]:
 
 
 def _holds_one(cell: Polytope, rays: Iterable[IntRow]) -> bool:
-    """Whether a point of these is in the cell."""
+    """Whether one of these points is in the cell."""
     return any(all(value(row, ray) <= 0 for row in cell.integer_rows) for ray in rays)
 
 
 def _oriented(row: IntRow) -> tuple[IntRow, int]:
-    """The row with its first non-zero entry positive, and whether it was turned."""
+    """The row with its first non-zero entry positive, and 1 if its sign was changed."""
     leading = next(entry for entry in row if entry)
     return (row, 0) if leading > 0 else (tuple(-entry for entry in row), 1)
 
@@ -76,7 +76,7 @@ def _oriented(row: IntRow) -> tuple[IntRow, int]:
 def _near(
     cells: Sequence[Polytope], left: Sequence[Pair], right: Sequence[Pair]
 ) -> Iterator[tuple[Pair, Pair]]:
-    """The facets of the two sides of one hyperplane whose cells have overlapping boxes."""
+    """The pairs of facets on the two sides of one hyperplane whose cells have overlapping boxes."""
     if left and right:
         first, second = (np.array([cells[i].box for i, _ in side]) for side in (left, right))
         for a, b in _overlapping(first, second):

@@ -1,8 +1,8 @@
-"""Cuts that halve cells: of one cell, or of the largest again and again.
+"""Cuts that halve cells: a given cell, or repeatedly the largest one.
 
 Source: Wongpiromsarn, Topcu, Ozay, Xu & Murray, *TuLiP: a software toolbox for receding horizon
 temporal logic planning* (2011), splits cells until they are fine enough; here cells are halved by
-volume.  Nothing depends on floats but the place of a cut, which then is a short rational.
+volume.  Only the place of a cut depends on floats, and it is then a short rational.
 """
 
 from __future__ import annotations
@@ -23,10 +23,9 @@ STEPS = 16
 
 
 def bisections(abstraction: Abstraction, count: int) -> tuple[Cut, ...]:
-    """Cuts after which there are at least ``count`` cells: always of the largest one, halved.
+    """Cuts that make at least ``count`` cells by halving the largest cell repeatedly.
 
-    The largest is that of greatest volume, the first of several; it is cut across the axis along
-    which it is longest.
+    The largest is the first of those with the greatest volume; it is cut across its longest axis.
     """
     cells = [cell.polytope for cell in abstraction.cells]
     waiting = [(-cell.volume, number) for number, cell in enumerate(cells)]
@@ -48,12 +47,12 @@ def bisections(abstraction: Abstraction, count: int) -> tuple[Cut, ...]:
 
 
 def halving(abstraction: Abstraction, cell: int, direction: Sequence[float] | None = None) -> Cut:
-    """The cut of a cell near its middle, across a direction (its longest axis where none is given).
+    """The cut of a cell near its middle, across a direction (by default, its longest axis).
 
     Args:
         abstraction: the cells.
-        cell: the index of one.
-        direction: shape (d,), not zero, of any length; rounded to a short rational.
+        cell: the index of the cell.
+        direction: shape (d,), not zero, of any length; it is rounded to a short rational.
     """
     polytope = abstraction.cells[cell].polytope
     normal = _longest(polytope) if direction is None else _rounded(direction)
@@ -61,7 +60,7 @@ def halving(abstraction: Abstraction, cell: int, direction: Sequence[float] | No
 
 
 def _longest(cell: Polytope) -> Point:
-    """The unit vector of the axis along which a cell is longest, the first of several."""
+    """The unit vector of the axis along which a cell is longest, the first one on a tie."""
     extents = [max(axis) - min(axis) for axis in zip(*cell.vertices, strict=True)]
     best = extents.index(max(extents))
     return tuple(Fraction(int(axis == best)) for axis in range(len(extents)))
@@ -81,7 +80,7 @@ def _rounded(direction: Sequence[float]) -> Point:
 
 
 def _across(cell: Polytope, normal: Point) -> HalfSpace:
-    """The half-space of this normal that ends near the middle of the cell, at a short decimal."""
+    """The half-space with this normal that ends near the middle of the cell, at a short decimal."""
     heights = [sum((a * x for a, x in zip(normal, v, strict=True)), Fraction(0))
                for v in cell.vertices]  # fmt: skip
     low, high = min(heights), max(heights)
@@ -89,7 +88,7 @@ def _across(cell: Polytope, normal: Point) -> HalfSpace:
 
 
 def short_between(low: Fraction, high: Fraction) -> Fraction:
-    """A decimal of the fewest digits within a sixteenth of ``low < high`` of their middle."""
+    """A decimal with the fewest digits within ``(high - low) / 16`` of the middle of both."""
     middle, slack = (low + high) / 2, (high - low) / 16
     scale = Fraction(1)
     while scale <= slack / 5:

@@ -1,8 +1,8 @@
-"""A closed frame as a rational rotation and a rational shift, and how far both are off.
+"""A closed frame as a rational rotation and a rational shift, with bounds on their errors.
 
-A rotation is a unit quaternion; one of integers gives a rational matrix (Euler, Rodrigues).  The
-quaternion is computed in balls and rounded; the difference of the matrices bounds the error.  Turns
-whose sines and cosines are rational are exact.
+A rotation is a unit quaternion; an integer quaternion gives a rational matrix (Euler, Rodrigues).
+The quaternion is computed in ball arithmetic and rounded; the difference of the matrices bounds the
+error.  Rotations with rational sines and cosines are exact.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from grammar_lang import ir
 from grammar_lang.ir import constants
 
 BITS = 40
-"""So many binary digits have the entries of a quaternion; those of a shift after the point more."""
+"""The binary digits of the entries of a quaternion; those of a shift have more after the point."""
 SHIFT_BITS = 60
 PRECISION = 320
 
@@ -40,8 +40,8 @@ _AXES = {"x": 0, "y": 1, "z": 2}
 class RationalFrame:
     """``p -> rotation p + shift`` (metres).
 
-    The image of a point at a distance d from the origin is less than ``turned * d + moved`` from
-    that under the frame that is meant.
+    The image of a point at distance d from the origin differs by less than ``turned * d + moved``
+    from its image under the exact frame.
     """
 
     rotation: Matrix
@@ -60,7 +60,7 @@ class RationalFrame:
 
 
 def rational_frame(frame: ir.Expr) -> RationalFrame:
-    """The rational frame for a product of closed turns and moves, from the world inwards.
+    """The rational frame of a product of closed rotations and translations, from the world inwards.
 
     Raises:
         ValueError: the frame is not closed.
@@ -69,7 +69,7 @@ def rational_frame(frame: ir.Expr) -> RationalFrame:
 
 
 def _exact(frame: ir.Expr) -> RationalFrame | None:
-    """The frame itself, where all of it is seen to be rational."""
+    """The exact frame, if all of it is evidently rational."""
     rotation = _IDENTITY
     shift: Point = (Fraction(0),) * 3
     for step in ir.factors(frame):
@@ -118,7 +118,7 @@ def _moved(step: ir.Expr) -> tuple[ir.Expr, ir.Expr, ir.Expr]:
             raise ValueError("the frame is no product of closed turns and moves")
 
 
-# --- in balls -------------------------------------------------------------------------------------
+# --- Ball arithmetic ------------------------------------------------------------------------------
 
 
 def _rounded(frame: ir.Expr) -> RationalFrame:
@@ -162,7 +162,7 @@ def _composed(first: Sequence[arb], second: Sequence[arb]) -> list[arb]:
 
 
 def _matrix(quaternion: Sequence[Number], square: Number) -> tuple[tuple[Number, ...], ...]:
-    """The rotation of a quaternion, the square of whose length is given."""
+    """The rotation matrix of a quaternion with the given square of its length."""
     w, x, y, z = quaternion
     return (
         _row(square, w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
@@ -176,7 +176,7 @@ def _row(square: Number, *entries: Number) -> tuple[Number, ...]:
 
 
 def _nearest(value: arb, bits: int) -> Fraction:
-    """A number of so many binary digits after the point beside the middle of a ball."""
+    """A rational with ``bits`` binary digits after the point, near the middle of a ball."""
     whole = (value.mid() * 2**bits).floor().unique_fmpz()
     if whole is None:
         raise ArithmeticError("the enclosure of a frame is too wide")
@@ -184,7 +184,7 @@ def _nearest(value: arb, bits: int) -> Fraction:
 
 
 def _length(entries: Iterable[arb]) -> Fraction:
-    """A rational at least as large as the length of every vector of balls."""
+    """A rational upper bound on the length of every vector in balls."""
     square = arb(0)
     for entry in entries:
         square += entry * entry

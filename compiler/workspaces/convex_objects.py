@@ -1,7 +1,8 @@
 """Whether an object of triangles is convex: closed, and as large as its convex hull.
 
-In floats: the answer is a warning's, nothing is proved with it.  Corners of files are rounded, so
-that no plane holds four of them exactly; what is off by as little as that counts as flat.
+Computed in floats: the answer is only used for a warning, and nothing is proved with it.  Corners
+in files are rounded, so four of them are hardly ever exactly in a plane; small deviations count as
+flat.
 """
 
 from __future__ import annotations
@@ -12,20 +13,20 @@ from functools import lru_cache
 from grammar_lang.ir import Scene, SceneObject
 
 TOLERANCE = 1e-6
-"""Of the size of an object, by so much its surface may be off."""
+"""The tolerance for the surface of an object, relative to its size."""
 
 
 @lru_cache(maxsize=8)
 def hollow_objects(scene: Scene) -> int:
-    """How many objects of a mesh are not convex; the corners of none lie in one plane."""
+    """The number of objects of a mesh that are not convex; none of them may be flat."""
     return sum(not is_convex(each) for each in scene.objects)
 
 
 def is_convex(found: SceneObject) -> bool:
-    """Whether an object, the corners of which lie in no plane, bounds its own convex hull.
+    """Whether an object, whose corners are not all in one plane, bounds its own convex hull.
 
-    The pyramids from a point within to its triangles fill the hull exactly then; they fill less
-    where it has a hollow that they see, and more where one hides another.
+    If so, the pyramids from an inner point to its triangles fill the hull exactly.  They fill less
+    if there is a hollow that the point sees, and more if one triangle hides another.
     """
     if not _is_closed(found):
         return False
@@ -38,7 +39,7 @@ def is_convex(found: SceneObject) -> bool:
     corners /= size
     try:
         hull = ConvexHull(corners)
-    except QhullError:  # as good as flat: what is filled is nothing
+    except QhullError:  # nearly flat: there is no volume to fill
         return True
     first, second, third = (corners[np.array(found.faces)[:, place]] for place in range(3))
     pyramids = np.einsum("ij,ij->i", first, np.cross(second, third)) / 6

@@ -1,7 +1,7 @@
-"""Polygons with holes in few convex pieces: one cut at every reflex corner, or one for two.
+"""Polygons with holes as few convex pieces: one cut at every reflex corner, or one for two.
 
 Sources: Chazelle & Dobkin, *Optimal convex decompositions* (1985): every reflex corner needs a cut,
-and a cut serves two at most; Hertel & Mehlhorn, *Fast triangulation of simple polygons* (1983).
+and a cut serves at most two; Hertel & Mehlhorn, *Fast triangulation of simple polygons* (1983).
 Shortest cuts go first, so that the pieces are fat.  Floats choose, integers decide.
 """
 
@@ -36,24 +36,24 @@ from compiler.workspaces.plane_boundary import (
 from compiler.workspaces.polytope import Polytope
 
 NEAREST = 12
-"""So many of the nearest partners of a reflex corner are tried for a common cut."""
+"""The number of nearest partners of a reflex corner that are tried for a common cut."""
 FUZZY = 1e-9
 
 
 class Corner(NamedTuple):
-    """A reflex corner with the directions of the edges that come in and go out."""
+    """A reflex corner, with the directions of its incoming and outgoing edges."""
 
     at: Ray
     arriving: Direction
     leaving: Direction
 
     def heals(self, way: Direction) -> bool:
-        """Whether a cut this way leaves no reflex angle."""
+        """Whether a cut in this direction leaves no reflex angle."""
         return cross(self.arriving, way) >= 0 and cross(self.leaving, way) >= 0
 
 
 class _Walls:
-    """The edges and cuts so far, exactly and in floats, and per wall where others end on it."""
+    """The edges and cuts so far, exactly and in floats, and the points of each where others end."""
 
     def __init__(self, edges: Sequence[Edge]) -> None:
         self.edges = list(edges)
@@ -68,7 +68,7 @@ class _Walls:
         return self._ends[: len(self.edges)]
 
     def add(self, cut: Edge) -> None:
-        """A cut is a wall for those to come."""
+        """Add a cut as a wall for later cuts."""
         if len(self.edges) == len(self._ends):
             self._ends = np.concatenate([self._ends, np.zeros_like(self._ends)])
         self._ends[len(self.edges)] = places(cut)
@@ -76,10 +76,10 @@ class _Walls:
         self.stops.append([])
 
     def blocks(self, cut: Edge) -> bool:
-        """Whether a cut meets anything but at its own ends; it leaves them between their edges."""
+        """Whether a cut meets any wall except at its own ends, where it runs between the edges."""
         start, end = places(cut)
         first, last = self.ends[:, 0], self.ends[:, 1]
-        # Where squares are infinite, nothing is surely apart.
+        # If squares overflow, nothing counts as certainly apart.
         with np.errstate(over="ignore", invalid="ignore"):
             along, sides = _turns(start, end, first), _turns(start, end, last)
             ahead, behind = _turns(first, last, start), _turns(first, last, end)
@@ -89,7 +89,7 @@ class _Walls:
         return any(_meet(cut, self.edges[k]) for k in np.flatnonzero(~apart))
 
     def hit(self, corner: Corner, way: Direction) -> tuple[Ray, int]:
-        """Where a ray from a corner first meets a wall, and the number of that wall."""
+        """The point where a ray from a corner first meets a wall, and the number of that wall."""
         beam = line(corner.at, (*_ahead(corner.at, way), corner.at[2]))
         best: tuple[Fraction, Ray, int] | None = None
         for k in self._before(corner.at, way):
@@ -108,7 +108,7 @@ class _Walls:
         return best[1:]
 
     def _before(self, at: Ray, way: Direction) -> Iterator[int]:
-        """The walls that may be the first one on a ray."""
+        """The walls that a ray may meet first."""
         origin = places([at])[0]
         heading = np.array(way, dtype=float)
         heading /= np.linalg.norm(heading)
@@ -147,13 +147,13 @@ def _meet(cut: Edge, wall: Edge) -> bool:
 
 
 def _overlap(cut: Edge, wall: Edge) -> bool:
-    """Whether two segments of one line have a common point."""
+    """Whether two collinear segments have a common point."""
     (a, b), (c, d) = (sorted(tuple(Fraction(x, p[2]) for x in p) for p in s) for s in (cut, wall))
     return a <= d and c <= b
 
 
 def _crossing(beam: Ray, wall: Edge) -> Ray | None:
-    """The point of a wall on a line; None where there is none, or more than one."""
+    """The point of a wall on a line; None if there is none, or more than one."""
     first, second = (sum(a * x for a, x in zip(beam, end, strict=True)) for end in wall)
     if not first:
         return wall[0] if second else None
@@ -166,9 +166,9 @@ def _crossing(beam: Ray, wall: Edge) -> Ray | None:
 
 
 def convex_pieces(pieces: Sequence[Polytope]) -> tuple[Polytope, ...]:
-    """Another division of a union of interior-disjoint polygons into convex ones.
+    """Divide a union of interior-disjoint polygons anew into convex ones.
 
-    What has only sides along the axes is divided into boxes.
+    If all sides are along the axes, the pieces are boxes.
     """
     edges = boundary(pieces)
     walls = _Walls(edges)
@@ -204,10 +204,12 @@ def _on_axis(start: Ray, end: Ray) -> bool:
 
 
 def _heal_in_pairs(walls: _Walls, corners: Sequence[Corner], *, square: bool) -> list[Corner]:
-    """Cut between two reflex corners that see each other and need no other cut then.
+    """Cut between pairs of reflex corners that see each other and then need no other cut.
+
+    If ``square``, the cuts are along the axes.
 
     Returns:
-        The others.  Cuts of a ``square`` picture are along the axes.
+        The other corners.
     """
     healed: set[int] = set()
     for i, j in _partners(corners):
@@ -224,7 +226,7 @@ def _heal_in_pairs(walls: _Walls, corners: Sequence[Corner], *, square: bool) ->
 
 
 def _partners(corners: Sequence[Corner]) -> list[tuple[int, int]]:
-    """Pairs i < j of corners that may share a cut, the nearest first."""
+    """Pairs i < j of corners that may share a cut, nearest first."""
     if not corners:
         return []
     at = places([corner.at for corner in corners])
@@ -254,7 +256,7 @@ def _unit(way: Direction) -> tuple[float, float]:
 
 
 def _heal(walls: _Walls, corner: Corner) -> None:
-    """Cut from a reflex corner along one of its edges, the way that is shorter."""
+    """Cut from a reflex corner along the extension of one of its edges, whichever is shorter."""
     options: list[tuple[float, int, Ray, int]] = []
     for way in (corner.arriving, (-corner.leaving[0], -corner.leaving[1])):
         point, wall = walls.hit(corner, way)
@@ -266,19 +268,19 @@ def _heal(walls: _Walls, corner: Corner) -> None:
     walls.add((corner.at, point))
 
 
-# --- Few large convex pieces of what several make up together -------------------------------------
+# --- Few large convex pieces with the same union --------------------------------------------------
 
 
 def coarsened(pieces: Sequence[Polytope]) -> tuple[Polytope, ...]:
     """Few convex pieces with the same union.
 
-    Pieces with a convex union are glued.  In the plane the union is also divided afresh, by cuts at
-    its reflex corners, which does not depend on how it was divided before: that is taken where
-    it has no more pieces, of boxes where it has fewer.
+    Pieces with a convex union are glued.  In the plane the union is also divided anew, by cuts at
+    its reflex corners, independently of the old pieces.  The new division is used if it has no more
+    pieces; for boxes, only if it has fewer.
     """
     glued = glue(pieces)
     if len(glued) < 3 or glued[0].dimension != 2:
-        return glued  # two that cannot be glued have a union that is not convex
+        return glued  # two pieces that cannot be glued have no convex union
     afresh = glue(convex_pieces(glued))
     boxes = all(0 in row.normal for piece in glued for row in piece.rows)
     if len(afresh) + boxes > len(glued):
@@ -289,9 +291,9 @@ def coarsened(pieces: Sequence[Polytope]) -> tuple[Polytope, ...]:
 
 
 def is_division(parts: Sequence[Polytope], wholes: Sequence[Polytope]) -> bool:
-    """Whether polygons have disjoint interiors and the union of others that have; exact.
+    """Whether polygons are interior-disjoint and have the same union as others that are; exact.
 
-    Proofs rest on cells: this check shares nothing with how the parts were made.
+    Proofs rely on cells, so this check shares nothing with the construction of the parts.
     """
     covered = Fraction(0)
     for i, j in candidates((*parts, *wholes)):

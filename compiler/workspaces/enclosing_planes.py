@@ -1,7 +1,7 @@
-"""Half-spaces of fixed directions that touch a set of points and so hold all of it.
+"""Half-spaces of fixed directions that touch a set of points and contain all of it.
 
-The 26 directions to the neighbours of a cube's middle, 16 in the plane.  What lies along the axes
-is enclosed tightly, what is round with a little room.  Decision 110 says why.
+There are 26 directions, to the neighbours of a cube's middle, and 16 in the plane.  Boxes along the
+axes are enclosed tightly, round bodies with a small margin.  Decision 110 gives the reasons.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from compiler.workspaces.round_set import unit_normals
 from grammar_lang.ir import HalfSpace
 
 FEW = 32
-"""So many points are corners of a piece as they are."""
+"""The most points that are used as corners of a piece directly."""
 NEAR = 1e-9
-"""Relatively, by how much floats may mistake the farthest point in a direction."""
+"""The relative error that floats may make in the farthest point in a direction."""
 
 
 def enclosing_rows(points: Sequence[Point], dimension: int) -> tuple[HalfSpace, ...]:
-    """The half-spaces whose planes touch points (v, d) across the fixed directions."""
+    """The half-spaces across the fixed directions whose planes touch points (v, d)."""
     floats = [tuple(map(float, point)) for point in points]
     size = max(abs(x) for point in floats for x in point) or 1.0
     rows = []

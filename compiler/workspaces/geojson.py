@@ -1,7 +1,7 @@
 """The obstacles of a GeoJSON file: its polygons, as convex pieces.
 
-Source: RFC 7946, sections 3.1 and 4.  Coordinates are metres of the workspace here, whatever a
-coordinate reference system may be named; a third one, the height, is left out.
+Source: RFC 7946, sections 3.1 and 4.  Coordinates are metres in the workspace here, whatever
+coordinate reference system is named; a third coordinate, the height, is ignored.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from grammar_lang.diagnostics.diagnostic import Code
 Path: TypeAlias = tuple[str | int, ...]
 
 CORNER_LIMIT = 10_000
-"""So many positions may a polygon have."""
+"""The most positions of a polygon."""
 TOTAL_LIMIT = 100_000
-"""So many positions may all polygons of a file have together."""
+"""The most positions of all polygons of a file together."""
 _INSIDE = {
     "Feature": "geometry",
     "FeatureCollection": "features",
@@ -38,7 +38,7 @@ _RINGS = (
 
 
 class _Number(str):
-    """A number by its text; of millions, one object each is enough."""
+    """A number kept as text, one object for each: a file may have millions."""
 
     __slots__ = ()
 
@@ -47,7 +47,7 @@ def geojson_pieces(text: str) -> Pieces:
     """The pieces of all polygons, which may overlap.
 
     Raises:
-        MapFault: a geometry has no interior, or is none; the fault has its place.
+        MapFault: a geometry has no interior or is invalid; the fault has its place.
     """
     try:
         root = json.loads(text, parse_float=_Number, parse_int=_Number, object_pairs_hook=_members)
@@ -114,7 +114,7 @@ class _Reader:
         return self.fault(path, f"`{kind[:40]}` is not a GeoJSON type", hint)
 
     def _inner(self, path: Path, value: dict[str, Any], kind: str) -> list[tuple[Path, object]]:
-        """What a feature or a collection holds, the last first."""
+        """The contents of a feature or a collection, last first."""
         name = _INSIDE[kind]
         held = value.get(name)
         if kind == "Feature":
@@ -139,7 +139,7 @@ class _Reader:
             yield (*path, number), rings
 
     def polygon(self, path: Path, rings: list[Any]) -> tuple[Polygon, ...]:
-        """The pieces of one polygon; an empty list of rings has none."""
+        """The pieces of one polygon; empty if it has no rings."""
         found = [self._ring((*path, number), ring) for number, ring in enumerate(rings)]
         count = sum(map(len, found))
         if count > CORNER_LIMIT:
@@ -174,10 +174,10 @@ class _Reader:
         return value
 
 
-# --- Where a value stands in a JSON text that is known to be well formed --------------------------
+# --- The place of a value in a JSON text that is known to be well formed --------------------------
 
 
-# Possessive, so that nothing is kept to come back to: a string may have millions of characters.
+# Possessive, so that no backtracking state is kept: a string may have millions of characters.
 _TOKEN = re.compile(r'[ \t\r\n]*+("[^"\\]*+(?:\\.[^"\\]*+)*+"|[][{},:]|[^][{},:" \t\r\n]++)')
 
 
@@ -186,11 +186,13 @@ def place_of(text: str, path: Sequence[str | int]) -> tuple[int, int]:
 
     Args:
         text: a JSON text.
-        path: the names of members and the numbers of elements that lead to it, from the outside;
-            of members with one name, the last one.
+        path: the member names and element numbers that lead to it, outermost first; of several
+            members with one name, the last one.
 
     Returns:
-        Those of the value's first token; of the whole text's first where the path leads nowhere.
+        The offsets of the value's first token, or of the first token of the text if there is no
+            such
+        path.
     """
     place = 0
     for step in path:
@@ -204,7 +206,7 @@ def place_of(text: str, path: Sequence[str | int]) -> tuple[int, int]:
 
 
 def _child(text: str, opening: int, step: str | int) -> int | None:
-    """Where an element or member begins of the array or object that begins at an offset."""
+    """The offset of an element or member of the array or object that begins at an offset."""
     depth, number, named, found = 0, 0, isinstance(step, int), None
     before = ""
     for token in _TOKEN.finditer(text, opening):

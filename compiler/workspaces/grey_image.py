@@ -1,4 +1,4 @@
-"""Images of maps as brightness values: PGM read here, exactly; PNG by Pillow, chunks first."""
+"""Images of maps as brightness values: PGM is read here, exactly; PNG by Pillow, chunks first."""
 
 from __future__ import annotations
 
@@ -19,41 +19,41 @@ if TYPE_CHECKING:
 
 
 # --------------------------------------------------------------------------------------------------
-# The chunks of a PNG: looked through before a pixel is unpacked, and those that make the image.
+# The chunks of a PNG: checked before any pixel is unpacked, and reduced to those of the image.
 #
 # Source: W3C, *Portable Network Graphics (PNG) Specification (Third Edition)*, sections 5
 # (structure of a file), 8.1 (interlacing), 11.2 (critical chunks) and 11.3.1 (transparency).
 #
-# What reads PNG for many purposes does more than a map needs: it follows animations, unpacks texts
-# and colour profiles, and takes the last of two headers.  It is given a file of the chunks that
-# make the image, of which the number of pixels is known to be what the header says.
+# A general PNG reader does more than a map needs: it follows animations, unpacks texts and colour
+# profiles, and uses the last of two headers.  So it is given a file with only the chunks of the
+# image, whose number of pixels has been checked against the header.
 
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 CHUNK_LIMIT = 2**16
-"""So many chunks may an image have; encoders begin a new one every few thousand bytes at most."""
+"""The most chunks of an image; encoders begin a new one every few thousand bytes at most."""
 
 PALETTE = 3
-"""The type of colours that are numbers of a palette."""
+"""The colour type whose samples are indices into a palette."""
 _SAMPLES = {0: 1, 2: 3, PALETTE: 1, 4: 2, 6: 4}
-"""Samples of a pixel, by type of colours."""
+"""The number of samples per pixel, by colour type."""
 _DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), PALETTE: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
-"""How many bits a sample may have, by type of colours."""
+"""The possible bits per sample, by colour type."""
 _KEYS = {0: 2, 2: 6}
-"""The bytes of the one transparent colour, by type of colours."""
+"""The bytes of the single transparent colour, by colour type."""
 _PASSES = (
     (0, 8, 0, 8), (4, 8, 0, 8), (0, 4, 4, 8), (2, 4, 0, 4), (0, 2, 2, 4), (1, 2, 0, 2), (0, 1, 1, 2)
 )  # fmt: skip
-"""Of the passes of an interlaced image: first column, step, first row, step."""
+"""The passes of an interlaced image: first column, step, first row, step."""
 _CHECKSUM = 4
 _PIECE = 2**16
 _MOST = 2**20
-"""So many bytes are unpacked at once."""
+"""The most bytes that are unpacked at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class PngHeader:
-    """The header: pixels, bits of a sample, type of colours."""
+    """The header: pixels, bits per sample, colour type."""
 
     width: int
     height: int
@@ -63,7 +63,7 @@ class PngHeader:
 
     @property
     def size(self) -> int:
-        """The bytes of all rows, each with one that says how it is filtered."""
+        """The bytes of all rows, each with one byte for its filter."""
         bits = self.depth * _SAMPLES[self.colours]
         size = 0
         for left, across, top, down in _PASSES if self.interlaced else ((0, 1, 0, 1),):
@@ -75,7 +75,7 @@ class PngHeader:
 
 @dataclass(frozen=True, slots=True)
 class PngChunks:
-    """The chunks that make the image; ``palette`` and ``transparency`` are empty without."""
+    """The chunks of the image; ``palette`` and ``transparency`` are empty if there are none."""
 
     header: PngHeader
     start: bytes
@@ -85,12 +85,12 @@ class PngChunks:
 
     @property
     def entries(self) -> int:
-        """The number of colours of the palette."""
+        """The number of colours in the palette."""
         return len(self.palette) // 3
 
     @property
     def file(self) -> bytes:
-        """A PNG of these chunks alone."""
+        """A PNG with only these chunks."""
         parts = [SIGNATURE, _chunk(b"IHDR", self.start)]
         parts += [_chunk(b"PLTE", self.palette)] if self.header.colours == PALETTE else []
         parts += [_chunk(b"tRNS", self.transparency)] if self.transparency else []
@@ -98,13 +98,13 @@ class PngChunks:
 
 
 def png_chunks(data: bytes) -> PngChunks:
-    """The chunks of a PNG that make its image.
+    """The chunks of a PNG that make up its image.
 
     Args:
         data: the bytes of a file that begins with ``SIGNATURE``.
 
     Raises:
-        MapFault: the image is damaged or too large, or its pixels are not as many as its header
+        MapFault: the image is damaged or too large, or does not have as many pixels as its header
             says.
     """
     header = _header(data)
@@ -132,7 +132,7 @@ def _chunk(kind: bytes, body: bytes) -> bytes:
 
 
 def _header(data: bytes) -> PngHeader:
-    """The header, which is the first chunk; its checksum is looked at with those of the others."""
+    """The header, which is the first chunk; its checksum is verified with those of the others."""
     if len(data) < 33 or data[8:16] != (13).to_bytes(4) + b"IHDR":
         raise image_fault("the header of the PNG image is damaged")
     width, height = int.from_bytes(data[16:20]), int.from_bytes(data[20:24])
@@ -146,10 +146,10 @@ def _header(data: bytes) -> PngHeader:
 
 
 def _chunks(data: memoryview) -> Iterator[tuple[bytes, memoryview]]:
-    """Kind and content of each chunk up to the last one.
+    """The kind and content of each chunk up to the last one.
 
     Raises:
-        MapFault: a chunk is damaged, there are too many, or the last one is missing.
+        MapFault: a chunk is damaged, there are too many chunks, or the last one is missing.
     """
     place = len(SIGNATURE)
     for _ in range(CHUNK_LIMIT):
@@ -170,7 +170,7 @@ def _chunks(data: memoryview) -> Iterator[tuple[bytes, memoryview]]:
 
 
 def _check_order(kind: bytes, last: bytes, found: dict[bytes, list[memoryview]]) -> None:
-    """See to it that a chunk may follow the one before it and those that were found."""
+    """Check that a chunk may follow the previous one and those that were found."""
     name = f"chunk {kind.decode()}"
     once = {b"PLTE", b"tRNS"}
     if (kind == b"IHDR" and last) or (kind in once and found[kind]):
@@ -179,13 +179,13 @@ def _check_order(kind: bytes, last: bytes, found: dict[bytes, list[memoryview]])
         raise _damaged(f"{name} comes too late")
     if kind == b"IDAT" and found[kind] and last != kind:
         raise _damaged("other chunks stand between its pixels")
-    # A capital letter marks what is no addition: without it the image means something else.
+    # A capital letter marks a critical chunk: the image cannot be understood without it.
     if kind[:1].isupper() and kind not in {b"IHDR", b"PLTE", b"IDAT", b"IEND"}:
         raise _damaged(f"{name} is unknown")
 
 
 def _check_palette(header: PngHeader, palette: bytes) -> None:
-    """A palette where the colours are numbers of it, of at most as many as there are numbers."""
+    """Check that a palette image has a palette, with at most as many colours as sample values."""
     entries, rest = divmod(len(palette), 3)
     numbers = 2**header.depth if header.colours == PALETTE else 256
     if rest or entries > numbers or (header.colours == PALETTE and not entries):
@@ -193,7 +193,7 @@ def _check_palette(header: PngHeader, palette: bytes) -> None:
 
 
 def _transparency(header: PngHeader, palette: bytes, given: bytes) -> bytes:
-    """The transparency; of a colour, without the bits that do not count."""
+    """The transparency; for a transparent colour, without unused bits."""
     if not given:
         return given
     if header.colours == PALETTE:
@@ -209,7 +209,7 @@ def _transparency(header: PngHeader, palette: bytes, given: bytes) -> bytes:
 
 
 def _check_pixels(header: PngHeader, pixels: list[memoryview]) -> None:
-    """See to it that the pixels unpack to as many bytes as the header says; none is kept."""
+    """Check that the pixels unpack to as many bytes as the header says; none are kept."""
     left = header.size
     try:
         for count in _unpacked(pixels):
@@ -225,7 +225,7 @@ def _check_pixels(header: PngHeader, pixels: list[memoryview]) -> None:
 
 
 def _unpacked(pixels: list[memoryview]) -> Iterator[int]:
-    """How many bytes the pixels unpack to, piece by piece.
+    """The numbers of bytes that the pixels unpack to, piece by piece.
 
     Raises:
         zlib.error: they cannot be unpacked.
@@ -251,7 +251,7 @@ def _unpacked(pixels: list[memoryview]) -> Iterator[int]:
 
 
 HEADER_LIMIT = 2**16
-"""The header of a PGM image ends within so many bytes, comments included."""
+"""The most bytes of the header of a PGM image, comments included."""
 
 _PGM = re.compile(rb"P([25])" + rb"(?:\s|#[^\n]*\n)+([0-9]{1,9})" * 3)
 _COMMENT = re.compile(rb"#[^\n]*")
@@ -261,7 +261,8 @@ _COMMENT = re.compile(rb"#[^\n]*")
 class GreyImage:
     """Brightness by row, the top one first, and column: 0 is black, ``white`` is white.
 
-    ``opaque`` is False where a pixel is transparent at all; None where there is no transparency.
+    ``opaque`` is False for every pixel with any transparency; None if the image has no
+    transparency.
     """
 
     values: Values
@@ -270,10 +271,10 @@ class GreyImage:
 
 
 def grey_image(data: bytes) -> GreyImage:
-    """The image in the bytes of a file; of colours, the sum of the three channels.
+    """The image in the bytes of a file; for colours, the sum of the three channels.
 
     Raises:
-        MapFault: it is none, damaged or too large.
+        MapFault: it is not an image, or is damaged or too large.
     """
     if data.startswith(SIGNATURE):
         return _png(data)
@@ -310,7 +311,7 @@ def _pgm(data: bytes) -> GreyImage:
 
 
 def _plain(body: bytes, count: int) -> Values:
-    """The numbers of a plain PGM, comments left out."""
+    """The numbers of a plain PGM, without comments."""
     import numpy as np
 
     text = _COMMENT.sub(b"", body)
@@ -327,7 +328,7 @@ def _plain(body: bytes, count: int) -> Values:
 # --- PNG ---------------------------------------------------------------------------------------
 
 SCALED = {2: 85, 4: 17}
-"""Bits of a sample of a PNG, and by what Pillow multiplies samples of so many bits."""
+"""Bits per sample of a PNG, and the factor by which Pillow multiplies such samples."""
 _INSTALL = 'install it with `pip install "srgc[png]"`, or save the image as PGM'
 
 
@@ -345,7 +346,7 @@ def _png(data: bytes) -> GreyImage:
     except (OSError, SyntaxError, ValueError, EOFError, struct.error, zlib.error) as error:
         raise image_fault(f"the PNG image is damaged: {type(error).__name__}") from None
     except DecompressionBombError:
-        # Whoever has srgc as a library may have set a lower limit.
+        # A program that uses srgc as a library may have set a lower limit.
         raise image_fault("the PNG image has more pixels than Pillow is allowed to read") from None
 
 
@@ -357,7 +358,7 @@ def _opened(chunks: PngChunks) -> GreyImage:
 
     header = chunks.header
     with warnings.catch_warnings():
-        # The size is looked at already.
+        # The size was checked before.
         warnings.simplefilter("ignore", Image.DecompressionBombWarning)
         with Image.open(BytesIO(chunks.file), formats=["PNG"]) as image:
             if image.size != (header.width, header.height):
@@ -384,12 +385,12 @@ def _opened(chunks: PngChunks) -> GreyImage:
 
 
 def _scaled(values: Values, key: int, bits: int) -> GreyImage:
-    """An image of few bits: Pillow scales its samples to 255, but not the transparent value."""
+    """An image with few bits: Pillow scales its samples to 255, but not the transparent value."""
     return GreyImage(values, 255, values != key * SCALED[bits])
 
 
 def _keyed(image: Any, values: Values) -> NDArray[np.bool_] | None:
-    """The pixels that do not have the one value that counts as transparent, if there is one."""
+    """The pixels without the value that counts as transparent; None if there is none."""
     key = image.info.get("transparency")
     opaque: NDArray[np.bool_] | None = None if key is None else values != key
     return opaque

@@ -14,11 +14,10 @@ from grammar_lang.ir import HalfSpace
 # --- Vertices of a polyhedron by the double description method, in integers -----------------------
 #
 # Source: Fukuda & Prodon, *Double description method revisited* (1996).  A point of dimension d is
-# a
-# *ray* ``(X_1, ..., X_d, W)`` of integers with ``W > 0`` that stands for ``X / W``; a half-space
-# ``a . p <= b`` is a row ``(a_1, ..., a_d, -b)`` of integers, so that it holds where ``row . ray``
-# is at most zero.  Every vertex carries the set of rows that are tight there, as the bits of an
-# integer; two vertices are joined by an edge iff no third one is tight wherever both are
+# a *ray* ``(X_1, ..., X_d, W)`` of integers with ``W > 0`` that stands for ``X / W``.  A half-space
+# ``a . p <= b`` is a row ``(a_1, ..., a_d, -b)`` of integers, so that it holds iff ``row . ray`` is
+# at most zero.  Every vertex carries the set of rows that are tight there, as the bits of an
+# integer.  Two vertices are joined by an edge iff no third vertex is tight wherever both are
 # (Proposition 7).
 
 
@@ -60,7 +59,8 @@ def clip(vertices: Sequence[Vertex], row: IntRow, bit: int) -> list[Vertex]:
     """The vertices of the polytope intersected with ``row``, which becomes row number ``bit``.
 
     Args:
-        vertices: all vertices of a bounded polytope (of any affine dimension), tight sets complete.
+        vertices: all vertices of a bounded polytope (of any affine dimension), with complete tight
+            sets.
         row: the half-space, shape (d + 1,).
         bit: the number of the row, unused so far.
     """
@@ -99,10 +99,10 @@ def _adjacent(first: Vertex, second: Vertex, common: int, vertices: Sequence[Ver
 def describe(rows: Sequence[IntRow], dimension: int) -> tuple[list[Vertex], bool]:
     """Vertices of ``rows`` within a box so large that nothing is lost, and whether it is bounded.
 
-    By Cramer's rule every minimal face of the polyhedron has a point with coordinates of at most
-    ``d! M^d``, M the largest entry, so the box of one more meets every face of it: the polyhedron
-    is empty or flat iff its part in the box is, and unbounded iff a vertex of that part is on
-    the box.  Row i is bit i; the sides of the box are the bits from ``len(rows)`` on.
+    By Cramer's rule, every minimal face of the polyhedron has a point with coordinates of at most
+    ``d! M^d``, where M is the largest entry, so a box larger by one meets every face.  The
+    polyhedron is empty or flat iff its part in the box is, and unbounded iff a vertex of that part
+    is on the box.  Row i is bit i; the sides of the box are the bits from ``len(rows)`` on.
     """
     largest = max((abs(entry) for row in rows for entry in row), default=0)
     radius = factorial(dimension) * largest**dimension + 1
@@ -116,9 +116,6 @@ def _box(radius: int, dimension: int, first_bit: int) -> Iterator[Vertex]:
     for signs in product((0, 1), repeat=dimension):
         ray = (*(radius if sign else -radius for sign in signs), 1)
         yield Vertex(ray, sum(1 << first_bit + 2 * axis + sign for axis, sign in enumerate(signs)))
-
-
-# --- Facets and volumes of convex hulls, exact ----------------------------------------------------
 
 
 # --- Exact area and volume of convex polytopes given by vertices and facets -----------------------
@@ -141,12 +138,12 @@ def on_lattice(points: Sequence[Point]) -> tuple[list[Lattice], int]:
 
 
 def turn(a: Sequence[Coordinate], b: Sequence[Coordinate], c: Sequence[Coordinate]) -> Coordinate:
-    """Twice the signed area of the triangle a, b, c of the plane: positive for a left turn."""
+    """Twice the signed area of the triangle a, b, c in the plane: positive for a left turn."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def counter_clockwise(points: Iterable[Point]) -> tuple[Point, ...]:
-    """The corners of the hull of points of the plane, from the lexicographically least one on."""
+    """The corners of the hull of points in the plane, from the lexicographically least one on."""
     given = tuple(points)
     lattice, _ = on_lattice(given)
     original = dict(zip(lattice, given, strict=True))
@@ -171,10 +168,10 @@ def _chain(points: Sequence[Lattice]) -> list[Lattice]:
 
 
 def around(corners: Sequence[Point]) -> tuple[Point, ...]:
-    """The corners of a facet in order: the ends of a segment, or round a polygon of space.
+    """The corners of a facet in order: the ends of a segment, or around a polygon in space.
 
     Raises:
-        ValueError: the points of space are not the corners of a convex polygon.
+        ValueError: the points in space are not the corners of a convex polygon.
     """
     if len(corners[0]) == 2:
         return tuple(corners)
@@ -187,9 +184,9 @@ def around(corners: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def polygon_area(corners: Sequence[Point]) -> Fraction:
-    """The area (m^2) of a convex polygon of the plane, its corners in counter-clockwise order.
+    """The area (m^2) of a convex polygon in the plane, with its corners in counter-clockwise order.
 
-    Zero of fewer than three corners.
+    Zero for fewer than three corners.
     """
     if len(corners) < 3:
         return Fraction(0)
@@ -199,7 +196,7 @@ def polygon_area(corners: Sequence[Point]) -> Fraction:
 
 
 def polyhedron_volume(facets: Sequence[tuple[Point, Sequence[Point]]]) -> Fraction:
-    """The volume (m^3) of a convex polyhedron of space.
+    """The volume (m^3) of a convex polyhedron in space.
 
     Args:
         facets: each facet once, as its normal (3,) and its corners in any order.
@@ -230,15 +227,15 @@ def _determinant(o: Lattice, a: Lattice, b: Lattice, c: Lattice) -> int:
 # --- Facets of the convex hull of points, exactly, by polarity ------------------------------------
 #
 # Source: Ziegler, *Lectures on Polytopes*, Theorem 2.11: for c in the interior of the hull of the
-# points p_i, the facets are ``y . (x - c) <= 1`` for the vertices y of the polar polytope ``{y :
-# (p_i - c) . y <= 1}``.  A flat hull is described in its affine hull, the equations of which are
-# added as pairs of inequalities.  Polygons go round their corners instead.
+# points p_i, the facets are ``y . (x - c) <= 1`` for the vertices y of the polar polytope
+# ``{y : (p_i - c) . y <= 1}``.  A flat hull is described in its affine hull, whose equations are
+# added as pairs of inequalities.  For polygons, the facets are found from their corners instead.
 
 
 def hull_rows(points: Sequence[Point]) -> tuple[HalfSpace, ...]:
     """Half-spaces whose intersection is the convex hull of the points (n >= 1, all of one length).
 
-    Irredundant where the hull has an interior; the order depends on the set of points only.
+    Irredundant if the hull has an interior; the order depends only on the set of points.
 
     Raises:
         ValueError: there is no point.
@@ -281,7 +278,7 @@ def _echelon(rows: list[list[Fraction]], columns: int) -> tuple[list[list[Fracti
 
 
 def _affine_hull(origin: Point, basis: list[list[Fraction]], pivots: list[int]) -> list[HalfSpace]:
-    """Each coordinate that is no pivot is an affine function of the pivots: two rows each."""
+    """Two rows for each non-pivot coordinate, which is an affine function of the pivots."""
     rows: list[HalfSpace] = []
     for axis in range(len(origin)):
         if axis in pivots:
@@ -297,12 +294,12 @@ def _affine_hull(origin: Point, basis: list[list[Fraction]], pivots: list[int]) 
 
 
 def _full_dimensional(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
-    """Facets of a hull with interior, sorted."""
+    """The facets of a hull with interior, sorted."""
     return _edges(points) if len(points[0]) == 2 else _polar_facets(points)
 
 
 def _edges(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
-    """The edges of a polygon, in time linear in the points but for sorting (Andrew 1979)."""
+    """The edges of a polygon, in linear time apart from sorting (Andrew 1979)."""
     corners = counter_clockwise(points)
     return sorted(
         _facet((y - b, a - x), (y - b) * a + (a - x) * b)
@@ -317,7 +314,7 @@ def _facet(normal: Sequence[Fraction], offset: Fraction) -> tuple[Point, Fractio
 
 
 def _polar_facets(points: Sequence[Point]) -> list[tuple[Point, Fraction]]:
-    """The facets by polarity."""
+    """The facets, by polarity."""
     centre = tuple(sum(column, Fraction(0)) / len(points) for column in zip(*points, strict=True))
     polar = [integer_row(_minus(point, centre), Fraction(1)) for point in points]
     vertices, _ = describe(polar, len(centre))

@@ -1,4 +1,4 @@
-"""The YAML file of a map_server map, and what is wrong with a file of obstacles."""
+"""The YAML file of a map_server map, and the faults of obstacle files."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 # --- The YAML file of a map_server map: image, resolution, pose, thresholds, mode -----------------
 #
 # Source: the ROS wiki, map_server, sections 1.2 and 1.3 (YAML format, value interpretation).  The
-# file is composed to nodes and never constructed, so that no tag does anything and every number is
-# read from its own text.
+# file is composed to nodes but never constructed, so tags have no effect and every number is read
+# from its own text.
 
 
 Mode: TypeAlias = Literal["trinary", "scale", "raw"]
 
 TEXT_LIMIT = 2**16
-"""So many characters may such a file have; real ones have a few hundred."""
+"""The most characters of such a file; real files have a few hundred."""
 DEPTH_LIMIT = 20
-"""So many lists and mappings may stand within each other."""
+"""The most lists and mappings nested in each other."""
 FULL_TURN = Fraction(63, 10)
-"""Angles beyond this many radians were meant in degrees."""
+"""Angles beyond this many radians were probably meant in degrees."""
 
 _REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 _KNOWN = (*_REQUIRED, "mode")
@@ -41,14 +41,14 @@ _PLAIN = {
     f"tag:yaml.org,2002:{kind}"
     for kind in ("str", "int", "float", "bool", "null", "timestamp", "merge", "value")
 }
-"""What a scalar without a tag may be resolved to."""
+"""The tags that a scalar without an explicit tag may resolve to."""
 
 
 @dataclass(frozen=True, slots=True)
 class MapHeader:
-    """The fields: metres per pixel, the lower left corner (m), the turn about it (rad).
+    """The fields: metres per pixel, the lower left corner (m), the rotation about it (rad).
 
-    A pixel whose occupancy is above ``occupied`` is occupied, below ``free`` free.
+    A pixel is occupied if its occupancy is above ``occupied``, and free if it is below ``free``.
     """
 
     resolution: Fraction
@@ -61,15 +61,15 @@ class MapHeader:
 
 
 def map_header(text: str, path: str, image: str) -> MapHeader:
-    """The header of a map.
+    """Read the header of a map.
 
     Args:
         text: the YAML file.
-        path: where it lies.
-        image: the file that was read as its image.
+        path: the path of that file.
+        image: the path of the file that was read as its image.
 
     Raises:
-        MapFault: it is no such file; the fault has its place.
+        MapFault: the text is not such a file; the fault has its place.
     """
     fields = _fields(_root(text))
     _same_image(fields["image"], path, image)
@@ -110,7 +110,7 @@ def _root(text: str) -> MappingNode:
 
 
 def _check_events(events: Iterable[object]) -> None:
-    """Refuse aliases, and what is nested deeply, for which the reader of YAML takes very long."""
+    """Reject aliases and deep nesting, for which the YAML reader takes very long."""
     import yaml
 
     depth = 0
@@ -124,7 +124,7 @@ def _check_events(events: Iterable[object]) -> None:
 
 
 def _fields(root: MappingNode) -> Mapping[str, Node]:
-    """The values by key, those that are due among them."""
+    """The values by key; all required keys are present."""
     found: dict[str, Node] = {}
     for key, value in root.value:
         name = _text(key, "a key")
@@ -146,7 +146,7 @@ def _at(node: object, message: str, hint: str) -> MapFault:
 
 
 def _text(node: Node, what: str) -> str:
-    """The text of a plain or quoted scalar, which has no tag of its own."""
+    """The text of a plain or quoted scalar without an explicit tag."""
     import yaml
 
     if not isinstance(node, yaml.ScalarNode):
@@ -191,20 +191,21 @@ def _mode(fields: Mapping[str, Node]) -> Mode:
 
 
 def _same_image(node: Node, path: str, image: str) -> None:
-    """The image that was read is the one that is named."""
+    """Check that the image that was read is the one that the file names."""
     named = posixpath.normpath(posixpath.join(posixpath.dirname(path), _text(node, "image")))
     if named != image:
         message = "this is not the image that was read"
         raise _at(node, message, "write its path in one line, without escapes")
 
 
-# --- What is wrong with a file of obstacles, and where in it --------------------------------------
+# --- A fault of an obstacle file, with its place --------------------------------------------------
 
 
 class MapFault(Exception):
-    """A map that cannot be used; ``place`` is where in its text, None: its image, or all of a mesh.
+    """A map that cannot be used.
 
-    ``message`` is one line, ``hint`` says what to do about it.
+    ``place`` is the range of the fault in its text, or None for a fault of its image or of a mesh.
+    ``message`` is one line, and ``hint`` says what to do about it.
     """
 
     def __init__(
@@ -221,23 +222,23 @@ class MapFault(Exception):
         self.code = code
 
     def span(self, found: ObstacleMap) -> Span:
-        """Where it is, in the text of the map in which it was found."""
+        """The span of the fault, in the text of the map in which it was found."""
         if self.place is None:
             return found.image_span
         return Span(*self.place, found.file)
 
     def report(self, found: ObstacleMap, sink: Sink) -> None:
-        """Record it as an error."""
+        """Report it as an error."""
         at = self.span(found)
         notes = [] if at == found.span else [(found.span, "the map is named here")]
         sink.error(self.code, self.message, at, self.hint, notes)
 
 
-# --- What is wrong with the image of a map, and how large one may be ------------------------------
+# --- Faults of the image of a map, and its greatest size ------------------------------------------
 
 
 PIXEL_LIMIT = 2**26
-"""So many pixels may an image have."""
+"""The most pixels of an image."""
 
 _IMAGE_HINT = "save it as PGM, or as PNG of 8 bits in shades of grey"
 
@@ -248,7 +249,7 @@ def image_fault(message: str) -> MapFault:
 
 
 def check_size(width: int, height: int) -> None:
-    """See to it that an image can be held.
+    """Check the size of an image.
 
     Args:
         width: pixels in a row.

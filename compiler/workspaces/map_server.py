@@ -1,9 +1,9 @@
 """The obstacles of a map_server map as rectangles.
 
 Source: the ROS wiki, map_server, section 1 (map format).  The lower left corner of the image is at
-the origin, its first row at the top.  Without a turn the rectangles are exact.  A turned lattice of
-pixels has irrational corners: it is turned by a rational rotation instead, and the outline of the
-obstacles is moved outwards by more than that is off.
+the origin, and its first row is at the top.  Without rotation the rectangles are exact.  A rotated
+lattice of pixels has irrational corners: a rational rotation is used instead, and the outline of
+the obstacles is moved outwards by more than its error.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     Boxes: TypeAlias = NDArray[np.int64]
 
 RECTANGLE_LIMIT = 100_000
-"""More rectangles than these are not looked at, not even for being within the bounds."""
+"""Beyond this number, rectangles are not examined, not even for being within the bounds."""
 _GRID = 10**18
 
 
@@ -40,11 +40,11 @@ def map_server_pieces(text: str, path: str, image: MapImage) -> Pieces:
 
     Args:
         text: its YAML file.
-        path: where that lies.
+        path: the path of that file.
         image: its image.
 
     Raises:
-        MapFault: one of the two is damaged or too large.
+        MapFault: the file or the image is damaged or too large.
     """
     header = map_header(text, path, image.path)
     pixels = obstacles(grey_image(image.data), header)[::-1]  # now the first row is the lowest
@@ -65,13 +65,13 @@ def map_server_pieces(text: str, path: str, image: MapImage) -> Pieces:
 def placed(
     boxes: Boxes, pixels: Pixels, header: MapHeader, bits: int = 48
 ) -> tuple[tuple[Polygon, ...], Fraction]:
-    """Rectangles of pixels in the workspace, and how far (m) they reach out of these at most.
+    """Rectangles of pixels in the workspace, and the most (m) that they extend beyond them.
 
     Args:
-        boxes: the rectangles, shape (n, 4), rows counted from the lowest one.
-        pixels: what they cover, the lowest row first.
+        boxes: the rectangles, shape (n, 4), with rows counted from the lowest one.
+        pixels: the pixels that they cover, the lowest row first.
         header: resolution and pose.
-        bits: how finely a turn is rounded.
+        bits: the precision to which a rotation is rounded.
     """
     height, width = pixels.shape
     size = header.resolution
@@ -89,7 +89,7 @@ def placed(
         _rectangle((across_low[c], low[r]), (across_high[d], high[s]), corner)
         for r, c, s, d in boxes.tolist()
     )
-    # A point of the outline moves by less than sqrt(2) * move, and the turn is off by move.
+    # A point of the outline moves by less than sqrt(2) * move; the rotation error is at most move.
     return polygons, 3 * move
 
 
@@ -111,10 +111,10 @@ def _rounded_up(value: Fraction) -> Fraction:
 
 
 def _lines(pixels: Pixels, size: Fraction, move: Fraction) -> tuple[list[Fraction], list[Fraction]]:
-    """Where rectangles begin, and where they end, at each line between the rows of pixels.
+    """Where rectangles begin and where they end, at each line between the rows of pixels.
 
-    A line moves down where obstacles begin at it and up where obstacles end at it; all rectangles
-    move with it, so that none overlap but where it has to do both.
+    A line moves down if obstacles begin at it and up if obstacles end at it.  All rectangles move
+    with it, so none overlap unless it has to do both.
     """
     import numpy as np
 
@@ -131,7 +131,7 @@ def _lines(pixels: Pixels, size: Fraction, move: Fraction) -> tuple[list[Fractio
     return low, high
 
 
-# --- Which pixels of a map are obstacles: all that are not free for certain -----------------------
+# --- Which pixels of a map are obstacles: all that are not certainly free -------------------------
 #
 # Source: the ROS wiki, map_server, section 1.3 (value interpretation).
 
@@ -140,9 +140,9 @@ def obstacles(image: GreyImage, header: MapHeader) -> NDArray[np.bool_]:
     """Whether each pixel is occupied or unknown, shape (rows, columns), the top row first.
 
     The occupancy of a pixel of brightness v is p = (w - v) / w, or v / w if ``negate``, where w is
-    white.  It is free iff p is below ``free`` (which is at most ``occupied``), and, in the modes
-    that give a transparent pixel no value, opaque.  Raw values are used as they are, in negative
-    if so asked: only 0 is free then.
+    white.  It is free iff p is below ``free`` (which is at most ``occupied``) and, in the modes
+    that give a transparent pixel no value, it is opaque.  Raw values are used as they are, or
+    inverted if ``negate``, and only 0 is free.
     """
     white = image.white
     if header.mode == "raw":
@@ -157,20 +157,19 @@ def obstacles(image: GreyImage, header: MapHeader) -> NDArray[np.bool_]:
     return found
 
 
-# --- Rotations with rational sine and cosine, as near to a given angle as is asked ----------------
+# --- Rotations with rational sine and cosine, as near to a given angle as required ----------------
 #
-# Every rational t gives the rotation with cosine (1 - t^2) / (1 + t^2) and sine 2t / (1 + t^2), by
-# t = tan(angle / 2); quarter turns are exact.  How far it is off is bounded by a ball, not by
-# floats.
+# Every rational t = tan(angle / 2) gives the rotation with cosine (1 - t^2) / (1 + t^2) and sine 2t
+# / (1 + t^2); quarter turns are exact.  The error is bounded by a ball, not in floats.
 
 
 BITS = 48
-"""So many binary digits has the tangent of half the angle."""
+"""The binary digits of the tangent of half the angle."""
 
 
 @dataclass(frozen=True, slots=True)
 class RationalRotation:
-    """An exact rotation; ``error`` bounds its distance, as a matrix norm, from the one meant."""
+    """An exact rotation; ``error`` bounds its distance, as a matrix norm, from the intended one."""
 
     cosine: Fraction
     sine: Fraction
@@ -194,7 +193,7 @@ def rational_rotation(angle: Fraction, bits: int = BITS) -> RationalRotation:
         cosine, sine = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
         for _ in range(quarters % 4):
             cosine, sine = -sine, cosine
-        # Two rotations differ by their difference as complex numbers, in any vector's norm.
+        # The matrix norm of the difference of two rotations is that of the complex numbers.
         real = turn.cos() - ball(cosine)
         imaginary = turn.sin() - ball(sine)
         distance = (real * real + imaginary * imaginary).sqrt()
@@ -203,7 +202,7 @@ def rational_rotation(angle: Fraction, bits: int = BITS) -> RationalRotation:
 
 
 def _above(distance: arb, scale: int) -> Fraction:
-    """A rational at least as large as every number of a ball, over ``scale``."""
+    """A rational upper bound on all numbers of a ball, divided by ``scale``."""
     upper = distance.upper().ceil().unique_fmpz()
     if upper is None:
         raise ArithmeticError("the enclosure of a rotation is too wide")
@@ -213,11 +212,11 @@ def _above(distance: arb, scale: int) -> Fraction:
 # --- A set of pixels as few disjoint rectangles ---------------------------------------------------
 #
 # Runs of equal extent in neighbouring lines are joined, once along the rows and once along the
-# columns, and the fewer rectangles are taken.
+# columns; the division with fewer rectangles is used.
 
 
 _AT_ONCE = 2**21
-"""So many pixels are looked at together: lists of runs take thirty times their memory."""
+"""The most pixels processed together: lists of runs take thirty times their memory."""
 
 
 def rectangles(pixels: NDArray[np.bool_], most: int) -> Boxes | None:
@@ -225,11 +224,12 @@ def rectangles(pixels: NDArray[np.bool_], most: int) -> Boxes | None:
 
     Args:
         pixels: shape (rows, columns).
-        most: more rectangles are not made.
+        most: the most rectangles to make.
 
     Returns:
         Shape (n, 4): first row, first column, and the row and column after the last; in
-        lexicographic order.  None where there would be more.
+            lexicographic
+        order.  None if there would be more than ``most``.
     """
     import numpy as np
 
@@ -244,9 +244,9 @@ def rectangles(pixels: NDArray[np.bool_], most: int) -> Boxes | None:
 
 
 def _joined_runs(pixels: NDArray[np.bool_], most: int) -> Boxes | None:
-    """The runs along the rows, those of equal columns in consecutive rows as one.
+    """The runs along the rows, with runs of equal columns in consecutive rows joined.
 
-    More rows never make fewer of them, so that nothing is gone on with where they are too many.
+    More rows never make fewer runs, so the search stops once there are too many.
     """
     import numpy as np
 
@@ -274,7 +274,7 @@ def _runs(pixels: NDArray[np.bool_], top: int) -> Boxes:
 
 
 def _joined(boxes: Boxes) -> Boxes:
-    """Boxes of which those with the same columns are one where they follow on each other."""
+    """Boxes, with those of equal columns in consecutive rows joined."""
     import numpy as np
 
     top, first, bottom, last = boxes.T

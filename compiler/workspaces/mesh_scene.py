@@ -1,9 +1,9 @@
-"""The objects of a mesh as convex polytopes in the workspace, each of which holds its object.
+"""The objects of a mesh as convex polytopes in the workspace, each of which contains its object.
 
-An object of few corners is their hull.  Of more, the planes that touch it across fixed directions
-of the file enclose it, as those of bodies do.  A turn that is not rational is off by a little: the
-piece then grows about its middle until it holds every corner wherever that may be, and keeps as
-many facets and corners as it had.
+An object with few corners is represented by their hull.  For more corners, planes in fixed
+directions of the file's axes touch and enclose the object, as for bodies.  A rotation that is not
+rational is slightly off.  The piece is then enlarged about its middle until it contains every
+corner wherever it may be; it keeps its numbers of facets and corners.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from grammar_lang.diagnostics.wording import counted
 from grammar_lang.ir import HalfSpace, Scene, SceneObject
 
 FARTHEST = Fraction(1, 10**6)
-"""Pieces grow by no more than this many metres; they would where a frame is far away."""
+"""The most metres by which pieces may grow; they would grow more if a frame is far away."""
 _GRID = 2**64
 
 
@@ -64,7 +64,7 @@ def _origin(scene: Scene, many: int) -> str:
 
 
 def _points(each: SceneObject, dimension: int) -> Sequence[Point]:
-    """The distinct corners of an object; in the plane those of its shadow's hull."""
+    """The distinct corners of an object; in the plane, those of the hull of its projection."""
     corners = {corner[:dimension] for corner in each.corners}
     if rank(_ray(corner) for corner in corners) <= dimension:
         where = "one plane" if dimension == 3 else "one line, seen along z"
@@ -75,23 +75,23 @@ def _points(each: SceneObject, dimension: int) -> Sequence[Point]:
 
 
 def _local(points: Sequence[Point], dimension: int) -> Polytope:
-    """What holds an object, in the file's axes and unit."""
+    """A polytope that contains an object, in the axes and the unit of the file."""
     if len(points) <= FEW:
         return Polytope(hull_rows(points))
     return Polytope(enclosing_rows(points, dimension)).irredundant()
 
 
-# --- in the workspace -----------------------------------------------------------------------------
+# --- In the workspace -----------------------------------------------------------------------------
 
 
 def _placed(
     local: Polytope, points: Sequence[Point], scene: Scene, frame: RationalFrame
 ) -> tuple[Polytope, Fraction]:
-    """A piece in the workspace, and by how much (m) it grew at most.
+    """A piece in the workspace, and the most (m) by which it grew.
 
-    A corner p is less than ``off`` from where it is meant to be.  The ball of that radius about
-    the middle c lies in ``c + s (K - c)`` for s = off / (least distance of c from a facet), so
-    that K and all that is nearer to it than ``off`` lie in ``c + (1 + s) (K - c)``.
+    A corner p is less than ``off`` from its exact place.  The ball of that radius about the middle
+    c lies in ``c + s (K - c)`` for s = off / (least distance of c from a facet).  So K and all
+    points nearer to it than ``off`` lie in ``c + (1 + s) (K - c)``.
     """
     size, scale = scene.dimension, scene.scale
     farthest = max(_dot(point, point) for point in points)
@@ -138,7 +138,7 @@ def _turned(normal: Point, frame: RationalFrame) -> Point:
 def _part(
     off: Fraction, middle: Point, normals: Sequence[Point], offsets: Sequence[Fraction]
 ) -> Fraction:
-    """By which part of itself a piece grows about its middle, rounded up."""
+    """The fraction of itself by which a piece grows about its middle, rounded up."""
     nearest = min(
         (offset - _dot(normal, middle)) / _root_above(_dot(normal, normal))
         for normal, offset in zip(normals, offsets, strict=True)
@@ -162,6 +162,6 @@ def _dot(one: Sequence[Fraction], other: Sequence[Fraction]) -> Fraction:
 
 
 def _root_above(square: Fraction) -> Fraction:
-    """A rational at least as large as the root of a number, by a little."""
+    """A rational slightly larger than the root of a number."""
     p, q = square.numerator, square.denominator
     return Fraction(isqrt(p * q * _GRID * _GRID) + 1, q * _GRID)

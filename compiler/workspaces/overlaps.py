@@ -19,7 +19,7 @@ Pair: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class _Box:
-    """The bounding box of polytope ``number``: per axis the ranks of its ends."""
+    """The bounding box of polytope ``number``: the ranks of its ends along each axis."""
 
     number: int
     lower: tuple[int, ...]
@@ -29,7 +29,7 @@ class _Box:
 def candidates(shapes: Sequence[Polytope]) -> Iterator[Pair]:
     """The pairs (i, j), i < j, of bounded polytopes whose bounding boxes have interiors that meet.
 
-    The sweep goes along the axis along which the fewest boxes overlap.
+    The sweep uses the axis along which the fewest boxes overlap.
     """
     boxes = _boxes(shapes)
     if not boxes:
@@ -48,10 +48,11 @@ def candidates(shapes: Sequence[Polytope]) -> Iterator[Pair]:
 
 
 def interiors_meet(first: Polytope, second: Polytope) -> bool:
-    """Whether two bounded polytopes with interior, by facets only, have an inner point in common.
+    """Whether two bounded, full-dimensional, irredundant polytopes have a common interior point.
 
     Exact.  Two convex polygons with disjoint interiors are separated along an edge of one of them,
-    two boxes along a face; for other polyhedra the intersection decides where no facet separates.
+    and two boxes along a face.  For other polyhedra, the intersection decides if no facet separates
+    them.
     """
     if _facet_separates(first, second) or _facet_separates(second, first):
         return False
@@ -70,7 +71,7 @@ def _is_box(shape: Polytope) -> bool:
 
 
 def _boxes(shapes: Sequence[Polytope]) -> list[_Box]:
-    """The bounding boxes, coordinates replaced by their ranks: exact, and quick to compare."""
+    """The bounding boxes, with coordinates replaced by their ranks: exact, and fast to compare."""
     points = [[vertex.point() for vertex in shape.description.vertices] for shape in shapes]
     ends = [[(min(axis), max(axis)) for axis in zip(*corners, strict=True)] for corners in points]
     ranks = [

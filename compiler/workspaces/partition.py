@@ -1,4 +1,4 @@
-"""Cells cut along facets, divided in two, and glued back together; exact."""
+"""Cut cells along facets, divide them in two, and glue them back together; exact."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from grammar_lang.ir import HalfSpace
 def divide(cell: Polytope, region: Polytope) -> tuple[tuple[Polytope, ...], Polytope | None]:
     """``cell`` minus ``region`` as interior-disjoint convex pieces, and their intersection.
 
-    Both are bounded and have an interior.  Only facets of the region that cut what is left of the
+    Both must be bounded and full-dimensional.  Only facets of the region that cut the rest of the
     cell make a piece; the one that cuts off most goes first, which keeps the pieces few and large.
 
     Returns:
-        The remainders, and the common part, or None where the interiors do not meet (then the only
-        remainder is the cell itself, and the region's facets cut nothing).
+        The remainders, and the common part, which is None if the interiors do not meet.  Then the
+            only
+        remainder is the cell itself, and the region's facets cut nothing.
     """
     cell, region = cell.irredundant(), region.irredundant()
     if not interiors_meet(cell, region):
@@ -47,10 +48,10 @@ def divide(cell: Polytope, region: Polytope) -> tuple[tuple[Polytope, ...], Poly
 
 
 def remainder(cell: Polytope, regions: Sequence[Polytope]) -> tuple[Polytope, ...]:
-    """``cell`` minus the union of ``regions``: pieces with interior; none if the union covers it.
+    """``cell`` minus the union of ``regions``: pieces with interior, or none if it is covered.
 
-    All are bounded and have an interior.  As the cell is the closure of its interior, no piece
-    left means that every point of the cell is in one of the (closed) regions.
+    All must be bounded and full-dimensional.  Since the cell is the closure of its interior, an
+    empty result means that every point of the cell is in one of the (closed) regions.
     """
     pieces: tuple[Polytope, ...] = (cell,)
     for region in regions:
@@ -61,7 +62,7 @@ def remainder(cell: Polytope, regions: Sequence[Polytope]) -> tuple[Polytope, ..
 def glue(pieces: Sequence[Polytope]) -> tuple[Polytope, ...]:
     """Merge interior-disjoint irredundant pieces while two of them have a convex union.
 
-    Greedy, in the order given; the union of all pieces stays the same.
+    Greedy, in the given order; the union of all pieces stays the same.
     """
     alive: dict[int, Polytope] = dict(enumerate(pieces))
     sides: dict[frozenset[tuple[int, ...]], list[int]] = {}
@@ -98,7 +99,7 @@ def _enter(
 def _mergeable(
     number: int, alive: dict[int, Polytope], sides: dict[frozenset[tuple[int, ...]], list[int]]
 ) -> tuple[int, Polytope] | None:
-    """A living piece that shares a whole facet with this one and has a convex union with it."""
+    """A remaining piece that shares a whole facet with this one and has a convex union with it."""
     piece = alive[number]
     for row in piece.facets:
         corners = _corners(piece, row)
@@ -115,9 +116,9 @@ def _convex_union(
 ) -> Polytope | None:
     """The union of two polytopes on either side of a common facet, if it is convex.
 
-    It is iff every other facet of each holds on the other: near the middle of such a facet the
-    union is one of the two, so its half-space holds on a convex union; and conversely a point where
-    all of them hold is in the polytope of its side.
+    It is convex iff every other facet of each is valid for the other.  Near the middle of such a
+    facet, the union is one of the two, so the facet's half-space is valid for a convex union.
+    Conversely, a point in all these half-spaces is in the polytope on its side.
     """
     rows = []
     for piece, other in ((first, second), (second, first)):
@@ -131,19 +132,18 @@ def _convex_union(
     return Polytope(tuple(rows)).irredundant()
 
 
-# --- Cutting cells of a partition in two, with the facets of what is left; exact and local --------
+# --- Cutting cells of a partition in two, and updating the common facets; exact and local ---------
 #
 # Source: Clarke, Grumberg, Jha, Lu & Veith, *Counterexample-guided abstraction refinement* (2003):
-# a cell that is too coarse is split, the others stay.  Only the facets of a cell that is cut are
-# computed anew.
+# a cell that is too coarse is split, and the others stay.  Only the facets of a cell that is cut
+# are recomputed.
 
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Halve cell number ``cell`` by a hyperplane that meets its interior.
+    """Divide cell number ``cell`` by a hyperplane that meets its interior.
 
-    The part in ``half_space`` keeps the number; the other one gets the next number after all cells
-    there are at that time.
+    The part in ``half_space`` keeps the number; the other part gets the next free number.
     """
 
     cell: int
@@ -152,7 +152,7 @@ class Cut:
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """The polytopes after some cuts, their facets by pairs i < j, and of each the cell it is of."""
+    """The polytopes after some cuts, their facets by pairs i < j, and the original cell of each."""
 
     polytopes: tuple[Polytope, ...]
     facets: Mapping[Pair, tuple[Point, ...]]
@@ -162,7 +162,7 @@ class Pieces:
 def split_cells(
     polytopes: Sequence[Polytope], facets: Mapping[Pair, tuple[Point, ...]], cuts: Iterable[Cut]
 ) -> Pieces:
-    """The cuts in turn, on irredundant cells with interior and their common facets.
+    """Apply the cuts in turn to irredundant cells with interior and their common facets.
 
     Raises:
         ValueError: a cut names no cell, or misses the interior of its cell.
@@ -193,7 +193,7 @@ def split_cells(
 
 
 def _share_out(beside: list[dict[int, tuple[Point, ...]]], cut: Cut) -> None:
-    """Give the facets of a cell that is cut to its two parts; the last cell is the outer one."""
+    """Distribute the facets of a cut cell to its two parts; the last cell is the outer one."""
     row = integer_row(cut.half_space.normal, cut.half_space.offset)
     first, second = cut.cell, len(beside) - 1
     around = beside[first]
@@ -206,9 +206,9 @@ def _share_out(beside: list[dict[int, tuple[Point, ...]]], cut: Cut) -> None:
 
 
 def _sides(corners: tuple[Point, ...], row: IntRow) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
-    """The corners of the parts of a facet on the two sides of a plane, none where it is empty.
+    """The corners of the parts of a facet on the two sides of a plane; empty for an empty part.
 
-    The plane is not that of the facet.
+    The plane must not be that of the facet.
     """
     rays = [_ray(corner) for corner in corners]
     heights = [value(row, ray) for ray in rays]

@@ -12,17 +12,19 @@ from compiler.workspaces.polytope import Polytope
 
 Corner: TypeAlias = tuple[Fraction, Fraction]
 Polygon: TypeAlias = tuple[Corner, ...]
-"""The corners of a polygon (m), counter-clockwise, no three consecutive ones on a line."""
+"""The corners of a polygon (m), counter-clockwise, no three consecutive ones collinear."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """Convex polygons, or polytopes, whose union holds all obstacles of a map.
+    """Convex polygons or polytopes whose union contains all obstacles of a map.
 
-    ``origin`` says in words what they were made of; no point of theirs is further than
-    ``inflation`` metres from an obstacle.  ``extent`` is what the map knows of, if it has an end.
+    ``origin`` says in words what they were made from.  None of their points is farther than
+    ``inflation`` metres from an obstacle.  ``extent`` is the area that the map covers, if it is
+    bounded.
 
-    Those of a mesh are ``polytopes`` instead, by facets, one for each object, which it holds.
+    A mesh has ``polytopes`` instead of polygons: one for each object, irredundant and containing
+    it.
     """
 
     polygons: tuple[Polygon, ...]
@@ -33,7 +35,7 @@ class Pieces:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """The number of pieces."""
         return len(self.polytopes) or len(self.polygons)
 
 
@@ -56,7 +58,7 @@ def sides(polygon: Sequence[Corner]) -> list[tuple[Corner, Corner]]:
 
 
 def apart(first: Polygon, second: Polygon) -> bool:
-    """Whether the interiors of two convex polygons have no common point (touching is allowed).
+    """Whether the interiors of two convex polygons are disjoint (touching is allowed).
 
     Two convex polygons with disjoint interiors are separated along an edge of one of them.
     """
@@ -64,7 +66,7 @@ def apart(first: Polygon, second: Polygon) -> bool:
 
 
 def disjoint(first: Polygon, second: Polygon) -> bool:
-    """Whether two closed convex polygons have no common point; separated as above, strictly."""
+    """Whether two closed convex polygons are disjoint; as above, with strict separation."""
     return _parts(first, second) or _parts(second, first)
 
 

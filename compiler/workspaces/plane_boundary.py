@@ -1,7 +1,7 @@
-"""The boundary of a union of polygons, directed, and polygons traced from directed edges; exact.
+"""The directed boundary of a union of polygons, and polygons traced from directed edges; exact.
 
 Source: de Berg, Cheong, van Kreveld & Overmars, *Computational Geometry* (2008), section 2.2
-(half-edges; the next one is found by turning about the end).  Points are homogeneous integers
+(half-edges; the next one is found by rotating around the end).  Points are homogeneous integers
 ``(X, Y, W)``, W > 0; an edge has the inside on its left.
 """
 
@@ -24,7 +24,7 @@ Ray: TypeAlias = tuple[int, ...]
 Edge: TypeAlias = tuple[Ray, Ray]
 Direction: TypeAlias = tuple[int, int]
 NEARLY = 1e-7
-"""Relative to the size of a picture: what is farther from a line than this is surely not on it."""
+"""Relative to the size of a picture: a point farther from a line than this is not on it."""
 
 
 def direction(start: Ray, end: Ray) -> Direction:
@@ -38,7 +38,7 @@ def cross(a: Direction, b: Direction) -> int:
 
 
 def orientation(a: Ray, b: Ray, c: Ray) -> int:
-    """Positive iff a, b, c turn to the left, zero iff they are on a line."""
+    """Positive iff a, b, c turn left, zero iff they are collinear."""
     return (
         a[0] * (b[1] * c[2] - b[2] * c[1])
         - a[1] * (b[0] * c[2] - b[2] * c[0])
@@ -57,9 +57,10 @@ def places(points: Sequence[Ray]) -> Array:
 
 
 def boundary(pieces: Iterable[Polytope]) -> list[Edge]:
-    """The edges between a union of interior-disjoint polygons and what is outside of it.
+    """The edges between a union of interior-disjoint polygons and its outside.
 
-    An edge has no other one's end in its inside; collinear edges follow one another only there.
+    No edge has an end of another in its interior.  One edge continues another along a line only at
+    an end of a third.
     """
     sides: dict[IntRow, list[tuple[Ray, int]]] = {}
     for piece in pieces:
@@ -68,7 +69,8 @@ def boundary(pieces: Iterable[Polytope]) -> list[Edge]:
             forward = max(row[:-1], (0, 0)) == row[:-1]
             plane = row if forward else tuple(-entry for entry in row)
             first, last = sorted(ends, key=lambda ray: Fraction(_along(plane, ray), ray[2]))
-            # inside on the left: along the turned normal of the canonical row, or against it
+            # the inside is on the left: along the rotated normal of the canonical row, or against
+            # it
             step = 1 if forward else -1
             sides.setdefault(plane, []).extend(((first, step), (last, -step)))
     whole: list[Edge] = []
@@ -80,12 +82,12 @@ def boundary(pieces: Iterable[Polytope]) -> list[Edge]:
 
 
 def _along(plane: IntRow, ray: Ray) -> int:
-    """W times the coordinate of a point along a line, in the direction of its turned normal."""
+    """W times the coordinate of a point along a line, in the direction of its rotated normal."""
     return plane[0] * ray[1] - plane[1] * ray[0]
 
 
 def _uncovered(plane: IntRow, ends: Sequence[tuple[Ray, int]]) -> list[Edge]:
-    """The stretches of a line with pieces on one side only, directed; the longest ones."""
+    """The maximal stretches of a line with pieces on one side only, directed."""
     steps: dict[Ray, int] = {}
     for ray, step in ends:
         steps[ray] = steps.get(ray, 0) + step
@@ -102,7 +104,7 @@ def _uncovered(plane: IntRow, ends: Sequence[tuple[Ray, int]]) -> list[Edge]:
 
 
 def _points_on(edges: Sequence[Edge], points: Sequence[Ray]) -> list[list[Ray]]:
-    """Per edge the points in its relative interior."""
+    """For each edge, the points in its relative interior."""
     place = places(points)
     starts, ends = (places([edge[i] for edge in edges]) for i in (0, 1))
     tolerance = NEARLY * (1 + float(np.abs(place).max(initial=0.0)))
@@ -126,7 +128,7 @@ def _inside(edge: Edge, point: Ray) -> bool:
 
 
 def divided(edge: Edge, points: Iterable[Ray]) -> list[Edge]:
-    """An edge in the parts between points inside it."""
+    """The parts of an edge between points in its interior."""
     start, end = edge
     dx, dy = direction(start, end)
     inner = sorted(set(points), key=lambda p: Fraction(dx * p[0] + dy * p[1], p[2]))
@@ -134,7 +136,7 @@ def divided(edge: Edge, points: Iterable[Ray]) -> list[Edge]:
 
 
 def outgoing(edges: Iterable[Edge]) -> dict[Ray, list[Edge]]:
-    """Per point the edges that begin there, counter-clockwise from some one on."""
+    """For each point, the edges that begin there, in counter-clockwise order."""
     found: dict[Ray, list[Edge]] = {}
     for edge in edges:
         found.setdefault(edge[0], []).append(edge)
@@ -149,7 +151,7 @@ def _order(a: Edge, b: Edge) -> int:
 
 
 def _turned(a: Direction, b: Direction) -> int:
-    """Which of two directions comes first, counter-clockwise from the positive x axis on."""
+    """Compare two directions counter-clockwise, starting from the positive x axis."""
     return _lower(a) - _lower(b) or -cross(a, b)
 
 
@@ -159,7 +161,7 @@ def _lower(a: Direction) -> bool:
 
 
 def following(edge: Edge, around: Mapping[Ray, Sequence[Edge]]) -> Edge:
-    """The next edge round what is on the left: the first one clockwise from the way back."""
+    """The next edge around what is on the left: the first one clockwise from the way back."""
     start, end = edge
     leaving = around[end]
     if len(leaving) == 1:
@@ -170,7 +172,7 @@ def following(edge: Edge, around: Mapping[Ray, Sequence[Edge]]) -> Edge:
 
 
 def traced(edges: Sequence[Edge]) -> list[tuple[Ray, ...]]:
-    """The cycles of the edges, each with the corners where it turns."""
+    """The cycles of the edges, each with the corners at which it turns."""
     around = outgoing(edges)
     left = set(edges)
     cycles: list[tuple[Ray, ...]] = []

@@ -2,8 +2,8 @@
 
 Sources: Bentley & Ottmann, *Algorithms for reporting and counting geometric intersections* (1979),
 for the sweep, here without crossings; Chazelle & Dobkin, *Optimal convex decompositions* (1985):
-with r reflex corners no decomposition has fewer than r / 2 + 1 pieces.  A reflex corner makes two
-cuts at most, so that there are 2 r + 1 pieces at most.  The cuts are vertical, or all horizontal if
+with r reflex corners every decomposition has at least r / 2 + 1 pieces.  A reflex corner makes at
+most two cuts, so there are at most 2 r + 1 pieces.  The cuts are vertical, or all horizontal if
 that makes fewer pieces.
 """
 
@@ -29,7 +29,7 @@ from compiler.workspaces.rings import (
 
 Chain: TypeAlias = list[Corner]
 Side: TypeAlias = tuple[Edge, Edge]
-"""The lower and the upper edge between which there is a piece."""
+"""The lower and the upper edge of a piece."""
 
 
 def polygon_pieces(rings: Sequence[Sequence[Corner]]) -> tuple[Polygon, ...]:
@@ -39,7 +39,7 @@ def polygon_pieces(rings: Sequence[Sequence[Corner]]) -> tuple[Polygon, ...]:
         rings: the outline, then the holes, each closed (its last position is its first).
 
     Raises:
-        BadRing: a ring is not simple, or the rings make no polygon.
+        BadRing: a ring is not simple, or the rings do not form a polygon.
         TooTangled: too many edges are near each other, or one above another.
     """
     sound = sound_rings(rings)
@@ -55,7 +55,7 @@ def polygon_pieces(rings: Sequence[Sequence[Corner]]) -> tuple[Polygon, ...]:
 
 
 def _decomposed(rings: Rings) -> list[Polygon]:
-    """The pieces by vertical cuts, in metres."""
+    """The pieces made by vertical cuts, in metres."""
     sweep = _Sweep(rings.scale)
     for x, ending, beginning in _events(rings):
         sweep.pass_line(x, ending, beginning)
@@ -63,7 +63,7 @@ def _decomposed(rings: Rings) -> list[Polygon]:
 
 
 def _events(rings: Rings) -> Iterator[tuple[int, list[Edge], list[Edge]]]:
-    """Per abscissa of corners, from the left: the edges that end there, and those that begin."""
+    """For each abscissa of corners, from the left: edges that end and that begin there."""
     ends: list[tuple[int, bool, Edge]] = []
     for a, b in rings.edges:
         if a[0] != b[0]:
@@ -86,14 +86,14 @@ def _height(edge: Edge, x: int) -> Fraction:
 
 
 def _is_below(edge: Edge, point: Place) -> int:
-    """Positive where a point lies above an edge, negative below, zero on its line."""
+    """Positive if a point lies above an edge, negative below, zero on its line."""
     (a, b), (c, d) = edge
     return (c - a) * (point[1] - b) - (d - b) * (point[0] - a)
 
 
 @dataclass(slots=True)
 class _Open:
-    """A piece to the left of the line: its lower and upper chain so far, from the left."""
+    """A piece to the left of the sweep line: its lower and upper chains so far, from the left."""
 
     lower: Chain
     upper: Chain
@@ -101,7 +101,7 @@ class _Open:
 
 @dataclass(slots=True)
 class _Sweep:
-    """The edges that cross the line, from below, and the pieces between every second two."""
+    """The edges that cross the sweep line, from below, and the pieces between every second pair."""
 
     scale: int
     edges: list[Edge] = field(default_factory=list[Edge])
@@ -110,7 +110,7 @@ class _Sweep:
     crossed: int = 0
 
     def pass_line(self, x: int, ending: Sequence[Edge], beginning: Sequence[Edge]) -> None:
-        """Go on to the right of an abscissa: close pieces there, go on with others, open new."""
+        """Move past an abscissa: close pieces there, continue others, and open new ones."""
         if ending:
             gone = set(ending)
             self.edges = [edge for edge in self.edges if edge not in gone]
@@ -138,7 +138,7 @@ class _Sweep:
         self.pieces += [_polygon(piece) for piece in left.values()]
 
     def _insert(self, edge: Edge) -> None:
-        """Put an edge in its place among those that cross the line at its left end."""
+        """Insert an edge among those that cross the line at its left end."""
         low, high = 0, len(self.edges)
         while low < high:
             middle = (low + high) // 2
@@ -151,7 +151,7 @@ class _Sweep:
         self.edges.insert(low, edge)
 
     def _wall(self, side: Side, x: int) -> tuple[Corner, Corner]:
-        """The ends, in metres, of the vertical between two edges."""
+        """The ends, in metres, of the vertical segment between two edges."""
         low, high = (Fraction(_height(edge, x), self.scale) for edge in side)
         across = Fraction(x, self.scale)
         return (across, low), (across, high)
@@ -159,7 +159,7 @@ class _Sweep:
     def _begun(
         self, left: dict[tuple[Corner, Corner], _Open], wall: tuple[Corner, Corner], side: Side
     ) -> _Open:
-        """The piece at whose right end there is this wall, if it stays convex; else a new one."""
+        """The piece that ends at this wall, if it stays convex when continued; else a new one."""
         found = left.get(wall)
         if found is not None:
             below, above = (self._metres(edge[1]) for edge in side)
@@ -175,7 +175,7 @@ class _Sweep:
 
 
 def _polygon(piece: _Open) -> Polygon:
-    """The corners counter-clockwise, without repeated ones and those on a line."""
+    """The corners counter-clockwise, without repeated and collinear ones."""
     around = [*piece.lower, *piece.upper[::-1]]
     distinct = [b for a, b in zip(around[-1:] + around[:-1], around, strict=True) if a != b]
     before, after = distinct[-1:] + distinct[:-1], distinct[1:] + distinct[:1]

@@ -2,7 +2,7 @@
 
 Source: Ziegler, *Lectures on Polytopes*, chapters 1 and 2.  A polytope is an intersection of closed
 half-spaces ``normal . p <= offset`` over the rationals; every predicate here is decided without
-rounding.  Floats leave through ``A``, ``b`` and ``box`` only, which load numpy.
+rounding.  Only ``A``, ``b`` and ``box`` return floats and load numpy.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ AXES = ("x", "y", "z")
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """Vertices with their tight rows (bit i: row i); of an unbounded set, those within a box."""
+    """Vertices with tight rows (bit i: row i); of an unbounded set, those in a large box."""
 
     vertices: tuple[Vertex, ...]
     bounded: bool
@@ -47,7 +47,7 @@ class Description:
 class Polytope:
     """``{p : normal_i . p <= offset_i for all i}``, closed; it may be empty, flat or unbounded.
 
-    ``known`` is the vertex description where the maker has it already; it must be right.
+    ``known`` is the vertex description, if it is already known; it must be right.
     """
 
     rows: tuple[HalfSpace, ...]
@@ -68,7 +68,7 @@ class Polytope:
 
     @cached_property
     def integer_rows(self) -> tuple[IntRow, ...]:
-        """Per row the primitive integers ``(normal, -offset)``."""
+        """For each row, the primitive integers ``(normal, -offset)``."""
         return tuple(integer_row(row.normal, row.offset) for row in self.rows)
 
     @cached_property
@@ -90,9 +90,9 @@ class Polytope:
         return self.description.bounded
 
     def extends(self, axis: int, sign: Literal[-1, 1]) -> bool:
-        """Whether it has no end along ``sign`` times an axis; an unbounded set does along some.
+        """Whether it is unbounded along ``sign`` times an axis; an unbounded set is so along some.
 
-        A set without end in several directions may hide one of them behind another.
+        If a set is unbounded in several directions, one of them may hide another.
         """
         side = len(self.rows) + 2 * axis + (sign > 0)
         return not self.is_bounded and any(
@@ -152,14 +152,14 @@ class Polytope:
         raise ValueError("volumes are computed in the plane and in space")
 
     def face(self, row: int) -> tuple[Vertex, ...]:
-        """The vertices on the boundary of a row."""
+        """The vertices on the boundary of a row's half-space."""
         return tuple(v for v in self.description.vertices if v.tight >> row & 1)
 
     @cached_property
     def facets(self) -> tuple[int, ...]:
         """The first row of every facet, in order of the rows (dimension 2 or 3, with interior).
 
-        A face with at least d vertices is a facet: no three vertices are on one line.
+        A face with at least d vertices is a facet: no three vertices are collinear.
         """
         found: dict[frozenset[tuple[int, ...]], int] = {}
         for i, row in enumerate(self.rows):
@@ -201,7 +201,7 @@ class Polytope:
         return self.intersection(Polytope((row,)))
 
     def intersection(self, other: Polytope) -> Polytope:
-        """The intersection, rows of both."""
+        """The intersection, with the rows of both."""
         if not self.is_bounded:
             if not other.is_bounded:
                 return Polytope((*self.rows, *other.rows))
@@ -213,10 +213,10 @@ class Polytope:
         return Polytope((*self.rows, *other.rows), known)
 
     def halves(self, row: HalfSpace) -> tuple[Polytope | None, Polytope | None]:
-        """The parts inside and outside a half-space, None where a part has no interior.
+        """The parts inside and outside a half-space; None for a part without interior.
 
-        The polytope is bounded, with interior, and by facets only; so are the parts, and the last
-        row of both is the cut.
+        The polytope must be bounded, full-dimensional and irredundant; so are the parts, and the
+        last row of both is the cut.
         """
         cut = integer_row(row.normal, row.offset)
         heights = [value(cut, vertex.ray) for vertex in self.description.vertices]
@@ -238,7 +238,7 @@ class Polytope:
         )
 
     def _part(self, vertices: Sequence[Vertex], row: HalfSpace) -> Polytope:
-        """The polytope of these vertices, by those rows that still are facets, and the new one."""
+        """The polytope of these vertices, with the rows that are still facets, and the new row."""
         bits = [
             bit
             for bit in range(len(self.rows))
@@ -253,10 +253,10 @@ class Polytope:
         return Polytope(rows, Description(renumbered, bounded=True))
 
     def irredundant(self) -> Polytope:
-        """The same set by its facets only, in the order of the rows.
+        """The same set without redundant rows, in the order of the rows.
 
         Raises:
-            ValueError: it has no interior, so that its facets do not determine it.
+            ValueError: it has no interior, so its facets do not determine it.
         """
         if not self.has_interior:
             raise ValueError("only a polytope with interior is given by its facets")
@@ -282,7 +282,7 @@ class Polytope:
 
     @cached_property
     def b(self) -> Array:
-        """Offsets of the unit normals, shape (m,), metres."""
+        """Offsets of the unit normals, shape (m,), in metres."""
         return self._floats[1]
 
     @cached_property
@@ -299,7 +299,7 @@ class Polytope:
 
     @cached_property
     def box(self) -> Array:
-        """A bounding box, shape (2, d), metres, rounded outwards; ValueError if empty."""
+        """A bounding box, shape (2, d), in metres, rounded outwards; ValueError if empty."""
         if self.is_empty:
             raise ValueError("an empty polytope has no bounding box")
         import numpy as np
@@ -313,7 +313,7 @@ class Polytope:
         )
 
     def inequalities(self) -> list[str]:
-        """The rows as text, normals scaled to primitive integers: ``-x <= -17/10``."""
+        """The rows as text, with normals scaled to primitive integers: ``-x <= -17/10``."""
         return [_inequality(row) for row in self.rows]
 
     def _require_bounded(self) -> None:
@@ -324,7 +324,7 @@ class Polytope:
 def polytope_of(shape: RegionShape, dimension: int) -> Polytope:
     """The polytope of a shape of the workspace; no rows at all mean the whole space.
 
-    Of a round set the one that motions are held to: motions that keep to it keep to the set.
+    For a round set it is the one used for motions: motions that respect it respect the set.
     """
     match shape:
         case Inequalities(rows=rows):
@@ -339,7 +339,7 @@ def polytope_of(shape: RegionShape, dimension: int) -> Polytope:
 
 
 def refuting_polytope(shape: RegionShape, dimension: int) -> Polytope:
-    """The polytope of a shape that refutations may count on: of a round set, on its other side."""
+    """The polytope of a shape for use in refutations: for a round set, on its other side."""
     if isinstance(shape, Round):
         shape = replace(shape, outward=not shape.outward)
     return polytope_of(shape, dimension)

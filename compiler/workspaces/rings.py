@@ -1,7 +1,7 @@
 """Rings of polygons: whether they are simple, and whether those of one polygon cross.
 
-Bounding boxes and sides in floats choose the pairs of edges that are looked at, with room for what
-rounding does, so that none is missed.  Everything else is exact, in integers.
+Bounding boxes and sides in floats select the pairs of edges to examine, with a margin for rounding
+so that none is missed.  Everything else is exact, in integers.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ Edge: TypeAlias = tuple[Place, Place]
 Contact: TypeAlias = Literal["point", "more"] | None
 
 SIDE_BY_SIDE = 2 * 10**6
-"""So many pairs of edges may be side by side; of outlines of things, a hundredth are."""
+"""The most pairs of edges that may be side by side; outlines of real things have a hundredth."""
 EXACT_LIMIT = SIDE_BY_SIDE // 10
-"""So many pairs may be too close to each other for floats: neighbours, and few others."""
+"""The most pairs too close to each other for floats: neighbours, and few others."""
 _ROUNDED = 2.0**-48
 
 
 class BadRing(Exception):
-    """A ring that is no outline; ``ring`` counts from 0, ``where`` is a point of it."""
+    """A ring that is not an outline; ``ring`` counts from 0, ``where`` is a point of it."""
 
     def __init__(self, message: str, ring: int, where: Corner | None = None) -> None:
         at = "" if where is None else f" at ({float(where[0]):g}, {float(where[1]):g})"
@@ -45,7 +45,7 @@ class BadRing(Exception):
 
 
 class TooTangled(Exception):
-    """A polygon with so many edges side by side that it would take minutes to cut it."""
+    """A polygon with so many edges side by side that cutting it would take minutes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +62,14 @@ class Rings:
 
 
 def sound_rings(rings: Sequence[Sequence[Corner]]) -> Rings:
-    """The rings of one polygon, repeated positions left out.
+    """The rings of one polygon, without repeated positions.
 
     Args:
         rings: each closed, its last position the first.
 
     Raises:
-        BadRing: one is not closed, has no area, meets itself, or meets another in more than points.
+        BadRing: a ring is not closed, has no area, meets itself, or meets another in more than
+            points.
         TooTangled: more than ``SIDE_BY_SIDE`` pairs of edges are near each other.
     """
     scale = lcm(*(x.denominator for ring in rings for corner in ring for x in corner))
@@ -114,10 +115,10 @@ def _check_contacts(made: Rings) -> None:
 def _near(edges: Sequence[Edge]) -> Iterator[tuple[int, int]]:
     """The pairs i < j of edges that may have a common point.
 
-    Coordinates are taken from the lower left corner, in parts of the extent, so that they are
-    between 0 and 1 and rounding moves them by less than 2^-53.  That keeps their order: boxes which
-    meet do so after it.  A side is the difference of two products of differences, all of them at
-    most 1, so that it is off by less than 2^-48.
+    Coordinates are measured from the lower left corner, in units of the extent.  They are between 0
+    and 1, and rounding moves them by less than 2^-53 and keeps their order: boxes that meet still
+    do so.  A side is the difference of two products of differences, all of them at most 1, so its
+    error is less than 2^-48.
     """
     import numpy as np
 
@@ -143,7 +144,7 @@ def _near(edges: Sequence[Edge]) -> Iterator[tuple[int, int]]:
 
 
 def _sides(lines: Array, points: Array) -> Array:
-    """On which side of lines the two ends of edges are; shapes (…, 2, 2), result (…, 2)."""
+    """The sides of lines on which both ends of edges are; shapes (…, 2, 2), result (…, 2)."""
     start, along = lines[..., :1, :], lines[..., 1:, :] - lines[..., :1, :]
     away = points - start
     sides: Array = along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]
@@ -151,7 +152,7 @@ def _sides(lines: Array, points: Array) -> Array:
 
 
 def _aside(sides: Array) -> NDArray[np.bool_]:
-    """Whether both ends are for certain on one side."""
+    """Whether both ends are certainly on one side."""
     import numpy as np
 
     found: NDArray[np.bool_] = np.logical_or(
@@ -172,7 +173,7 @@ def _contact(first: Edge, second: Edge) -> Contact:
 
 
 def _overlap(first: Edge, second: Edge) -> Contact:
-    """Of two edges on one line."""
+    """How two edges on one line meet."""
     start = max(min(first), min(second))
     end = min(max(first), max(second))
     if start > end:

@@ -1,8 +1,9 @@
-"""Balls, capsules and cylinders as polytopes on either side of them, all exact.
+"""Balls, capsules and cylinders approximated by polytopes from outside or inside, all exact.
 
-Normals are rational points of the unit circle or sphere, made of the slopes of a stereographic
-projection, so that the planes of a polytope about a ball touch it.  Its vertices are at most a
-known factor farther from the centre; shrunk by that it is inside.
+Normals are rational points of the unit circle or sphere, computed from the slopes of a
+stereographic projection, so the planes of a polytope around a ball touch it.  Its vertices are
+farther from the centre by at most a known factor; scaled down by that factor, it is inside the
+ball.
 """
 
 from __future__ import annotations
@@ -18,18 +19,18 @@ from compiler.workspaces.hull import describe, hull_rows, integer_row
 from grammar_lang.ir import HalfSpace, Round
 
 SIDES = 16
-"""Of the polygon about a circle: its corners are 2 % farther out; those about a sphere, 13 %."""
+"""The sides of the polygon around a circle: its corners are 2 % farther out (13 % for a sphere)."""
 SLOPES = 100
 """The largest denominator of a slope."""
 DIGITS = 10**12
-"""To so many parts roots are rounded."""
+"""Roots are rounded by at most 1 / ``DIGITS``."""
 
 Point: TypeAlias = tuple[Fraction, ...]
 
 
 @lru_cache(maxsize=256)
 def round_rows(shape: Round) -> tuple[HalfSpace, ...]:
-    """The half-spaces of a polytope that holds a round set, or lies in it (``outward`` or not)."""
+    """The half-spaces of a polytope that contains a round set (``outward``) or lies in it."""
     dimension = len(shape.points[0])
     grown = shape.radius * (1 if shape.outward else _shrinking(dimension))
     if shape.kind == "ball":
@@ -45,7 +46,7 @@ def round_rows(shape: Round) -> tuple[HalfSpace, ...]:
 
 
 def _disc(shape: Round) -> Iterator[Point]:
-    """The corners about the middle of a disc across the axis of a cylinder; in the plane, ends."""
+    """The corners, about its middle, of a disc across a cylinder's axis; in the plane, its ends."""
     one, other = shape.points
     axis = tuple(b - a for a, b in zip(one, other, strict=True))
     if len(axis) == 2:
@@ -79,7 +80,7 @@ def unit_normals(dimension: int) -> tuple[Point, ...]:
 
 
 def _unit(near: tuple[float, ...]) -> Point:
-    """A rational unit vector near one in floats, by its projection from the far pole."""
+    """A rational unit vector near a given one, by stereographic projection from the far pole."""
     sign = 1 if near[-1] >= 0 else -1
     slopes = [Fraction(x / (1 + abs(near[-1]))).limit_denominator(SLOPES) for x in near[:-1]]
     square = sum((x * x for x in slopes), Fraction(0))
@@ -88,14 +89,14 @@ def _unit(near: tuple[float, ...]) -> Point:
 
 @lru_cache(maxsize=2)
 def _corners(dimension: int) -> tuple[Point, ...]:
-    """The corners of the polytope whose planes touch the ball."""
+    """The corners of the polytope whose planes touch the unit ball."""
     rows = [integer_row(normal, Fraction(1)) for normal in unit_normals(dimension)]
     return tuple(sorted(vertex.point() for vertex in describe(rows, dimension)[0]))
 
 
 @lru_cache(maxsize=2)
 def _shrinking(dimension: int) -> Fraction:
-    """By this factor smaller, that polytope is inside the ball."""
+    """The factor that scales this polytope down to lie inside the ball."""
     farthest = max(_dot(corner, corner) for corner in _corners(dimension))
     return 1 / _root(farthest, up=True)
 

@@ -1,1 +1,1 @@
-"""What is found wrong: codes, their pages, diagnostics and how they are shown."""
+"""Diagnostics: their codes, the pages that explain the codes, and how diagnostics are shown."""

@@ -1,8 +1,8 @@
-"""The catalogue: one Markdown page for every diagnostic code, with examples that are run.
+"""The catalogue: one Markdown page for every diagnostic code, with examples that the tests run.
 
-A page says why something is a mistake, and shows the smallest file that makes it, what
-``srgc check spec.srg`` prints about that file, and the file repaired.  The idea is Dafny's error
-catalogue (https://dafny.org/dafny/HowToFAQ/Errors), whose examples are run as well.
+A page says why something is a mistake.  It shows the smallest file that makes it, what
+``srgc check spec.srg`` prints about that file, and the repaired file.  The idea is from Dafny's
+error catalogue (https://dafny.org/dafny/HowToFAQ/Errors), whose examples are run as well.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ _CHAPTERS = {
 class Example:
     """Files by name, and what ``srgc check`` prints about one of them.
 
-    ``expected`` is None where there is to be no error.  ``place`` holds the offsets of the expected
-    text in the page.  ``files`` is empty where a page cannot show them: a missing file, for one.
-    ``command`` is what is run instead, as ``evolve out/a b.srg``, where that is not a check;
-    ``expected`` is all that it prints then.
+    ``expected`` is None if no error is expected.  ``place`` holds the offsets of the expected text
+    in the page.  ``files`` is empty if a page cannot show them, as for a missing file.  ``command``
+    is the command to run instead of a check (such as ``evolve out/a b.srg``); ``expected`` is then
+    its whole output.
     """
 
     files: Files
@@ -68,7 +68,7 @@ class Example:
 
     @property
     def findings(self) -> tuple[tuple[str, str], ...]:
-        """Severity and code of everything that is expected."""
+        """The severity and code of each expected diagnostic."""
         return tuple(_SEVERITY.findall(self.expected or ""))
 
 
@@ -89,7 +89,7 @@ class CodePage:
 
 
 def _parts(text: str) -> Iterator[re.Match[str] | None]:
-    """The fences of a page in order; None where a heading or ``Repaired:`` comes between."""
+    """The fences of a page in order, with None where a heading or ``Repaired:`` comes between."""
     position = 0
     for fence in _FENCE.finditer(text):
         if _BREAK.search(text, position, fence.start()):
@@ -102,10 +102,11 @@ def _parts(text: str) -> Iterator[re.Match[str] | None]:
 def examples(text: str) -> tuple[Example, ...]:
     """The examples of a Markdown page, in order.
 
-    Blocks ``srg`` (or ``srg NAME``, for other files ``json``, ``text`` or ``xml`` and a name) make
-    up a program; the ``diagnostics`` block that follows says what it prints.  A program that a
-    heading, ``Repaired:`` or another one follows instead has no error.  A ``console`` block shows
-    the command itself, about files that no page can show, or another command after a program.
+    Blocks ``srg`` (or ``srg NAME``; ``json``, ``text`` or ``xml`` and a name for other files) make
+    up a program.  The ``diagnostics`` block that follows says what is printed about it.  If a
+    heading, ``Repaired:`` or another program follows instead, the program has no error.  A
+    ``console`` block shows the command itself, either about files that no page can show, or another
+    command after a program.
     """
     found: list[Example] = []
     files: dict[str, str] = {}
@@ -142,10 +143,10 @@ def examples(text: str) -> tuple[Example, ...]:
 
 
 def read_page(text: str) -> CodePage:
-    """The page of a code.
+    """Parse the page of a code.
 
     Raises:
-        ValueError: a part is missing or there is one too many.
+        ValueError: a part is missing or occurs twice.
     """
     heading = _HEADING.match(text)
     why, fails, _ = text.partition("\n\nFails:\n\n")
@@ -161,7 +162,7 @@ def read_page(text: str) -> CodePage:
 
 
 def has_page(code: Code) -> bool:
-    """Whether the catalogue has a page of the code."""
+    """Whether the catalogue has a page for the code."""
     return (FOLDER / f"{code.value}.md").is_file()
 
 
@@ -169,7 +170,7 @@ def page_text(code: Code) -> str:
     """The page of a code, as Markdown.
 
     Raises:
-        LookupError: there is none.
+        LookupError: the code has no page.
     """
     if not has_page(code):
         raise LookupError(f"{code.value} has no page")
@@ -177,7 +178,7 @@ def page_text(code: Code) -> str:
 
 
 def title(code: Code) -> str:
-    """What the code stands for, in a few words; its own name where it has no page."""
+    """What the code stands for, in a few words; its own name if it has no page."""
     if not has_page(code):
         return code.name.lower().replace("_", " ")
     return read_page(page_text(code)).title
@@ -191,9 +192,9 @@ def find_code(text: str) -> Code | None:
 
 
 def nearest_codes(text: str) -> tuple[Code, ...]:
-    """The codes nearest to a text that is none, at most three, the nearest first.
+    """The at most three codes nearest to a text that is not a code, the nearest first.
 
-    Those nearest to a number, of its chapter if there is one; else those spelt most like the text.
+    For a number, codes of the same chapter come first; any other text is compared by spelling.
     """
     match = _NUMBER.fullmatch(text.strip())
     if match is None:
@@ -209,13 +210,13 @@ def nearest_codes(text: str) -> tuple[Code, ...]:
 
 
 def _anchor(page: CodePage) -> str:
-    """The fragment that GitHub and Sphinx give to the heading of a page."""
+    """The fragment that GitHub and Sphinx make from the heading of a page."""
     heading = f"{page.code.value}: {page.title}".lower()
     return re.sub(r"[^\w\- ]", "", heading).replace(" ", "-")
 
 
 def catalogue() -> str:
-    """All pages as one, with a table of contents: the text of ``docs/reference/codes.md``."""
+    """All pages as one text with a table of contents, for ``docs/reference/codes.md``."""
     pages = [read_page(page_text(code)) for code in Code if has_page(code)]
     lines: list[str] = []
     chapter = ""

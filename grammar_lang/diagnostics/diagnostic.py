@@ -1,4 +1,4 @@
-"""Diagnostics: their codes, and values that are collected while compiling."""
+"""Diagnostics and their codes; diagnostics are values that are collected during compilation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from grammar_lang.source import Span
 
 
 class Code(Enum):
-    """A stable code; the value never changes its meaning."""
+    """A stable code; its value never changes its meaning."""
 
     UNREADABLE_FILE = "SRG0101"
     NOT_UTF8 = "SRG0102"
@@ -128,7 +128,7 @@ class Code(Enum):
 
 
 class Severity(Enum):
-    """An error stops the compilation; a warning does not, and a note is no fault at all."""
+    """An error stops the compilation; a warning does not, and a note points out no fault."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -137,7 +137,7 @@ class Severity(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding: a one-line message, where, and what to do about it."""
+    """A diagnostic: a one-line message, its place, and a hint on what to do about it."""
 
     code: Code
     severity: Severity
@@ -149,10 +149,10 @@ class Diagnostic:
 
 @dataclass(slots=True)
 class Sink:
-    """Collects diagnostics; passed to every pass that may find something.
+    """Collects the diagnostics of all passes.
 
-    ``comparisons`` are how many names may still be compared for hints: a file full of unknown
-    names would keep the search for similar ones busy for minutes.
+    ``comparisons`` is how many more names may be compared to find hints: without a limit, a file
+    full of unknown names would keep the search busy for minutes.
     """
 
     found: list[Diagnostic] = field(default_factory=list[Diagnostic])
@@ -188,7 +188,7 @@ class Sink:
         hint: str | None = None,
         notes: Iterable[tuple[Span, str]] = (),
     ) -> None:
-        """Record something worth knowing that is no fault."""
+        """Record something worth knowing that is not a fault."""
         self.found.append(Diagnostic(code, Severity.NOTE, message, span, hint, tuple(notes)))
 
     @property
@@ -197,5 +197,5 @@ class Sink:
         return any(d.severity is Severity.ERROR for d in self.found)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """All findings in the order of their positions."""
+        """All diagnostics in the order of their positions."""
         return tuple(sorted(self.found, key=lambda d: (d.span.file, d.span, d.code.value)))

@@ -1,4 +1,4 @@
-"""Diagnostics for people (text with the source line and a caret) and for programs (JSON)."""
+"""Diagnostics as text with the source line and a caret, and as JSON for programs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _QUOTED = re.compile(r"`([^`]{60})[^`]+`")
 _BY_SEVERITY = {severity: rank for rank, severity in enumerate(Severity)}
 
 MAX_LINE = 160
-"""So many characters of a source line are shown."""
+"""The most characters of a source line that are shown."""
 
 
 def _paint(text: str, code: str, *, colour: bool) -> str:
@@ -30,17 +30,17 @@ def _paint(text: str, code: str, *, colour: bool) -> str:
 
 
 def _shown(text: str) -> str:
-    """The text with one visible character, or a tab, for each of its own."""
+    """The text with each non-printable character but the tab replaced; columns stay the same."""
     return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def _brief(text: str) -> str:
-    """The text on one line, without the ends of very long names in it."""
+    """The text for one line, with very long names in it shortened."""
     return _shown(_QUOTED.sub(r"`\1…`", text) if len(text) > MAX_LINE else text)
 
 
 def _window(text: str, column: int) -> tuple[str, int]:
-    """The part of a long line about a column, and the column in it."""
+    """The part of a long line around a column, and the column within that part."""
     if len(text) <= MAX_LINE:
         return text, column
     start = max(0, min(column - 1 - MAX_LINE // 3, len(text) - MAX_LINE))
@@ -53,9 +53,9 @@ def _window(text: str, column: int) -> tuple[str, int]:
 
 
 def _excerpt(source: Source, span: Span, paint: str, *, colour: bool) -> list[str]:
-    """The source line and the carets under it; tabs are kept so that they align.
+    """The source line with carets under it; tabs are kept so that they align.
 
-    Nothing of a file that is empty or could not be read.
+    Empty if the file is empty or could not be read.
     """
     if not source.text:
         return []
@@ -75,7 +75,7 @@ def _place(source: Source, span: Span) -> str:
 
 
 def _foremost(diagnostics: Sequence[Diagnostic], most: int) -> list[Diagnostic]:
-    """So many of them in their order: errors rather than warnings, warnings rather than notes."""
+    """At most ``most`` diagnostics in their order, the most severe ones."""
     ranks = [_BY_SEVERITY[found.severity] for found in diagnostics]
     chosen = sorted(range(len(ranks)), key=ranks.__getitem__)[:most]
     return [diagnostics[index] for index in sorted(chosen)]
@@ -84,7 +84,7 @@ def _foremost(diagnostics: Sequence[Diagnostic], most: int) -> list[Diagnostic]:
 def marked_line(
     sources: Sequence[Source], span: Span, text: str, *, colour: bool = False
 ) -> list[str]:
-    """A text at a place in a source: a line that names the place, the source line and carets."""
+    """A text at a place in a source: the place with the text, then the source line and carets."""
     source = sources[span.file]
     excerpt = _excerpt(source, span, _FAINT, colour=colour)
     return [f"{_place(source, span)}: {text}", *excerpt]
@@ -100,10 +100,10 @@ def to_text(
     """Every diagnostic with its place, source line, caret and hint; ends with a line break.
 
     Args:
-        diagnostics: what was found.
+        diagnostics: the diagnostics.
         sources: ``sources[span.file]`` is the text that a span points into.
-        colour: whether for a terminal that knows colours.
-        most: so many are shown, errors first, and the number of the others.
+        colour: whether the output is a terminal with colours.
+        most: the most that are shown, errors first; the rest are counted.
     """
     lines: list[str] = []
     left_out = 0 if most is None else max(0, len(diagnostics) - most)

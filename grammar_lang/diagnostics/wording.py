@@ -1,4 +1,4 @@
-"""Words of messages: hints for misspelt names, and numbers of things."""
+"""Parts of messages: hints for misspelt names, and counted nouns."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import islice
 from grammar_lang.diagnostics.diagnostic import Sink
 
 MAX_LENGTH = 100
-"""Longer names are no slips of the pen."""
+"""Longer names are not taken for misspellings."""
 
 _SHOWN = 6
 
@@ -19,7 +19,7 @@ def nearest(name: str, known: Collection[str], sink: Sink | None = None) -> str 
     Args:
         name: the unknown name.
         known: the names that it may stand for.
-        sink: counts the names compared; without it any number of them is.
+        sink: limits the number of comparisons; without it there is no limit.
     """
     if len(name) > MAX_LENGTH or (sink is not None and len(known) > sink.comparisons):
         return None
@@ -33,7 +33,7 @@ def nearest(name: str, known: Collection[str], sink: Sink | None = None) -> str 
 
 
 def _most_similar(name: str, names: list[str]) -> str | None:
-    """By the ratio of Ratcliff and Obershelp, with its quick upper bounds first."""
+    """The best candidate by the Ratcliff-Obershelp ratio, trying its quick upper bounds first."""
     from difflib import SequenceMatcher
 
     matcher = SequenceMatcher(b=name)
@@ -49,7 +49,7 @@ def _most_similar(name: str, names: list[str]) -> str | None:
 
 
 def did_you_mean(name: str, known: Collection[str], what: str, sink: Sink) -> str:
-    """A hint: the nearest known name, or else what there is."""
+    """A hint with the nearest known name, or else a list of the known names."""
     close = nearest(name, known, sink)
     if close is not None:
         return f"did you mean `{close}`?"

@@ -1,1 +1,1 @@
-"""From the syntax tree to the intermediate representation: sorts, units and values checked."""
+"""From the syntax tree to the intermediate representation, checking sorts, units and values."""

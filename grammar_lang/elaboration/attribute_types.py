@@ -1,7 +1,7 @@
-"""The sort and dimension of every attribute, inferred from the rules that define it.
+"""Infer the sort and dimension of every attribute from the rules that define it.
 
-Sorts and dimensions flow from what is known (numbers, parameters, ``world``) through the rules to a
-fixpoint.
+Sorts and dimensions propagate from what is known (numbers, parameters, ``world``) through the rules
+to a fixpoint.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Types: TypeAlias = dict[Key, Typed]
 
 @dataclass(slots=True)
 class ProductionScope:
-    """What names mean in the block of a production."""
+    """The meaning of names in the block of a production."""
 
     info: ProductionInfo
     modules: Mapping[str, ModuleInfo]
@@ -72,17 +72,17 @@ class ProductionScope:
         return self._attribute(occurrence, member, sink)
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
-        """The degree of freedom that ``owner.name`` is."""
+        """The degree of freedom that ``owner.name`` refers to, if any."""
         if isinstance(name, s.Name):
             return None
         module = self._module(self.info.names.get(name.owner.text))
         return None if module is None else module.dofs.get(name.name.text)
 
     def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
-        """Take note of a legitimate use.
+        """Record a correct use of a degree of freedom.
 
         Raises:
-            LookupError: it is no degree of freedom of a symbol of the production.
+            LookupError: the name is not a degree of freedom of a symbol of the production.
         """
         match name:
             case s.Member(owner=owner):
@@ -93,10 +93,10 @@ class ProductionScope:
                 raise LookupError(ident.text)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
-        """The modules of the production that expressions name, in order of their first mention.
+        """The modules of the production that expressions name, in order of first mention.
 
-        Constants are folded away in the intermediate representation, so that this is read off the
-        names in the text.
+        This uses the names in the text, because the intermediate representation folds constants
+        away.
         """
         if self.info.broken:
             return ()
@@ -175,19 +175,19 @@ class ProductionScope:
         return replace(found, expr=ir.AttributeOf(occurrence, name))
 
 
-# --- inference ---------------------------------------------------------------------------------
+# --- Inference ---------------------------------------------------------------------------------
 
 
 @dataclass(slots=True)
 class _Rounds:
-    """The numbers of rules that are to be looked at: in their order, in a round each only once."""
+    """A queue of rule numbers, in rounds: ascending in each round, and each number once."""
 
     now: list[int]
     later: set[int] = field(default_factory=set[int])
     last: int = -1
 
     def take(self) -> int | None:
-        """The next number; the later ones are a new round."""
+        """The next number; starts a new round if this one is finished; None if nothing is left."""
         while self.now or self.later:
             if not self.now:
                 self.now, self.later, self.last = sorted(self.later), set(), -1
@@ -198,7 +198,7 @@ class _Rounds:
         return None
 
     def add(self, indices: Iterable[int]) -> None:
-        """Look at these again."""
+        """Queue these numbers again."""
         for index in indices:
             if index > self.last:
                 heappush(self.now, index)
@@ -208,9 +208,9 @@ class _Rounds:
 
 @dataclass(slots=True)
 class Inference:
-    """Sorts and dimensions of attributes, to a fixpoint; bare ones are dimensionless in the end.
+    """Infers sorts and dimensions of attributes to a fixpoint; bare ones become dimensionless.
 
-    A rule is looked at again only after something that it reads has become known.
+    A rule is inferred again only after something that it reads has become known.
     """
 
     grammar: GrammarInfo
@@ -245,7 +245,7 @@ class Inference:
                 rounds.add(readers.get(rules[index].key, ()))
 
     def _readers(self) -> dict[Key, list[int]]:
-        """For each attribute the numbers of the rules that read it."""
+        """For each attribute, the numbers of the rules that read it."""
         readers: dict[Key, list[int]] = {}
         for index, placed in enumerate(self.attributes.rules):
             for mention in self.names.inside(placed.value.span):
@@ -257,7 +257,7 @@ class Inference:
         return readers
 
     def _dimensioned(self, index: int) -> Typed | None:
-        """The type of what a rule defines, if it is new and not bare."""
+        """The type of the target of a rule, if it is new and not bare."""
         placed = self.attributes.rules[index]
         self._bare.pop(index, None)
         if placed.key in self.types:
@@ -273,7 +273,7 @@ class Inference:
         return replace(value, declared=None, angular=local and value.angular)
 
     def _dimensionless(self, index: int) -> Typed | None:
-        """The same, where nothing else tells more."""
+        """The type of the target of a bare rule, once nothing else determines its dimension."""
         value = self._bare.pop(index, None)
         if value is None or self.attributes.rules[index].key in self.types:
             return None

@@ -1,8 +1,8 @@
-"""Which attributes a grammar's semantics defines: synthesized or inherited, each exactly once.
+"""The attributes that a semantics defines: synthesized or inherited, each exactly once.
 
 Source: D. E. Knuth, "Semantics of Context-Free Languages", *Mathematical Systems Theory* 2 (1968).
-``this.a = …`` defines a synthesized attribute of the left side, ``A.a = …`` an inherited one of an
-occurrence.  The start symbol inherits only ``frame``, which is ``world``.
+``this.a = …`` defines a synthesized attribute of the left side, and ``A.a = …`` an inherited one of
+an occurrence.  The start symbol inherits only ``frame``, which is ``world``.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ ROOT_ATTRIBUTE = "frame"
 
 @dataclass(frozen=True, slots=True)
 class PlacedRule:
-    """A rule or ``let`` of a block with its target resolved.
+    """A rule or ``let`` of a block, with its target resolved.
 
-    ``key`` is (nonterminal, attribute), ``at`` the target in the text, ``span`` the statement.
-    ``mounts`` is the module that the rule gives its frame ``in``, by position.
+    ``key`` is (nonterminal, attribute), ``at`` is the target in the text, and ``span`` is the
+    statement.  ``mounts`` is the position of the module whose frame ``in`` the rule defines.
     """
 
     label: str
@@ -44,12 +44,12 @@ class PlacedRule:
 
 @dataclass(slots=True)
 class Attributes:
-    """The attributes of a grammar with the place of their first definition.
+    """The attributes of a grammar, with the places of their first definitions.
 
-    ``local`` are the values of ``let`` and the frames ``in``, whose owners are productions;
-    ``mounted`` the modules with such a frame, by production and position.  ``failed`` holds the
-    labels of blocks with a rule whose target is wrong, which was reported, and
-    ``lost`` the names of the attributes that such rules meant to define.
+    ``local`` are the values of ``let`` and the frames ``in``; their owners are productions.
+    ``mounted`` are the modules with such a frame, by production and position.  ``failed`` are the
+    labels of blocks with a wrong target, which was reported, and ``lost`` are the names of the
+    attributes that such rules meant to define.
     """
 
     synthesized: dict[Key, Span] = field(default_factory=dict[Key, Span])
@@ -71,9 +71,9 @@ class Attributes:
 
 
 def occurrence_of(owner: s.Ident, info: ProductionInfo, sink: Sink) -> int | None:
-    """The occurrence that an owner names, ``ir.THIS`` for ``this``; reported if there is none.
+    """The occurrence that an owner names (``ir.THIS`` for ``this``); reported if there is none.
 
-    Silent in a broken production: its unknown symbol was reported.
+    Nothing is reported in a broken production, whose unknown symbol was reported already.
     """
     if owner.text == "this":
         return ir.THIS
@@ -106,7 +106,7 @@ def nonterminal_at(info: ProductionInfo, occurrence: int) -> str | None:
 
 
 def local_key(label: str, name: str) -> Key:
-    """The key of a local value: the owner is no nonterminal, as those have no blanks."""
+    """The key of a local value; its owner contains a space, so it cannot be a nonterminal."""
     return f"production {label}", name
 
 
@@ -123,14 +123,14 @@ class _Placing:
         return self.info.production.label
 
     def let(self, item: s.Let) -> PlacedRule:
-        """A local value."""
+        """The local value of a ``let``."""
         name = item.name.text
         target = ir.AttributeOf(ir.LOCAL, name)
         key = local_key(self.label, name)
         return PlacedRule(self.label, target, key, item.value, item.name.span, item.span)
 
     def rule(self, rule: s.Rule) -> PlacedRule | None:
-        """An attribute, or the frame at which a module is mounted."""
+        """An attribute rule, or a rule that mounts a module; None if an error was reported."""
         occurrence = occurrence_of(rule.target.owner, self.info, self.sink)
         if occurrence is None:
             return None
@@ -240,7 +240,7 @@ def collect_attributes(
     names: NameTable,
     sink: Sink,
 ) -> Attributes:
-    """The attributes that the blocks define; double and impossible definitions are reported."""
+    """The attributes that the blocks define; repeated and impossible definitions are reported."""
     found = Attributes()
     found.rules.extend(_collect(grammar, blocks, modules, found, sink))
     _classify(found, grammar.grammar.start, sink)

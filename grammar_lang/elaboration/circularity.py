@@ -1,15 +1,15 @@
 """Circular attribute definitions: the test for absolute noncircularity.
 
-Source: D. E. Knuth, "Semantics of Context-Free Languages: Correction", *Mathematical Systems
-Theory* 5 (1971); K. Kennedy and S. K. Warren, POPL 1976.  For each nonterminal one relation holds
-every dependence of a synthesized attribute on an inherited one that some derivation may induce;
-a production whose own dependences close a cycle with them is refused.  Polynomial, and on the safe
-side: a grammar whose derivations never combine those dependences is refused as well.  Cycles are
-found by leaving out, again and again, what depends on nothing (A. B. Kahn, 1962).
+Sources: D. E. Knuth, "Semantics of Context-Free Languages: Correction", *Mathematical Systems
+Theory* 5 (1971); K. Kennedy and S. K. Warren, POPL 1976.  For each nonterminal, one relation holds
+every dependence of a synthesized attribute on an inherited one that some derivation may induce.  A
+production is rejected if its own dependences form a cycle with them.  The test is polynomial, and
+conservative: a grammar is also rejected if no derivation combines those dependences.  Cycles are
+found by repeatedly removing nodes that depend on nothing (A. B. Kahn, 1962).
 
-Of a grammar that is refused, a cycle that occurs in a derivation is shown if there is one.  That is
-Knuth's own test, which keeps the relations of single derivations apart.  There may be exponentially
-many of them, so that it is given up after a number of steps.
+If a grammar is rejected, a cycle that occurs in a derivation is shown if there is one.  That is
+Knuth's own test, which keeps the relations of single derivations apart.  Their number may be
+exponential, so the test gives up after a number of steps.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Pairs: TypeAlias = dict[tuple[str, str], None]
 Induced: TypeAlias = dict[str, Pairs]
 
 COMBINATIONS = 1_000
-"""So many combinations of derivations are tried to find a cycle that occurs in one."""
+"""The most combinations of derivations tried to find a cycle that occurs in one of them."""
 
 
 def reads(expr: ir.Expr) -> Iterator[Node]:
@@ -42,7 +42,7 @@ def reads(expr: ir.Expr) -> Iterator[Node]:
 
 
 def _own(block: ir.SemanticBlock) -> Graph:
-    """Edges from what is read to what is defined."""
+    """The graph of a block, with edges from what is read to what is defined."""
     graph: Graph = {}
     for rule in block.rules:
         for read in reads(rule.value):
@@ -51,7 +51,7 @@ def _own(block: ir.SemanticBlock) -> Graph:
 
 
 def _with_pairs(own: Graph, pairs: Iterable[tuple[int, Iterable[tuple[str, str]]]]) -> Graph:
-    """With the dependences, by their names, that the children at some positions add."""
+    """The graph extended by the named dependences that the children at some positions add."""
     graph = {node: list(after) for node, after in own.items()}
     for position, added in pairs:
         for before, after in added:
@@ -66,7 +66,7 @@ def _with_induced(own: Graph, production: ir.Production, induced: Induced) -> Gr
 
 
 def _reachable(graph: Graph, source: Node) -> dict[Node, Node]:
-    """Every node reached from ``source`` by at least one edge, nearest first; its predecessor."""
+    """Every node reached from ``source`` by some edge, nearest first, with its predecessor."""
     found: dict[Node, Node] = {}
     waiting = deque([source])
     while waiting:
@@ -79,7 +79,7 @@ def _reachable(graph: Graph, source: Node) -> dict[Node, Node]:
 
 
 def _through(graph: Graph, block: ir.SemanticBlock) -> Iterator[tuple[str, str]]:
-    """The pairs of an inherited and a synthesized attribute of the left side that depends on it."""
+    """The pairs of attributes of the left side: an inherited one, and one that depends on it."""
     for source in _inherited(graph, block):
         for target in _reachable(graph, source):
             if target.occurrence == ir.THIS:
@@ -87,13 +87,13 @@ def _through(graph: Graph, block: ir.SemanticBlock) -> Iterator[tuple[str, str]]
 
 
 def _inherited(graph: Graph, block: ir.SemanticBlock) -> list[Node]:
-    """What a production reads of its left side and does not define itself."""
+    """The attributes of the left side that a production reads but does not define."""
     defined = {rule.target for rule in block.rules}
     return [node for node in graph if node.occurrence == ir.THIS and node not in defined]
 
 
 def _on_cycle(graph: Graph) -> Node | None:
-    """A node that depends on itself, of one cycle the first."""
+    """A node that depends on itself, the first one of its cycle; None if there is none."""
     before: dict[Node, set[Node]] = {}
     for node, targets in graph.items():
         for after in targets:
@@ -106,7 +106,7 @@ def _on_cycle(graph: Graph) -> Node | None:
             if not before[after]:
                 del before[after]
                 free.append(after)
-    # Whatever is left has a predecessor that is left, so that the way back runs into a cycle.
+    # Every remaining node has a remaining predecessor, so the way back runs into a cycle.
     order = {node: number for number, node in enumerate(graph) if node in before}
     if not order:
         return None
@@ -120,7 +120,7 @@ def _on_cycle(graph: Graph) -> Node | None:
 
 
 class _Waiting:
-    """Productions in turn; those that use a nonterminal can be put at the end again."""
+    """A queue of productions; those that use a nonterminal can be queued again."""
 
     def __init__(self, productions: Sequence[ir.Production]) -> None:
         self._productions = productions
@@ -166,9 +166,9 @@ def _occurring(
     own: Mapping[str, Graph],
     blocks: Mapping[str, ir.SemanticBlock],
 ) -> Iterator[tuple[ir.Production, Graph]]:
-    """The dependences between the attributes that a production names, in single derivations.
+    """The attribute dependences of each production, in single derivations.
 
-    All of them, or those of the first ``COMBINATIONS``.
+    Either all of them, or those of the first ``COMBINATIONS`` combinations.
     """
     relations: dict[str, dict[frozenset[tuple[str, str]], Pairs]] = {}
     tried: set[tuple[str, tuple[frozenset[tuple[str, str]], ...]]] = set()
@@ -205,9 +205,9 @@ def _around(graph: Graph, node: Node) -> tuple[Node, ...]:
 def induced(
     productions: Sequence[ir.Production], blocks: Mapping[str, ir.SemanticBlock]
 ) -> Induced:
-    """For each nonterminal the pairs (inherited, synthesized) that some derivation may connect.
+    """For each nonterminal, the pairs (inherited, synthesized) that some derivation may connect.
 
-    The second depends on the first, directly or not.  Productions without a block are left out.
+    The second depends on the first, directly or not.  Productions without a block are ignored.
     """
     own = {label: _own(block) for label, block in blocks.items()}
     return _induce([p for p in productions if p.label in own], own, blocks)
@@ -218,9 +218,9 @@ def cycle(
 ) -> tuple[ir.Production, tuple[Node, ...]] | None:
     """A production with a cycle of dependences, and the cycle; None if there is none.
 
-    Each attribute of the cycle depends on the one before it, the first on the last.  A cycle within
-    one block comes first, then one that occurs in a derivation, then one whose dependences occur in
-    different derivations only.
+    Each attribute of the cycle depends on the previous one, and the first on the last.  Cycles
+    within one block are preferred, then cycles that occur in a derivation, then cycles whose
+    dependences only occur in different derivations.
     """
     own = {label: _own(block) for label, block in blocks.items()}
     known = [p for p in productions if p.label in own]

@@ -1,4 +1,4 @@
-"""Constant expressions where a number is due: bounds, coordinates, clauses of tasks."""
+"""Constant expressions where a number is required: bounds, coordinates, clauses of tasks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from grammar_lang.units import ONE, Dimension, Unit
 
 @dataclass(slots=True)
 class ClosedScope:
-    """No names but ``pi``."""
+    """A scope without any names but ``pi``."""
 
     uses: list[DimensionUse] = field(default_factory=list[DimensionUse])
 
@@ -40,29 +40,29 @@ class ClosedScope:
         return plain_name(ident, (), sink)
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
-        """Always an error."""
+        """Report an error: ``owner.name`` is not a constant."""
         message = f"`{member.owner.text}.{member.name.text}` is not a constant"
         hint = "a constant is made of numbers, units and `pi`"
         sink.error(Code.NOT_CONSTANT, message, member.span, hint)
         return UNKNOWN
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
-        """None."""
+        """None: there are no degrees of freedom here."""
         del name
         return None
 
     def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
-        """Never called, as there are no degrees of freedom; it would raise LookupError."""
+        """Raise LookupError: never called, because there are no degrees of freedom here."""
         raise LookupError(name)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
-        """None: there are no modules of a production here."""
+        """Empty: there are no modules of a production here."""
         del expressions
         return ()
 
 
 def not_rational(at: Span, sink: Sink, notes: Iterable[tuple[Span, str]] = ()) -> None:
-    """Report a number that has to be an exact rational and is not seen to be one."""
+    """Report a number that must be an exact rational, but is not evidently one."""
     sink.error(
         Code.NOT_RATIONAL,
         "this is not a rational number",
@@ -76,7 +76,7 @@ def not_rational(at: Span, sink: Sink, notes: Iterable[tuple[Span, str]] = ()) -
 class ListUnit:
     """The trailing unit of a list, checked against the dimension that its place requires.
 
-    ``broken`` says that the unit was reported and its bare values are not to be reported again.
+    ``broken`` means that the unit was reported, so that bare values are not reported again.
     """
 
     unit: Unit | None
@@ -84,7 +84,7 @@ class ListUnit:
 
 
 def list_unit(unit: s.Ident | None, dimension: Dimension | None, sink: Sink) -> ListUnit:
-    """Read a trailing unit; reported if unknown or of another dimension."""
+    """Read the trailing unit of a list; report it if it is unknown or of another dimension."""
     if unit is None:
         return ListUnit(None)
     found = read_unit(unit, sink)
@@ -108,14 +108,14 @@ class Constants:
     scope: Scope = field(default_factory=ClosedScope)
 
     def typed(self, expr: s.Expr, unit: ListUnit = NO_UNIT) -> Typed:
-        """A closed scalar; UNKNOWN where an error was reported."""
+        """A closed scalar; UNKNOWN if an error was reported."""
         value = self._read(expr, unit)
         if value.dimension is not None:
             warn_implausible(value, value.dimension, expr, unit.unit, self.sink)
         return value
 
     def _read(self, expr: s.Expr, unit: ListUnit) -> Typed:
-        """The same, its size not judged."""
+        """A closed scalar, without the check that it is plausible."""
         value = Checker(self.scope, self.sink).elaborate(expr)
         if value.sort is not Sort.SCALAR:
             wrong_sort(value, "a number", expr.span, self.sink)
@@ -142,7 +142,7 @@ class Constants:
         *,
         angle: bool = False,
     ) -> ir.Expr | None:
-        """A closed scalar of that dimension; None where an error was reported."""
+        """A closed scalar of that dimension; None if an error was reported."""
         before = len(self.sink.found)
         value = self._read(expr, unit)
         if angle:
@@ -161,19 +161,19 @@ class Constants:
         dimension: Dimension,
         unit: ListUnit = NO_UNIT,
     ) -> Fraction | None:
-        """An exact rational of that dimension, in SI."""
+        """An exact rational of that dimension in SI units; None if an error was reported."""
         value = self.scalar(expr, dimension, unit)
         return None if value is None else self.exact(value, expr.span)
 
     def exact(self, value: ir.Expr, at: Span) -> Fraction | None:
-        """The rational value of a closed expression; reported if it is none."""
+        """The rational value of a closed expression; reported if it has none."""
         found = constants.rational(value)
         if found is None:
             not_rational(at, self.sink)
         return found
 
     def integer(self, expr: s.Expr, least: int | None, what: str) -> int | None:
-        """A whole number, at least ``least``."""
+        """A whole number of at least ``least``; None if an error was reported."""
         value = self.scalar(expr, ONE)
         if value is None:
             return None
@@ -188,7 +188,7 @@ class Constants:
     def interval(
         self, interval: s.Interval, dimension: Dimension | None, *, angle: bool = False
     ) -> tuple[ir.Interval, Typed] | None:
-        """A closed interval and a typed sample of it (its dimension, whether angular).
+        """A closed interval, and a typed sample of it for its dimension and whether it is angular.
 
         Without a required dimension a bare interval is dimensionless.
         """
@@ -209,7 +209,7 @@ class Constants:
         return ir.Interval(lower, upper), sample
 
     def choices(self, choices: s.Choices) -> tuple[ir.Choices, Typed] | None:
-        """A finite set of values and a typed sample of it."""
+        """A finite set of values, and a typed sample of it."""
         unit = list_unit(choices.unit, None, self.sink)
         found = self._values(choices.values, None, unit, angle=False)
         if found is None:
@@ -233,7 +233,7 @@ class Constants:
         *,
         angle: bool,
     ) -> tuple[tuple[ir.Expr, ...], Typed] | None:
-        """Values of one dimension: the required one, else that of the first with a dimension."""
+        """Values of one dimension: the required one, or that of the first value that has one."""
         typed = [self._read(e, unit) for e in exprs]
         if unit.broken or any(v.sort is Sort.UNKNOWN for v in typed):
             return None
@@ -263,7 +263,7 @@ def coordinates(
     size: Literal[2, 3],
     at: Span,
 ) -> tuple[Fraction, ...] | None:
-    """The exact coordinates of a point of the plane (2) or of space (3)."""
+    """The exact coordinates of a point in the plane (2) or in space (3)."""
     if len(items) != size:
         message = f"expected {size} coordinates, found {len(items)}"
         where = "in the plane" if size == 2 else "in space"

@@ -1,4 +1,4 @@
-"""The ``robust`` clauses of a task: disturbances that a motion has to bear."""
+"""The ``robust`` clauses of a task: disturbances that a motion has to withstand."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _PERCENT = {
 
 @dataclass(slots=True)
 class _RadiiReader:
-    """Reads the radii of all clauses ``robust start``, or of all ``robust measure``."""
+    """Reads the radii of all ``robust start`` clauses, or of all ``robust measure`` clauses."""
 
     subject: str
     sink: Sink
@@ -63,7 +63,7 @@ class _RadiiReader:
                 self._radius(kind, value, expr)
 
     def places(self) -> Iterator[tuple[str, Span]]:
-        """Where each radius stands, by kind."""
+        """The kind and place of each radius."""
         return ((kind, at) for kind, (_, at) in self.radii.items())
 
     def found(self) -> ir.Radii:
@@ -88,7 +88,7 @@ class _RadiiReader:
             notes = [(self.radii[kind][1], "first here")]
             self.sink.error(Code.REPEATED_CLAUSE, message, expr.span, "remove one", notes)
             return
-        # A larger disturbance is bounded than the one written, where that one is irrational.
+        # An irrational radius is rounded up, so that the bound covers the disturbance as written.
         bounds = rational_bounds(value.expr)
         if bounds is None:
             not_rational(expr.span, self.sink)
@@ -99,7 +99,7 @@ class _RadiiReader:
 
 
 def _fraction(item: t.RobustPercent, sink: Sink) -> Fraction:
-    """The percentage as a fraction; zero where an error was reported."""
+    """The percentage as a fraction; zero if it could not be read."""
     value = Constants(sink).rational(item.percent, ONE)
     if value is not None and not 0 < value < 100:
         message = f"{_PERCENT[item.of][1]} is not between 0 % and 100 %"
@@ -109,7 +109,7 @@ def _fraction(item: t.RobustPercent, sink: Sink) -> Fraction:
 
 
 def _check_control(items: tuple[t.TaskItem, ...], measured: Span | None, sink: Sink) -> None:
-    """Report errors of measurements where the inputs follow no measurement."""
+    """Report measurement errors in a task with an open-loop controller."""
     controls = [item for item in items if isinstance(item, t.Control)]
     if measured is not None and {item.loop for item in controls} == {"open loop"}:
         message = "an open-loop controller measures nothing"
@@ -119,7 +119,7 @@ def _check_control(items: tuple[t.TaskItem, ...], measured: Span | None, sink: S
 
 
 def _check_payload(items: tuple[t.TaskItem, ...], robust: Span | None, sink: Sink) -> None:
-    """Report errors of a payload where there is none."""
+    """Report a payload error in a task without a payload."""
     if robust is not None and not any(isinstance(item, t.Payload | t.Carry) for item in items):
         hint = "add `payload m;` or `carry m from A to B;`, or remove `robust payload`"
         sink.error(Code.MISSING_CLAUSE, "the task has no `payload`, nor `carry`", robust, hint)
@@ -132,7 +132,7 @@ def _module_mass(
     names: NameTable,
     sink: Sink,
 ) -> None:
-    """Read ``robust mass p % of M``; a module that is none, or stands twice, is reported."""
+    """Read ``robust mass p % of M``; report M if it is not a module, or is repeated."""
     if names.entity(module) is None:
         report_unknown(module, "a module", names.declared.modules, names.declared, sink)
     elif module.text in masses:
@@ -144,12 +144,12 @@ def _module_mass(
 
 
 def lower_robust(items: tuple[t.TaskItem, ...], names: NameTable, sink: Sink) -> ir.Robust:
-    """What the ``robust`` clauses of a task say together.
+    """The disturbances of all ``robust`` clauses of a task together.
 
     Args:
-        items: all clauses of the task, also the others.
-        names: what the names of the file stand for.
-        sink: where errors go.
+        items: all clauses of the task, including others.
+        names: the name table of the file.
+        sink: collects the errors.
     """
     radii = {of: _RadiiReader(subject, sink) for of, subject in _SUBJECT.items()}
     fractions: dict[str, Fraction] = {}
@@ -189,18 +189,18 @@ def lower_robust(items: tuple[t.TaskItem, ...], names: NameTable, sink: Sink) ->
     )
 
 
-# --- Whose the bodies of a family are, where a task asks for a module's ---------------------------
+# --- The modules that bodies belong to, if a task asks for the bodies of a module -----------------
 
 
 def check_ownership(task: ir.Task, grammars: Mapping[str, ir.Grammar], sink: Sink) -> None:
-    """Report a clause that asks for the bodies of a module which may be its, or are none.
+    """Report a clause about the bodies of a module if it has none, or if their owner is unclear.
 
-    Such are ``robust mass p % of M`` and ``avoid self … except M N``.
+    Such clauses are ``robust mass p % of M`` and ``avoid self … except M N``.
 
     Args:
         task: the task.
-        grammars: those of the file, by name.
-        sink: where errors go.
+        grammars: the grammars of the file, by name.
+        sink: collects the errors.
     """
     grammar = grammars.get(task.grammar)
     if grammar is None or not grammar.semantics:
@@ -221,7 +221,7 @@ def check_ownership(task: ir.Task, grammars: Mapping[str, ir.Grammar], sink: Sin
 
 
 def _asked_for(task: ir.Task) -> Iterator[tuple[str, Span]]:
-    """The modules whose bodies a task asks for, and where."""
+    """The modules whose bodies a task refers to, and where."""
     if task.robust is not None:
         yield from ((clause.module, clause.span) for clause in task.robust.masses)
     if task.avoid_self is not None:
@@ -230,7 +230,7 @@ def _asked_for(task: ir.Task) -> Iterator[tuple[str, Span]]:
 
 
 def _bodies_of(grammar: ir.Grammar, module: str) -> Iterator[tuple[Span, tuple[str, ...]]]:
-    """The bodies that may be those of a module: where they stand, and whose they may be."""
+    """The places of the bodies that may belong to a module, with their possible owners."""
     for production in grammar.productions:
         block = (grammar.semantics or {}).get(production.label)
         for emission in () if block is None else block.emissions:

@@ -1,4 +1,4 @@
-"""What drives a joint: bounds of effort and acceleration, and ``drive q: gear … rotor …;``."""
+"""Drives of joints: bounds on effort and acceleration, and ``drive q: gear … rotor …;``."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Kind: TypeAlias = Literal["gear", "rotor", "viscous", "coulomb"]
 
 
 def lower_effort(item: s.Dof, reader: Constants, sink: Sink) -> ir.Expr | None:
-    """The bound of the effort of a degree of freedom, closed, in SI; None without one."""
+    """The effort bound of a degree of freedom, closed and in SI units; None if it has none."""
     return _lower_bound(item.effort, "effort", EFFORT_DIMENSIONS[item.kind], reader, sink)
 
 
 def lower_acceleration(item: s.Dof, reader: Constants, sink: Sink) -> ir.Expr | None:
-    """The bound of the acceleration of a degree of freedom, likewise."""
+    """The acceleration bound of a degree of freedom, closed and in SI units; None without one."""
     due = _COORDINATES[item.kind] / TIME / TIME
     return _lower_bound(item.accel, "acceleration", due, reader, sink)
 
@@ -48,7 +48,7 @@ def _lower_bound(
 
 @dataclass(slots=True)
 class DriveReader:
-    """Reads the drives of a module whose degrees of freedom are ``dofs``, with its constants."""
+    """Reads the drives of a module with degrees of freedom ``dofs``, using its constants."""
 
     reader: Constants
     dofs: dict[str, ir.Dof]
@@ -57,7 +57,7 @@ class DriveReader:
     viscous: dict[str, ir.Expr] = field(default_factory=dict[str, ir.Expr])
 
     def read(self, item: s.Drive) -> None:
-        """One drive; whatever is wrong with it is reported."""
+        """Read one drive and report its errors."""
         name = item.name.text
         dof = self.dofs.get(name)
         if dof is None:
@@ -83,7 +83,7 @@ class DriveReader:
         self._keep(item, dof, parts)
 
     def _keep(self, item: s.Drive, dof: ir.Dof, parts: Mapping[Kind, ir.Expr]) -> None:
-        """What the parts of a drive are for its degree of freedom."""
+        """Store the parts of a drive in its degree of freedom."""
         name, rotor = item.name.text, parts.get("rotor")
         coulomb = parts.get("coulomb")
         if coulomb is not None and constants.to_float(coulomb) > 0:
@@ -107,7 +107,7 @@ class DriveReader:
         self.dofs[name] = dof
 
     def _value(self, part: s.DrivePart, kind: ir.DofKind) -> ir.Expr | None:
-        """A number that is not negative, closed, in SI."""
+        """A number that is not negative, closed and in SI units."""
         rate = _COORDINATES[kind] / TIME
         due = {
             "gear": ONE / _COORDINATES[kind],
@@ -123,7 +123,7 @@ class DriveReader:
         return found
 
     def torques(self, given: Sequence[ir.Torque]) -> tuple[ir.Torque, ...]:
-        """The torques of the module, less viscous friction, in the order of the dofs."""
+        """The torques of the module with viscous friction subtracted, in the order of the dofs."""
         own = {torque.dof: torque for torque in given}
         for name, factor in self.viscous.items():
             before = own.get(name)
@@ -135,7 +135,7 @@ class DriveReader:
 
 
 def _computable(inertia: ir.Expr) -> bool:
-    """Whether floating point can hold an amount and its square, or it is zero."""
+    """Whether floating point can hold an amount and its square, or the amount is zero."""
     try:
         size = constants.to_float(inertia)
     except (OverflowError, ValueError):
@@ -144,7 +144,7 @@ def _computable(inertia: ir.Expr) -> bool:
 
 
 def check_driven(module: ir.Module, items: Sequence[s.Dof], sink: Sink) -> None:
-    """Report bounds of the effort of degrees of freedom that have no free input."""
+    """Report effort bounds of degrees of freedom that have no free input."""
     driven = {dof.name for dof in module.dofs} - {dof.name for dof in module.free_dofs}
     for item in items:
         name = item.name.text

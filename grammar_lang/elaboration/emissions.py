@@ -57,7 +57,7 @@ class Emissions:
     )
 
     def lower(self, emission: s.Emission) -> ir.Emitted | None:
-        """The emission; None where an error was reported."""
+        """The emission; None if an error was reported."""
         kind = emission.kind.text
         if kind in FUNCTIONS:
             message = f"`{kind}(…)` is a value, not an emission"
@@ -132,7 +132,7 @@ class Emissions:
         emission: s.Emission,
         mentions: tuple[int, ...],
     ) -> ir.Shape | ir.Visual | None:
-        """A hull or a visual, by the file that was read for it."""
+        """A hull or a visual, from the file that was read for it."""
         kind = emission.kind.text
         path, scale = arguments["file"], Constants(self.sink).rational(arguments["scale"], LENGTH)
         if scale is not None and scale <= 0:
@@ -158,7 +158,7 @@ class Emissions:
             self.scope.uses.append(DimensionUse(3, written.span, message))
         return axis
 
-    # --- arguments -----------------------------------------------------------------------------
+    # --- Arguments -----------------------------------------------------------------------------
 
     def _arguments(self, emission: s.Emission) -> dict[str, s.Expr] | None:
         """The arguments by name; unknown, repeated and missing ones are reported."""
@@ -218,7 +218,7 @@ class Emissions:
         return self._sized(found, expr)
 
     def _positive(self, expr: s.Expr, dimension: Dimension) -> ir.Expr:
-        """A scalar that, if it is a constant, is not negative."""
+        """A scalar; a negative constant is reported."""
         return self._not_negative(self._scalar(expr, dimension), expr)
 
     def _not_negative(self, value: ir.Expr, expr: s.Expr) -> ir.Expr:
@@ -232,7 +232,7 @@ class Emissions:
         return value
 
     def _check_range(self, parameter: ir.ParameterOf, expr: s.Expr) -> None:
-        """Report a parameter that stands for an amount and may be negative."""
+        """Report a parameter that stands for an amount but may be negative."""
         info = self.modules[parameter.occurrence] if self.modules else None
         found = () if info is None else info.module.parameters
         domain = next((p.domain for p in found if p.name == parameter.name), None)
@@ -258,7 +258,7 @@ class Emissions:
         return tuple(self._not_negative(e, x) for e, x in zip(found, expr.items, strict=True))
 
     def _scalars(self, expr: s.Tuple, dimension: Dimension) -> tuple[ir.Expr, ...]:
-        """Scalars of one dimension, each with a unit or all with the one behind them."""
+        """Scalars of one dimension, each with its own unit or all with the trailing one."""
         unit = list_unit(expr.unit, dimension, self.sink)
         found: list[ir.Expr] = []
         for item in expr.items:

@@ -1,4 +1,4 @@
-"""Clauses that speak of the end of a motion, in a task whose motion goes on for ever."""
+"""Clauses about the end of a motion, in a task whose motion never ends."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from grammar_lang.syntax import tasks as t
 
 
 def check_endless(task: t.Task, repeat: t.Repeat | None, sink: Sink) -> None:
-    """Report what is due at the end of a motion that has none.
+    """Report clauses about the end of a motion if the motion has no end.
 
     Args:
         task: the task.
-        repeat: its clause ``repeat``; None: its motions end, and nothing is reported.
-        sink: where errors go.
+        repeat: its clause ``repeat``; if None, its motions end and nothing is reported.
+        sink: collects the errors.
     """
     if repeat is None:
         return

@@ -1,4 +1,4 @@
-"""Robot families as tasks see them."""
+"""Robot families, as far as tasks need to know them."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from grammar_lang.syntax import tasks as t
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A robot family as a task sees it.
+    """The properties of a robot family that tasks need.
 
-    ``kinds`` are those of its joints, ``driven`` those of joints with a free input, in fixed order;
-    ``modules`` are those of its productions, in order of declaration.
+    ``kinds`` are the kinds of its joints, and ``driven`` those of joints with an unbounded free
+    input, in fixed order.  ``modules`` are those in its productions, in declaration order.
     """
 
     kinds: tuple[ir.DofKind, ...]
@@ -57,7 +57,7 @@ def family_of(
 def check_family(
     family: Family, robot: t.Robot, workspace: ir.Workspace | None, sink: Sink
 ) -> None:
-    """Report a family without a meaning, or with none in the dimension of the workspace."""
+    """Report a family without a semantics, or one that does not fit the workspace's dimension."""
     if not family.has_semantics:
         message = f"grammar `{robot.name.text}` has no semantics, so it describes no robot"
         hint = f"add `semantics {robot.name.text} {{ … }}`"

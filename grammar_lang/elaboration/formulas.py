@@ -1,8 +1,8 @@
-"""Formulas of ``satisfy``: linear temporal logic on the finite trace [0, T], names and times read.
+"""Formulas of ``satisfy``, in linear temporal logic on the finite trace [0, T]: names and times.
 
-Source: De Giacomo & Vardi, *Linear temporal logic and linear dynamic logic on finite traces* (2013)
-for the finite trace; Alur, Feder & Henzinger, *The benefits of relaxing punctuality* (1996) for the
-windows.
+Sources: De Giacomo & Vardi, *Linear temporal logic and linear dynamic logic on finite traces*
+(2013) for the finite trace; Alur, Feder & Henzinger, *The benefits of relaxing punctuality* (1996)
+for the windows.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class _Reader:
                 return ir.Eventually(operand, self._window(formula.window), span)
 
     def _time(self, expr: s.Expr, what: str) -> Fraction:
-        """A time, at least zero; zero where an error was reported."""
+        """A time of at least zero; zero if an error was reported."""
         value = self.constants.rational(expr, TIME)
         if value is not None and value < 0:
             hint = "write zero or more: formulas are about the present and the future"
@@ -97,12 +97,12 @@ def lower_formula(
     poses: Callable[[Sequence[f.Pose]], tuple[ir.Pose, ...]],
     sink: Sink,
 ) -> ir.Formula:
-    """The formula; whatever is wrong with it is reported.
+    """The formula; errors in it are reported.
 
     Args:
         formula: its syntax, whose depth the parser bounds.
-        region: gives the name of a region, and reports it where it is none.
-        poses: reads how the frame of an effector is to be turned, and reports what is wrong.
-        sink: where errors go.
+        region: returns the name of a region; reports it if there is no such region.
+        poses: reads the poses of an effector and reports their errors.
+        sink: collects the errors.
     """
     return _Reader(region, poses, sink).formula(formula)

@@ -1,6 +1,6 @@
 """Frames: ``rot(axis, angle)``, ``move(axis, distance)`` and ``move((x, y, z))``.
 
-A degree of freedom stands alone in one of them, about or along its declared axis.
+A degree of freedom is the whole argument of one of them, about or along its declared axis.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PLACE: dict[ir.DofKind, str] = {"revolute": "rot", "prismatic": "move"}
 
 
 def axis_of(expr: s.Expr) -> ir.Axis | None:
-    """The axis that an expression names: ``x``, ``-z``."""
+    """The axis that an expression names, such as ``x`` or ``-z``; None if it names none."""
     match expr:
         case s.AxisName(axis=axis):
             return axis
@@ -81,10 +81,10 @@ def report_reuse(called: str, places: Sequence[Span], instead: str, sink: Sink) 
     """Report all uses of a degree of freedom but the first.
 
     Args:
-        called: its name, as the text has it.
+        called: its name, as written.
         places: where it is used.
         instead: what to do with the moved frame.
-        sink: takes the errors.
+        sink: collects the errors.
     """
     for place in places[1:]:
         message, hint = f"`{called}` is used more than once", f"{instead}, and use that"
@@ -99,7 +99,7 @@ def _amount(
     scope: Scope,
     sink: Sink,
 ) -> ir.Expr:
-    """The angle or distance: a degree of freedom alone, or a scalar."""
+    """The angle or distance: either a degree of freedom or a scalar."""
     if isinstance(expr, s.Member | s.Name):
         dof = scope.dof(expr)
         if dof is not None:
@@ -125,7 +125,7 @@ def _shift(expr: s.Expr, elaborate: Elaborate, scope: Scope, sink: Sink) -> Type
 
 
 def _misused(call: s.Call, scope: Scope) -> Typed:
-    """No frame; it is no news that the degrees of freedom in the call are used wrongly."""
+    """UNKNOWN; its degrees of freedom count as used, so that they cause no further error."""
     for found in readings(a.value for a in call.arguments):
         if scope.dof(found) is not None:
             scope.use_dof(found)
@@ -139,7 +139,7 @@ def frame_call(
     scope: Scope,
     sink: Sink,
 ) -> Typed:
-    """The frame of a ``rot`` or ``move``."""
+    """The frame of a ``rot`` or ``move`` call."""
     arguments = [a.value for a in call.arguments if a.name is None]
     if len(arguments) == len(call.arguments) == 1 and function == "move":
         return _shift(arguments[0], elaborate, scope, sink)

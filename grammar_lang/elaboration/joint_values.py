@@ -1,4 +1,4 @@
-"""What a task says of the coordinates and rates of joints: where they start, how fast they end."""
+"""Values of joint coordinates and rates in a task: the start, and the rates at the end."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grammar_lang.syntax import tasks as t
 from grammar_lang.units import FREQUENCY, LENGTH, ONE, SPEED, TIME, Dimension
 
 COORDINATES: Mapping[ir.DofKind, Dimension] = {"revolute": ONE, "prismatic": LENGTH}
-"""What a coordinate of a degree of freedom is; a bare number is of either kind."""
+"""The dimension of a coordinate; a bare number fits either kind."""
 RATES: Mapping[ir.DofKind, Dimension] = {"revolute": FREQUENCY, "prismatic": SPEED}
 
 
@@ -27,7 +27,7 @@ def _of_kinds(
     at: Span,
     sink: Sink,
 ) -> bool:
-    """Whether a value has the dimension that some of the ``kinds`` of joints requires."""
+    """Whether a value has the dimension required by one of the ``kinds`` of joints."""
     if value.sort is not Sort.SCALAR:
         wrong_sort(value, "a number", at, sink)
         return False
@@ -39,12 +39,12 @@ def _of_kinds(
 
 
 def start_rates(expr: s.Expr, kinds: tuple[ir.DofKind, ...], sink: Sink) -> Fraction:
-    """A bound of all rates at the start, in SI units; zero where an error was reported.
+    """The bound on all rates at the start, in SI units; zero if it could not be read.
 
     Args:
-        expr: what is written, an angular rate or a speed.
-        kinds: the kinds of joints of the family; none: any.
-        sink: where errors go.
+        expr: the bound as written, an angular rate or a speed.
+        kinds: the kinds of joints of the family; empty: any.
+        sink: collects the errors.
     """
     reader = Constants(sink)
     value = reader.typed(expr)
@@ -62,12 +62,12 @@ def final_rates(
     sink: Sink,
     hint: str = "write `at rest`, or more than zero",
 ) -> ir.FinalRates:
-    """What binds the rates at the end of a motion, for how long.
+    """The bound on the rates at the end of a motion, and how long it applies.
 
     Args:
-        item: what is written.
-        kinds: the kinds of joints of the family; none: any.
-        sink: where errors go.
+        item: the syntax of the bound.
+        kinds: the kinds of joints of the family; empty: any.
+        sink: collects the errors.
         hint: what to write instead of rates that are not positive.
     """
     bounds, duration = (ir.REST_RATE, ir.REST_RATE), Fraction(0)
@@ -85,7 +85,7 @@ def final_rates(
 def _final_bounds(
     expr: s.Expr, kinds: tuple[ir.DofKind, ...], sink: Sink, hint: str
 ) -> tuple[Fraction, Fraction]:
-    """Rationals at most and at least the bound that is written; zero where it is reported."""
+    """Rational lower and upper bounds of the value written; zero if an error was reported."""
     none = Fraction(0), Fraction(0)
     value = Constants(sink).typed(expr)
     if not _of_kinds(value, RATES, kinds, expr.span, sink):
@@ -101,7 +101,7 @@ def _final_bounds(
 
 
 def check_duration(task: t.Task, reach: ir.Reach | None, horizon: Fraction, sink: Sink) -> None:
-    """Report an end that is to last longer than the whole motion, of ``horizon`` seconds."""
+    """Report a stay at the end that is longer than the motion, of ``horizon`` seconds."""
     if reach is None or reach.rates is None or reach.rates.duration <= horizon:
         return
     written = next(item for item in task.items if isinstance(item, t.Reach))
@@ -115,13 +115,13 @@ def check_duration(task: t.Task, reach: ir.Reach | None, horizon: Fraction, sink
 def start_values(
     point: t.Point, span: Span, kinds: tuple[ir.DofKind, ...], sink: Sink
 ) -> ir.StartAt:
-    """The start with these coordinates, without those that are reported.
+    """The start at these coordinates; wrong ones are reported and left out.
 
     Args:
         point: the coordinates, in the order of the word.
         span: the whole clause.
-        kinds: the kinds of joints of the family; none: any.
-        sink: where errors go.
+        kinds: the kinds of joints of the family; empty: any.
+        sink: collects the errors.
     """
     reader, unit = Constants(sink), list_unit(point.unit, None, sink)
     found: list[tuple[ir.Expr, ir.DofKind | None, Span]] = []

@@ -1,4 +1,4 @@
-"""What effectors carry: point masses all the time, and such as are taken up and put down."""
+"""Loads of effectors: point masses throughout the motion, or picked up and put down."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Load = TypeVar("Load", ir.Payload, ir.Carry)
 
 
 def lower_payloads(task: t.Task, reaching: int | None, sink: Sink) -> tuple[ir.Payload, ...]:
-    """The clauses ``payload``, without what is reported.
+    """The ``payload`` clauses; wrong ones are reported and left out.
 
     Args:
         task: the task.
-        reaching: the effector, from 1, that the task's ``reach`` names, which carries unless
-            another one is named.
-        sink: where errors go.
+        reaching: the effector (from 1) in the task's ``reach``; it carries the load if the
+            clause names no other.
+        sink: collects the errors.
     """
     reader, found = Constants(sink), dict[int | None, ir.Payload]()
     for item in task.items:
@@ -43,14 +43,14 @@ def lower_carries(
     kinds: tuple[ir.DofKind, ...],
     sink: Sink,
 ) -> tuple[ir.Carry, ...]:
-    """The clauses ``carry``, without what is reported.
+    """The ``carry`` clauses; wrong ones are reported and left out.
 
     Args:
         task: the task.
-        reaching: as of payloads.
-        place: says what a region is called; one that is none is reported.
-        kinds: the kinds of joints of the family; none: any.
-        sink: where errors go.
+        reaching: as in :func:`lower_payloads`.
+        place: returns the name of a region; reports it if there is no such region.
+        kinds: the kinds of joints of the family; empty: any.
+        sink: collects the errors.
     """
     reader, found = Constants(sink), dict[int | None, ir.Carry]()
     repeat = next((item for item in task.items if isinstance(item, t.Repeat)), None)
@@ -75,7 +75,7 @@ def lower_carries(
 def _load(
     item: t.Payload | t.Carry, reaching: int | None, what: str, reader: Constants, sink: Sink
 ) -> tuple[int | None, Fraction | None]:
-    """The effector that carries something, from 1, and its mass; None where that is reported."""
+    """The effector (from 1) that carries a load, and the mass; the mass is None after an error."""
     number, mass = reaching, reader.rational(item.mass, MASS)
     if item.effector is not None:
         number = reader.integer(item.effector, 1, "an effector's number")
@@ -89,8 +89,8 @@ def _load(
 def _is_first(
     number: int | None, found: dict[int | None, Load], name: str, span: Span, sink: Sink
 ) -> bool:
-    """Whether nothing of the kind is at an effector so far; else that is reported."""
-    # Where none is named, it is the only one: others are reported where robots are known.
+    """Whether this is the first load of its kind at an effector; reported if not."""
+    # Without a number, assume the first effector; once the robots are known, others are reported.
     first = next((found[one] for one in found if (one or 1) == (number or 1)), None)
     if first is None:
         return True

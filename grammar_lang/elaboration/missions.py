@@ -1,4 +1,4 @@
-"""Missions: tasks of one grammar, for one robot or for robots that are rebuilt between them."""
+"""Missions: tasks of one grammar, for one robot or for a robot that is rebuilt between tasks."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _CLAUSES: dict[type, str] = {
 }
 _ONE_OF_TWO = "write `one robot;`, or `reconfigure;` for robots that are rebuilt between tasks"
 _ENDLESS: frozenset[ir.ObjectiveKind] = frozenset({"time", "energy"})
-"""What motions for ever have no least value of."""
+"""Objectives without a least value if the motion never ends."""
 
 
 @dataclass(slots=True)
 class _Reader:
-    """Reads the clauses of a mission; ``tasks`` are those of the file without errors."""
+    """Reads the clauses of a mission; ``tasks`` are the tasks of the file without errors."""
 
     mission: m.Mission
     around: Surroundings
@@ -43,7 +43,7 @@ class _Reader:
     sink: Sink
 
     def one(self, kind: type[Clause]) -> Clause | None:
-        """The clause of a kind; a second one is reported."""
+        """The clause of that kind; a second one is reported."""
         items = [item for item in self.mission.items if isinstance(item, kind)]
         for item in items[1:]:
             message = f"a second `{_CLAUSES[kind]}`"
@@ -51,10 +51,10 @@ class _Reader:
             self.sink.error(Code.REPEATED_CLAUSE, message, item.span, "remove one", notes)
         return items[0] if items else None
 
-    # --- the tasks -----------------------------------------------------------------------------
+    # --- Tasks ---------------------------------------------------------------------------------
 
     def named(self, item: m.MissionTasks | None) -> list[tuple[s.Ident, ir.Task]]:
-        """The tasks with the names that they are given by; those that are none are reported."""
+        """The tasks with their names in the clause; unknown and repeated names are reported."""
         declared, found = self.around.names.declared, list[tuple[s.Ident, ir.Task]]()
         seen: dict[str, Span] = {}
         for name in () if item is None else item.names:
@@ -74,7 +74,7 @@ class _Reader:
         return found
 
     def check_alike(self, found: list[tuple[s.Ident, ir.Task]]) -> None:
-        """Report tasks whose robots cannot be compared with those of the first one."""
+        """Report tasks whose robots cannot be compared with those of the first task."""
         if not found:
             return
         (_, first), workspaces = found[0], self.around.workspaces
@@ -105,7 +105,7 @@ class _Reader:
         return "the plane" if self._dimension(self.around.workspaces, task) == 2 else "space"
 
     def check_origins(self, found: list[tuple[s.Ident, ir.Task]], *, one_robot: bool) -> None:
-        """Report `from` in tasks before which the mission itself says which robot there is."""
+        """Report `from` in tasks whose initial robot is determined by the mission."""
         for place, (name, task) in enumerate(found):
             if task.origin is None or (place == 0 and not one_robot):
                 continue
@@ -122,10 +122,10 @@ class _Reader:
             notes = [(task.origin.span, "here")]
             self.sink.error(Code.CONTRADICTORY_MISSION, message, name.span, hint, notes)
 
-    # --- what may change -----------------------------------------------------------------------
+    # --- Changes -------------------------------------------------------------------------------
 
     def prices(self, item: m.Reconfigure) -> ir.Prices:
-        """What changes cost; a price that stands twice is reported."""
+        """The prices of changes; a repeated price is reported."""
         found, seen = dict[str, Fraction](), dict[str, Span]()
         for price in item.prices:
             value = self._not_negative(price.value, f"the price of `{price.of}`")
@@ -143,11 +143,11 @@ class _Reader:
         return found or Fraction(0)
 
     def free(self, item: m.Free | None, grammar: str | None) -> frozenset[tuple[str, str]]:
-        """The parameters that modules may change when they are kept.
+        """The parameters that may change in modules that stay.
 
         Args:
             item: the clause.
-            grammar: that of the tasks; None where it is not known.
+            grammar: the grammar of the tasks; None if it is unknown.
         """
         found = dict[tuple[str, str], Span]()
         family = None if grammar is None else self.around.families.get(grammar)
@@ -166,7 +166,7 @@ class _Reader:
         return frozenset(found)
 
     def check_fixed(self, item: m.Free | None, first: ir.Task) -> None:
-        """Report parameters that are free and that the first task has one value for."""
+        """Report free parameters that the first task fixes."""
         origin = first.origin
         fixed = () if origin is None else origin.fixed
         places = {(origin.word[f.symbol], f.name): f.span for f in fixed if origin is not None}
@@ -181,7 +181,7 @@ class _Reader:
                 )
 
     def _is_parameter(self, freed: m.Freed) -> bool:
-        """Whether a name of ``free`` is that of a parameter; reported where it is not."""
+        """Whether a name in ``free`` is a parameter; reported if not."""
         module, name = freed.module, freed.name
         info = self.around.modules.get(module.text)
         if info is None:
@@ -202,7 +202,7 @@ class _Reader:
         return False
 
     def most(self, item: m.Changes | None) -> Fraction | None:
-        """What all changes may cost together."""
+        """The bound on the total price of all changes."""
         if item is None:
             return None
         if item.comparison != "<=":
@@ -211,7 +211,7 @@ class _Reader:
         return self._not_negative(item.bound, "the bound on changes")
 
     def check_changes(self, rebuilt: m.Reconfigure | None, one_robot: m.OneRobot | None) -> None:
-        """Report clauses about changes where nothing is changed, or where both kinds are said."""
+        """Report clauses about changes that have no effect, or that contradict each other."""
         if rebuilt is None:
             for item in self.mission.items:
                 if isinstance(item, m.Free | m.Changes):
@@ -233,23 +233,23 @@ class _Reader:
                 self.sink.error(Code.CONTRADICTORY_MISSION, message, price.span, hint)
 
     def check_rebuilt(self, rebuilt: m.Reconfigure, tasks: Sequence[ir.Task]) -> None:
-        """Warn of a robot that is to be rebuilt and has nothing to be rebuilt from or for."""
+        """Warn of a mission that rebuilds, but has only one task and no existing robot."""
         if len(tasks) == 1 and tasks[0].origin is None:
             message = "nothing is rebuilt: there is only one task and no existing robot"
             hint = f"name another task, write `from W;` in task `{tasks[0].name}`, or `one robot;`"
             self.sink.warning(Code.CONTRADICTORY_MISSION, message, rebuilt.span, hint)
 
-    # --- what is to be least -------------------------------------------------------------------
+    # --- Objectives ----------------------------------------------------------------------------
 
     def minimize(
         self, item: m.Minimize | None, tasks: Sequence[ir.Task], *, rebuilt: bool | None
     ) -> tuple[ir.Objective, ...]:
-        """The objectives in their order; whatever is wrong with them is reported.
+        """The objectives in their order; errors in them are reported.
 
         Args:
             item: the clause.
-            tasks: those of the mission; of none nothing is said.
-            rebuilt: whether robots are rebuilt; None where the mission does not say.
+            tasks: the tasks of the mission; if empty, nothing is reported.
+            rebuilt: whether robots are rebuilt; None if the mission does not say.
         """
         if item is None or not tasks:
             return ()
@@ -263,7 +263,7 @@ class _Reader:
                 message = "`minimize changes` without `reconfigure`: nothing is changed"
                 hint = "write `reconfigure;` instead of `one robot;`, or remove `changes`"
                 self.sink.error(Code.CONTRADICTORY_MISSION, message, objective.span, hint)
-        # What is no objective was reported, and may be a misspelt `changes`.
+        # The first name may be a misspelt `changes` that was already reported.
         first = found[0] if found and found[0].span == item.objectives[0].span else None
         if rebuilt and first is not None and first.kind != "changes":
             message = "with `reconfigure` the first objective must be `changes`"
@@ -272,7 +272,7 @@ class _Reader:
         return found
 
     def _check_end(self, objective: ir.Objective, tasks: Sequence[ir.Task]) -> None:
-        """Report what motions for ever have no least of, and warn of a time that is given."""
+        """Report what has no least value in endless motions, and warn of a time that is fixed."""
         if objective.kind not in _ENDLESS:
             return
         endless = [task for task in tasks if task.repeat]
@@ -289,7 +289,7 @@ class _Reader:
 
 
 def _efforts(task: ir.Task) -> str:
-    """Which efforts a task bounds, in words."""
+    """The efforts that a task bounds, in words."""
     kinds = sorted(each.kind for each in task.effort)
     return f"the efforts of {' and '.join(kinds)} joints" if kinds else "no efforts"
 
@@ -297,13 +297,13 @@ def _efforts(task: ir.Task) -> str:
 def lower_mission(
     mission: m.Mission, around: Surroundings, tasks: Mapping[str, ir.Task], sink: Sink
 ) -> ir.Mission | None:
-    """The mission; None where it has no tasks, or one that is unknown or has an error, reported.
+    """The mission; None if its tasks are missing, unknown or have errors, which is reported.
 
     Args:
         mission: its syntax.
-        around: what was made of the rest of the file.
+        around: the results for the rest of the file.
         tasks: the tasks of the file that have no error.
-        sink: where findings go.
+        sink: collects the diagnostics.
     """
     reader = _Reader(mission, around, tasks, sink)
     listed, one_robot = reader.one(m.MissionTasks), reader.one(m.OneRobot)
@@ -352,13 +352,13 @@ def lower_missions(
     tasks: Mapping[str, ir.Task],
     sink: Sink,
 ) -> dict[str, ir.Mission]:
-    """The missions of a file by name; whatever is wrong with them is reported.
+    """The missions of a file by name; errors in them are reported.
 
     Args:
         missions: their syntax.
-        around: what was made of the rest of the file.
+        around: the results for the rest of the file.
         tasks: the tasks of the file that have no error.
-        sink: where findings go.
+        sink: collects the diagnostics.
     """
     found = {name: lower_mission(each, around, tasks, sink) for name, each in missions.items()}
     return {name: mission for name, mission in found.items() if mission is not None}

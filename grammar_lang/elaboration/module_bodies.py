@@ -1,4 +1,4 @@
-"""Modules that own their bodies: frames from ``in`` on, ports, and what they emit there."""
+"""Modules with their own bodies: frames relative to ``in``, ports, and emissions."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from grammar_lang.source import Span
 
 @dataclass(slots=True)
 class _BodyScope:
-    """What names mean in the frames and emissions of a module.
+    """The meaning of names in the frames and emissions of a module.
 
-    ``kinds`` says what each name that the module declares is; ``frames`` are those so far, ``own``
-    is that which is being read.
+    ``kinds`` is the kind of each name that the module declares; ``frames`` are the frames so far,
+    and ``own`` is the one being read.
     """
 
     info: ModuleInfo
@@ -45,7 +45,7 @@ class _BodyScope:
         self.add(INPUT)
 
     def add(self, name: str) -> None:
-        """A frame that may be read from here on."""
+        """Add a frame that may be read from here on."""
         self.frames[name] = Typed(ir.AttributeOf(ir.LOCAL, name), Sort.FRAME, None)
 
     def name(self, ident: s.Ident, sink: Sink) -> Typed:
@@ -84,7 +84,7 @@ class _BodyScope:
         return value
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
-        """Always an error."""
+        """Report an error: a module cannot read ``owner.name``."""
         owner, name = member.owner.text, member.name.text
         hint = None
         if owner == "this":
@@ -94,26 +94,26 @@ class _BodyScope:
         return foreign_member(member, sink, hint)
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
-        """The degree of freedom of that name."""
+        """The degree of freedom of that name, if any."""
         return self.info.dofs.get(name.ident.text) if isinstance(name, s.Name) else None
 
     def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
-        """Take note of a legitimate use."""
+        """Record a correct use of a degree of freedom."""
         ident = name.ident if isinstance(name, s.Name) else name.name
         self.used.setdefault(ident.text, []).append(ident.span)
         return ir.DofOf(ir.THIS, ident.text)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
-        """None: the module is named where it is mounted."""
+        """Empty: the module is named where it is mounted."""
         del expressions
         return ()
 
 
-# --- frames --------------------------------------------------------------------------------------
+# --- Frames --------------------------------------------------------------------------------------
 
 
 def _check_mounted(expr: ir.Expr, at: Span, sink: Sink) -> None:
-    """Report a frame that is not counted from where the module is mounted."""
+    """Report a frame that is not relative to the place where the module is mounted."""
     first, *others = ir.factors(expr)
     hint = "write `in * …`: otherwise it would stand on the world, wherever the module is mounted"
     if any(isinstance(each, ir.World) for each in (first, *others)):
@@ -142,7 +142,7 @@ def _frame(item: s.Frame, scope: _BodyScope, sink: Sink) -> ir.AttributeRule:
 
 
 def _emission(item: s.Emission, emissions: Emissions, sink: Sink) -> ir.Emitted | None:
-    """An emission at a frame of the module."""
+    """An emission at a frame of the module; None if an error was reported."""
     before = len(sink.found)
     found = emissions.lower(item)
     if found is not None and not Sink(sink.found[before:]).has_errors:
@@ -154,7 +154,7 @@ def _emission(item: s.Emission, emissions: Emissions, sink: Sink) -> ir.Emitted 
 def _frames(
     module: s.Module, scope: _BodyScope, first: Mapping[str, Span], sink: Sink
 ) -> dict[str, ir.AttributeRule]:
-    """The frames by name; of several of a name, or with the name of something else, none."""
+    """The frames by name, without repeated names and names of other members."""
     found: dict[str, ir.AttributeRule] = {}
     for item in module.items:
         if not isinstance(item, s.Frame) or first.get(item.name.text) != item.name.span:
@@ -171,13 +171,13 @@ def _frames(
     return found
 
 
-# --- ports ---------------------------------------------------------------------------------------
+# --- Ports ---------------------------------------------------------------------------------------
 
 
 def _ports(
     module: s.Module, frames: Mapping[str, object], kinds: Mapping[str, str], sink: Sink
 ) -> dict[str, s.Port]:
-    """The ports by name; every output needs a frame."""
+    """The ports by name; an output without a frame is reported."""
     found: dict[str, s.Port] = {}
     for port in module.items:
         if not isinstance(port, s.Port):
@@ -197,7 +197,7 @@ def _ports(
 
 
 def _second(port: s.Port, first: s.Port, module: s.Module, sink: Sink) -> None:
-    """Report a second port of a name."""
+    """Report a second port of the same name."""
     if port.name.text != INPUT:
         duplicate(port.name, first.name.span, sink)
         return
@@ -207,15 +207,15 @@ def _second(port: s.Port, first: s.Port, module: s.Module, sink: Sink) -> None:
     sink.error(Code.DUPLICATE_NAME, message, port.name.span, hint, notes)
 
 
-# --- the body ------------------------------------------------------------------------------------
+# --- The body ------------------------------------------------------------------------------------
 
 
 def with_body(
     info: ModuleInfo, module: s.Module, meshes: Mapping[Span, ir.Mesh | ir.VisualFile], sink: Sink
 ) -> ModuleInfo:
-    """A module with its frames, ports and emissions; whatever is wrong with them is reported.
+    """A module with its frames, ports and emissions; errors in them are reported.
 
-    ``meshes`` are by the span of the path that names each.
+    ``meshes`` are keyed by the span of the path that names each.
     """
     emitted = [item for item in module.items if isinstance(item, s.Emission)]
     declared = members(module)

@@ -1,8 +1,9 @@
 """A module's own dynamics (Definition 5): states with their derivatives, inputs and torques.
 
-In ``der(s) = …`` and ``torque(q) = …`` stand the module's parameters, constants, states and inputs,
-the coordinates of its degrees of freedom by their names, ``rate(q)`` and ``u``, the free input: in
-``torque(q)`` that of q, in ``der`` that of the only degree of freedom.  Order has no meaning.
+``der(s) = …`` and ``torque(q) = …`` may use the module's parameters, constants, states and inputs,
+the coordinates of its degrees of freedom by name, ``rate(q)`` and the free input ``u``: in
+``torque(q)`` that of q, in ``der`` that of the only degree of freedom.  Their order does not
+matter.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ _EFFORT: dict[ir.DofKind, Dimension] = {"revolute": TORQUE, "prismatic": FORCE}
 
 @dataclass(slots=True)
 class Statements:
-    """The statements of a module that make up its dynamics; names are declared once in them."""
+    """The statements of a module about its dynamics, without repeated declarations of a name."""
 
     states: list[s.State] = field(default_factory=list[s.State])
     inputs: list[s.Input] = field(default_factory=list[s.Input])
@@ -60,7 +61,7 @@ class Statements:
     torques: list[s.Torque] = field(default_factory=list[s.Torque])
 
     def add(self, item: s.State | s.Input | s.Derivative | s.Torque) -> None:
-        """Take note of a statement."""
+        """Add a statement."""
         match item:
             case s.State():
                 self.states.append(item)
@@ -83,9 +84,10 @@ class Dynamics:
 
 @dataclass(slots=True)
 class _Scope:
-    """What names mean in an equation.
+    """The meaning of names in an equation.
 
-    ``effort`` is the degree of freedom whose input is ``u``; ``lost`` says that it was reported.
+    ``effort`` is the degree of freedom whose input is ``u``; ``lost`` means that it is unknown,
+    which is reported elsewhere.
     """
 
     kinds: Mapping[str, str]
@@ -134,7 +136,7 @@ class _Scope:
         raise LookupError(name)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
-        """None: there are no modules of a production here."""
+        """Empty: there are no modules of a production here."""
         del expressions
         return ()
 
@@ -180,7 +182,7 @@ class _Reader:
     )
     torques: dict[str, ir.Torque] = field(default_factory=dict[str, ir.Torque])
 
-    # --- declarations --------------------------------------------------------------------------
+    # --- Declarations --------------------------------------------------------------------------
 
     def input(self, item: s.Input) -> ir.Input | None:
         name = item.name.text
@@ -197,7 +199,7 @@ class _Reader:
         return ir.Input(name, domain, unit, item.span)
 
     def state(self, item: s.State) -> ir.State:
-        """The state without its derivative; a bare initial value is in the state's unit."""
+        """The state without its derivative; a bare initial value is in the unit of the state."""
         name, unit = item.name.text, list_unit(item.unit, None, self.sink)
         dimension = ONE if unit.unit is None else unit.unit.dimension
         angular = unit.unit is not None and unit.unit.angular
@@ -218,7 +220,7 @@ class _Reader:
             return None
         return reader.scalar(item.initial, dimension, unit)
 
-    # --- equations -----------------------------------------------------------------------------
+    # --- Equations -----------------------------------------------------------------------------
 
     def _value(self, expr: s.Expr, effort: ir.Dof | None, *, lost: bool) -> Typed:
         scope = _Scope(self.module.kinds, self.values, self.dofs, effort, lost)
@@ -303,7 +305,7 @@ def _a(kind: str) -> str:
 
 
 def _check_clashes(module: s.Module, sink: Sink) -> None:
-    """Report the declarations that take a name with a meaning of its own in the dynamics."""
+    """Report declarations of names that have a fixed meaning in the dynamics."""
     for item in module.items:
         if isinstance(item, s.Param | s.Const | s.Dof | s.State | s.Input):
             name = item.name
@@ -313,7 +315,7 @@ def _check_clashes(module: s.Module, sink: Sink) -> None:
 
 
 def _check_derivatives(statements: Statements, sink: Sink) -> None:
-    """Report the states that no ``der`` belongs to, unless a misspelt one was meant for them."""
+    """Report the states without a ``der``, except if a misspelt one is probably theirs."""
     given = {item.name.text for item in statements.derivatives}
     states = [state.name.text for state in statements.states]
     meant = {nearest(name, states, sink) for name in given.difference(states)}
@@ -331,14 +333,14 @@ def lower_dynamics(
     dofs: Mapping[str, ir.Dof],
     sink: Sink,
 ) -> Dynamics:
-    """The dynamics of a module; whatever is wrong with it is reported.
+    """The dynamics of a module; errors in it are reported.
 
     Args:
         module: the module.
-        statements: those of its statements that are about its dynamics.
+        statements: its statements about its dynamics.
         scope: its parameters and constants, complete.
         dofs: its degrees of freedom by name.
-        sink: takes the findings.
+        sink: collects the diagnostics.
     """
     if not (statements.states or statements.inputs or statements.derivatives or statements.torques):
         return Dynamics((), (), ())

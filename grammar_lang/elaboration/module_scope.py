@@ -1,4 +1,4 @@
-"""What names mean inside a module, outside its dynamics: parameters, constants and ``pi``."""
+"""The meaning of names inside a module, outside its dynamics: parameters, constants and ``pi``."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def foreign_member(member: s.Member, sink: Sink, hint: str | None = None) -> Typ
 
 @dataclass(slots=True)
 class ModuleScope:
-    """The parameters and constants declared so far; ``kinds`` says what any name of it is."""
+    """The parameters and constants declared so far; ``kinds`` is the kind of every name."""
 
     kinds: Mapping[str, str]
     members: dict[str, Typed] = field(default_factory=dict[str, Typed])
@@ -45,19 +45,19 @@ class ModuleScope:
         return UNKNOWN
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
-        """Always an error."""
+        """Report an error: a module cannot read ``owner.name``."""
         return foreign_member(member, sink)
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
-        """None."""
+        """None: a degree of freedom cannot be used here."""
         del name
         return None
 
     def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
-        """Never called, as no degree of freedom is used here; it would raise LookupError."""
+        """Raise LookupError: never called, because no degree of freedom can be used here."""
         raise LookupError(name)
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
-        """None: there are no modules of a production here."""
+        """Empty: there are no modules of a production here."""
         del expressions
         return ()

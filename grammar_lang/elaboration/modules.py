@@ -1,4 +1,4 @@
-"""Modules: roles, parameters (Definition 5), constants, degrees of freedom, own dynamics."""
+"""Modules: roles, parameters (Definition 5), constants, degrees of freedom and own dynamics."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ INPUT = "in"
 
 @dataclass(frozen=True, slots=True)
 class ModuleInfo:
-    """A module with what its names mean.
+    """A module and the meaning of its names.
 
-    ``members`` holds parameters and constants; parameters occur in them at ``ir.THIS``.  ``own``
-    says of the names of its own dynamics whether they are a state or an input.  ``body`` is None
-    where it has neither frames nor ports nor emissions.
+    ``members`` are its parameters and constants; parameters in them are at ``ir.THIS``.  ``own``
+    maps each name of its own dynamics to ``state`` or ``input``.  ``body`` is None if the module
+    has no frames, ports or emissions.
     """
 
     module: ir.Module
@@ -62,7 +62,7 @@ class ModuleInfo:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Everything that may follow the dot."""
+        """All names that may follow the dot."""
         return (*self.members, *self.dofs, *(() if self.body is None else self.body.frames))
 
     def at(self, occurrence: int, name: str) -> Typed:
@@ -73,11 +73,11 @@ class ModuleInfo:
 
 @dataclass(frozen=True, slots=True)
 class ModuleBody:
-    """What a module brings along wherever it is mounted.
+    """What a module adds wherever it is mounted.
 
-    ``frames`` are defined over ``in`` and each other, which are ``ir.LOCAL`` in them, as is all
-    that the module declares at ``ir.THIS``.  ``ports`` are by name, ``used`` are the places where
-    frames use degrees of freedom, ``uses`` what makes sense in the plane or in space only.
+    ``frames`` are defined from ``in`` and each other, which are ``ir.LOCAL`` in them; all other
+    names of the module are at ``ir.THIS``.  ``ports`` are by name, ``used`` are the places where
+    frames use degrees of freedom, and ``uses`` is what is valid only in the plane or only in space.
     """
 
     frames: Mapping[str, ir.AttributeRule]
@@ -88,13 +88,13 @@ class ModuleBody:
 
     @property
     def outputs(self) -> tuple[s.Port, ...]:
-        """The ports other than ``in``, in the order of their declarations."""
+        """The ports other than ``in``, in declaration order."""
         return tuple(port for name, port in self.ports.items() if name != INPUT)
 
     def mounted(
         self, occurrence: int, called: str
     ) -> tuple[tuple[ir.AttributeRule, ...], tuple[ir.Emitted, ...]]:
-        """The rules of the frames, and the emissions, at an occurrence with its name."""
+        """The frame rules and emissions of the module, mounted at an occurrence with that name."""
         here = (occurrence,)
 
         def new(expr: ir.Expr) -> ir.Expr:
@@ -116,12 +116,12 @@ def _emitted(
 
 
 def frame_of(called: str, name: str) -> ir.AttributeOf:
-    """A frame of a module that is mounted in a production, and called so there."""
+    """The frame of a module that is mounted in a production under the name ``called``."""
     return ir.AttributeOf(ir.LOCAL, f"{called}.{name}")
 
 
 def _placed(expr: ir.Expr, occurrence: int, prefix: str) -> ir.Expr:
-    """An expression of a module at an occurrence; the names of its frames get a prefix."""
+    """An expression of a module, moved to an occurrence; the names of its frames get a prefix."""
 
     def change(leaf: ir.Expr) -> ir.Expr:
         match leaf:
@@ -253,7 +253,7 @@ class _Reader:
 
 
 def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
-    """The module and its names; whatever is wrong with it is reported."""
+    """The module and its names; errors in it are reported."""
     reader = _Reader(sink, ModuleScope({name: each.kind for name, each in members(module).items()}))
     for item in module.items:
         reader.item(item)

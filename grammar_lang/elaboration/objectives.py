@@ -1,4 +1,4 @@
-"""What a task minimizes: the objectives of its clause ``minimize``, in their order."""
+"""The objectives of a ``minimize`` clause, in their order."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class _Reader:
     )
 
     def objective(self, item: m.Objective, *, last: bool) -> ir.Objective | None:
-        """An objective; None where it is none, or stands there twice, which is reported."""
+        """An objective; None if it is unknown or repeated, which is reported."""
         within = self._within(item, last=last)
         kind = self._kind(item)
         if kind is None:
@@ -70,7 +70,7 @@ class _Reader:
         return ir.Objective(kind, within, name, total.amounts(), unit, item.span)
 
     def _within(self, item: m.Objective, *, last: bool) -> Fraction:
-        """How much of its least value later objectives may add, as a part of it."""
+        """The fraction of its least value that later objectives may add to it."""
         if item.within is None:
             return Fraction(0)
         value, at = Constants(self.sink).rational(item.within, ONE), item.within.span
@@ -82,7 +82,7 @@ class _Reader:
             self.sink.error(Code.BAD_WITHIN, message, at, hint)
         return (value or Fraction(0)) / 100
 
-    # --- which objective -----------------------------------------------------------------------
+    # --- The kind of objective -----------------------------------------------------------------
 
     @property
     def _kinds(self) -> Mapping[str, ir.ObjectiveKind]:
@@ -109,7 +109,7 @@ class _Reader:
         return kind
 
     def _meant(self, item: m.Objective) -> str:
-        """What to write instead of a name that is no objective."""
+        """A hint on what to write instead of an unknown objective."""
         name = item.name.text
         if name == "changes":
             return f"`changes` belongs to a `mission` with `reconfigure`; {_THERE_ARE}"
@@ -126,7 +126,7 @@ class _Reader:
 
 @dataclass(frozen=True, slots=True)
 class _Amount:
-    """The attribute of a module: its value, and where that is written."""
+    """The attribute of a module: its value, and where the value is written."""
 
     module: str
     value: Typed
@@ -154,7 +154,7 @@ class _Amount:
 
 @dataclass(slots=True)
 class _Sum:
-    """The sum of an attribute over modules, at the place of its objective."""
+    """The sum of an attribute over modules, reported at the place of its objective."""
 
     attribute: s.Ident
     span: Span
@@ -173,7 +173,7 @@ class _Sum:
         return next((each.unit for each in self._sound()), "1")
 
     def amounts(self) -> tuple[tuple[str, Fraction | None], ...]:
-        """The modules with the attribute and their values, None of parameters; errors reported."""
+        """The modules with the attribute and their values, None for parameters; report errors."""
         if not self.found:
             name = self.attribute.text
             message = f"no module of the grammar has a `const` or `param` called `{name}`"
@@ -196,7 +196,7 @@ class _Sum:
         return _Amount(module, info.members[name], self._written(module), next(parameters, None))
 
     def _written(self, module: str) -> Span:
-        """Where the value of the attribute stands."""
+        """The place of the value of the attribute."""
         for item in self.names.declared.modules[module].items:
             match item:
                 case s.Const(name=name, value=value) if name.text == self.attribute.text:
@@ -207,7 +207,7 @@ class _Sum:
                     pass
         raise LookupError(module)
 
-    # --- what is wrong -------------------------------------------------------------------------
+    # --- Errors --------------------------------------------------------------------------------
 
     def _warn_of_zeros(self, modules: Sequence[str]) -> None:
         """Warn of modules without the attribute."""
@@ -223,7 +223,7 @@ class _Sum:
         self.sink.warning(Code.AMOUNT_OF_ZERO, message, self.attribute.span, hint)
 
     def _checked(self, amount: _Amount) -> Fraction | None:
-        """The value of a constant; None of a parameter, and where an error was reported."""
+        """The value of a constant; None for a parameter, or if an error was reported."""
         first, value = next(self._sound(), amount), amount.value
         called = f"`{self.attribute.text}` of module `{amount.module}`"
         if value.sort is not Sort.SCALAR:
@@ -254,13 +254,13 @@ class _Sum:
         return self.span, "summed up here"
 
     def _told(self, code: Code, at: Span) -> bool:
-        """Whether another task has led to the same finding."""
+        """Whether another task has led to the same error."""
         return any(known.code is code and known.span == at for known in self.sink.found)
 
     def _error(
         self, code: Code, message: str, at: Span, hint: str, notes: Sequence[tuple[Span, str]] = ()
     ) -> None:
-        """Report an attribute, with the objective that sums it up."""
+        """Report an error in an attribute, with the objective that sums it up."""
         if not self._told(code, at):
             self.sink.error(code, message, at, hint, [*notes, self._here])
 
@@ -269,12 +269,12 @@ class _Sum:
 
 
 def check_time(clause: m.Minimize, task: t.Task, sink: Sink) -> None:
-    """Warn of a least time where all motions take the same; of motions for ever nothing is said.
+    """Warn of an objective ``time`` if all motions take the same time, unless they never end.
 
     Args:
         clause: the objectives.
-        task: that of the clause.
-        sink: where the warning goes.
+        task: the task of the clause.
+        sink: collects the warning.
     """
     horizon = next((item for item in task.items if isinstance(item, t.Horizon)), None)
     endless = any(isinstance(item, t.Repeat) for item in task.items)
@@ -298,15 +298,15 @@ def lower_objectives(
     *,
     of_mission: bool = False,
 ) -> tuple[ir.Objective, ...]:
-    """The objectives of a task or mission in their order; whatever is wrong with them is reported.
+    """The objectives of a task or mission in their order; errors in them are reported.
 
     Args:
         clause: the clause.
-        family: the robot family of the task; None where it is unknown, which was reported.
+        family: the robot family; None if it is unknown, which was reported.
         modules: the modules of the file.
-        names: what the names of the file stand for.
-        sink: where findings go.
-        of_mission: whether they are those of a mission, of which ``changes`` is one, too.
+        names: the name table of the file.
+        sink: collects the diagnostics.
+        of_mission: whether the clause belongs to a mission, which may minimize ``changes``.
     """
     reader = _Reader(family, modules, names, sink, of_mission)
     final = clause.objectives[-1]

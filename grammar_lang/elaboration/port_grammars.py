@@ -1,14 +1,13 @@
-"""Grammars from ports: what fits where, as productions with their semantics.
+"""Grammars from ports: productions that say which modules fit where, with their semantics.
 
-An output takes the modules that are listed and whose `in` has the same type, and no gender where
-the output has none, else the other one.  Of each type and gender of outputs there is one
-nonterminal, what may stand there.  A module is one production, its outputs filled in the order in
-which they are declared:
+An output can carry the listed modules whose `in` has the same type and the opposite gender (or no
+gender, if the output has none).  For each type and gender of outputs there is one nonterminal.
+Each module is one production, with its outputs filled in declaration order:
 
     Fork: Flange -> Fork left:Flange right:Flange
 
 with ``Fork.in = this.frame``, ``left.frame = Fork.left`` and ``right.frame = Fork.right``.  Any two
-productions of a nonterminal begin with different modules, so that a word has one derivation.
+productions of a nonterminal begin with different modules, so every word has one derivation.
 """
 
 from __future__ import annotations
@@ -36,13 +35,13 @@ def _fresh(name: str, taken: Collection[str]) -> str:
 
 @dataclass(slots=True)
 class _Productions:
-    """The productions of the modules that stand in robots."""
+    """Builds the productions of the modules that occur in robots."""
 
     terminals: Collection[str]
     nonterminals: dict[Fit, str] = field(default_factory=dict[Fit, str])
 
     def name(self, parts: Iterable[Part]) -> str:
-        """Give the types of all outputs a nonterminal each; the start symbol is returned."""
+        """Give each type and gender of outputs a nonterminal; return the start symbol."""
         taken = set(self.terminals)
         for part in parts:
             for port in part.outputs:
@@ -54,7 +53,7 @@ class _Productions:
         return _fresh("Robot", taken)
 
     def production(self, label: str, left: str, part: Part) -> ir.Production:
-        """What a module carries; outputs of one type are told apart by their names."""
+        """The production of a module; outputs of the same type get aliases."""
         names = [self.nonterminals[fit_of(port)] for port in part.outputs]
         total = Counter(names)
         taken = {*self.terminals, *self.nonterminals.values()}
@@ -67,9 +66,9 @@ class _Productions:
 
 
 def _block(part: Part) -> ir.SemanticBlock:
-    """The module mounted at the frame that is handed down, and its outputs handed on.
+    """The semantic block that mounts the module at its frame and passes on its outputs.
 
-    Nobody wrote these rules: they have no place.
+    These rules have no place in the text.
     """
     body = part.info.body
     if body is None:
@@ -96,9 +95,9 @@ def lower_port_grammar(
     names: NameTable,
     sink: Sink,
 ) -> tuple[GrammarInfo, SemanticsInfo]:
-    """A grammar from ports, and its semantics; whatever is wrong with it is reported.
+    """A grammar from ports, and its semantics; errors in it are reported.
 
-    ``broken`` are the modules with statements that could not be read.
+    ``broken`` are the modules with statements that could not be parsed.
     """
     clauses = Clauses(grammar, modules, names, sink, broken)
     clauses.read()

@@ -1,4 +1,4 @@
-"""Ports: what a grammar lists, what fits where, and whether every robot comes to an end."""
+"""Grammars from ports: their clauses, which modules fit where, and whether robots are finite."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from grammar_lang.source import Span
 
 Gender: TypeAlias = Literal["male", "female"] | None
 Fit: TypeAlias = tuple[str, Gender]
-"""Type and gender of an output."""
+"""The type and gender of an output."""
 
 OTHER: Mapping[Gender, Gender] = {None: None, "male": "female", "female": "male"}
 
@@ -37,23 +37,23 @@ class Part:
 
     @property
     def outputs(self) -> tuple[s.Port, ...]:
-        """Its outputs, in the order of their declarations."""
+        """Its outputs, in declaration order."""
         return () if self.info.body is None else self.info.body.outputs
 
     @property
     def input(self) -> s.Port | None:
-        """The port by which another module carries it."""
+        """The port by which another module carries it, if it has one."""
         return None if self.info.body is None else self.info.body.ports.get(INPUT)
 
     @property
     def stands_at(self) -> Fit | None:
-        """The type and gender of the outputs that carry it."""
+        """The type and gender of the outputs that can carry it; None if it has no input."""
         port = self.input
         return None if port is None else (port.type.text, OTHER[port.gender])
 
 
 def fit_of(port: s.Port) -> Fit:
-    """Type and gender of an output."""
+    """The type and gender of an output."""
     return port.type.text, port.gender
 
 
@@ -62,14 +62,15 @@ def _shown(port: s.Port, name: str) -> str:
     return f"port {name}: {port.type.text}{gender}"
 
 
-# --- clauses -------------------------------------------------------------------------------------
+# --- Clauses -------------------------------------------------------------------------------------
 
 
 @dataclass(slots=True)
 class Clauses:
-    """What stands in a grammar from ports.
+    """The clauses of a grammar from ports.
 
-    ``broken`` are the modules with statements that could not be read: they may lack anything.
+    ``broken`` are the modules with statements that could not be parsed, so that anything in them
+    may be missing.
     """
 
     grammar: s.Grammar
@@ -79,12 +80,12 @@ class Clauses:
     broken: Collection[str]
     start: Part | None = None
     complete: bool = True
-    """Whether all names could be read; else nothing is said of what is missing."""
+    """Whether all names were resolved; if not, nothing is reported as missing."""
     listed: dict[str, Part] = field(default_factory=dict[str, Part])
     accepts: list[ir.Accept] = field(default_factory=list[ir.Accept])
 
     def read(self) -> None:
-        """All clauses; whatever is wrong with one is reported."""
+        """Read all clauses and report their errors."""
         first: s.StartSymbol | None = None
         for item in self.grammar.items:
             match item:
@@ -135,13 +136,13 @@ class Clauses:
             self.sink.error(Code.NO_INPUT, message, name.span, hint)
 
 
-# --- what can be built ---------------------------------------------------------------------------
+# --- Robots that can be built --------------------------------------------------------------------
 
 
 def _ending(parts: Collection[Part]) -> dict[str, Part]:
-    """The modules with which some robot comes to an end, by name.
+    """The modules that can start a finite branch, by name.
 
-    A module ends where all its outputs take one that does.
+    A module can if each of its outputs can carry a module that can.
     """
     missing: dict[str, set[Fit | None]] = {
         part.name: {fit_of(port) for port in part.outputs} for part in parts
@@ -163,7 +164,7 @@ def _ending(parts: Collection[Part]) -> dict[str, Part]:
 
 
 def _carried(start: Part, listed: Collection[Part]) -> dict[str, Part]:
-    """The listed modules that outputs lead to from the start, by name."""
+    """The listed modules that can be reached from the start through outputs, by name."""
     standing: dict[Fit | None, list[Part]] = {}
     for part in listed:
         standing.setdefault(part.stands_at, []).append(part)
@@ -178,13 +179,13 @@ def _carried(start: Part, listed: Collection[Part]) -> dict[str, Part]:
 
 @dataclass(frozen=True, slots=True)
 class Checks:
-    """Whether every output is filled, every module is carried, and robots come to an end."""
+    """Checks that every output is filled, every module is carried, and robots are finite."""
 
     clauses: Clauses
     start: Part
 
     def run(self) -> list[Part]:
-        """The listed modules that stand in robots, in their order."""
+        """The listed modules that occur in robots, in their order; report errors."""
         listed = self.clauses.listed
         carried = _carried(self.start, listed.values())
         # A module that lacks its input would fill some output.
@@ -223,7 +224,7 @@ class Checks:
         self.clauses.sink.error(Code.OPEN_OUTPUT, message, at, self._fitting(port), notes)
 
     def _fitting(self, port: s.Port) -> str:
-        """A hint: what might fit an output."""
+        """A hint on which module might fit an output."""
         parts = [Part(info, port.span) for info in self.clauses.modules.values()]
         known = [part for part in parts if part.stands_at == fit_of(port)]
         if known:
@@ -239,7 +240,7 @@ class Checks:
         return "list a module that ends it, such as a hand, or a cap: a module with `port in` alone"
 
     def _idle(self, part: Part, carried: Mapping[str, Part]) -> None:
-        """Warn of a module that no other one carries."""
+        """Warn of a module that no other module carries."""
         types = {
             p.type.text: None for each in (self.start, *carried.values()) for p in each.outputs
         }
@@ -273,7 +274,7 @@ class Checks:
                 self.clauses.sink.error(Code.BAD_DOF_USE, message, dof.span, hint)
 
     def _check_end(self, carried: Mapping[str, Part], ending: Mapping[str, Part]) -> None:
-        """Report where no robot comes to an end, and warn of modules that are in none."""
+        """Report a grammar without finite robots, and warn of modules that occur in no robot."""
         sink, filled = self.clauses.sink, {part.stands_at for part in ending.values()}
         if self.start.name not in ending:
             port = next(port for port in self.start.outputs if fit_of(port) not in filled)
@@ -297,7 +298,7 @@ class Checks:
                 sink.warning(Code.UNPRODUCTIVE, message, part.place, hint, notes)
 
     def _ending(self, carried: Mapping[str, Part]) -> str | None:
-        """A hint: a module without outputs that is at hand."""
+        """A hint: a known module without outputs; None if there is none."""
         due = {fit_of(port) for part in (self.start, *carried.values()) for port in part.outputs}
         for name, info in self.clauses.modules.items():
             part = Part(info, info.module.span)
@@ -312,5 +313,5 @@ class Checks:
 
 
 def _inside(whole: Span, places: Iterable[Span]) -> bool:
-    """Whether one of some places is in a part of the text."""
+    """Whether one of the places is within a part of the text."""
     return any(p.file == whole.file and whole.start <= p.start < whole.end for p in places)

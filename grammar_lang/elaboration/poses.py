@@ -1,4 +1,4 @@
-"""How the frame of an effector is turned: ``aligned`` and ``oriented``."""
+"""Poses, the orientation of an effector's frame: ``aligned`` and ``oriented``."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HALF_TURN = pi * (1 - 1e-9)
 def lower_poses(
     poses: Sequence[f.Pose], dimension: Literal[2, 3], sink: Sink
 ) -> tuple[ir.Pose, ...]:
-    """The poses in a workspace of that dimension, without those that are reported."""
+    """The poses for a workspace of that dimension; wrong ones are reported and left out."""
     reader = _Reader(dimension, sink)
     found = (reader.pose(pose) for pose in poses)
     return tuple(pose for pose in found if pose is not None)
@@ -35,7 +35,7 @@ class _Reader:
         self.constants = Constants(sink)
 
     def pose(self, pose: f.Pose) -> ir.Pose | None:
-        """What a pose means; None where it is reported."""
+        """The meaning of a pose; None if an error was reported."""
         match pose:
             case f.Aligned():
                 return self._aligned(pose)
@@ -87,7 +87,7 @@ class _Reader:
         return ir.Oriented(tuple(turn for turn in turns if turn is not None), within, pose.span)
 
     def _angle(self, expr: s.Expr) -> ir.Expr | None:
-        """An angle above zero and below a half turn."""
+        """An angle above zero and below a half turn; None if an error was reported."""
         value = self.constants.scalar(expr, ONE, angle=True)
         if value is None:
             return None
@@ -100,7 +100,7 @@ class _Reader:
 
 
 def _turns(frame: ir.Expr) -> Iterator[tuple[ir.Axis, ir.Expr] | None]:
-    """The rotations of a frame from the world outwards; None for what else there is."""
+    """The rotations of a frame from the world outwards; None for each other step."""
     match frame:
         case ir.Compose(left=left, right=right):
             yield from _turns(left)

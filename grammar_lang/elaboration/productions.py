@@ -1,4 +1,4 @@
-"""Grammars (Definition 3): symbols and accept conditions checked, occurrences named."""
+"""Grammars (Definition 3): check symbols and accept conditions, and name the occurrences."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ _UNNAMED = Occurrences({}, {}, ())
 class ProductionInfo:
     """A production and the names of its occurrences.
 
-    ``broken`` productions hold an unknown symbol, which was reported; nothing in them is named.
+    A ``broken`` production has an unknown symbol, which was reported; its occurrences have no
+    names.
     """
 
     production: ir.Production
@@ -36,7 +37,7 @@ class ProductionInfo:
 
     @property
     def names(self) -> Mapping[str, int]:
-        """The position on the right side that each name means."""
+        """The position on the right side that each name refers to."""
         return self.word.places
 
 
@@ -55,7 +56,7 @@ class _Reader:
     nonterminals: tuple[str, ...]
     lefts: Collection[str]
     listed: bool = False
-    """Whether modules are listed as in a grammar from ports, which is reported."""
+    """Whether modules are listed as in a grammar from ports, which is an error."""
     starts: list[s.StartSymbol] = field(default_factory=list[s.StartSymbol])
     productions: dict[str, ProductionInfo] = field(default_factory=dict[str, ProductionInfo])
     accepts: list[ir.Accept] = field(default_factory=list[ir.Accept])
@@ -89,11 +90,11 @@ class _Reader:
         self.starts.append(item)
 
     def _is_left(self, name: s.Ident) -> bool:
-        """Whether a symbol stands on a left side; that of a module or an edge was reported."""
+        """Whether a symbol is on a left side; modules and edges there were reported before."""
         found = self.names.entity(name)
         return found is not None and (found.kind == "nonterminal" or name.text in self.lefts)
 
-    # --- productions ---------------------------------------------------------------------------
+    # --- Productions ---------------------------------------------------------------------------
 
     def _symbol(self, occurrence: s.Occurrence) -> ir.Symbol | None:
         name, found = occurrence.symbol, self.names.entity(occurrence.symbol)
@@ -128,7 +129,7 @@ class _Reader:
 def grammar_of(
     grammar: s.Grammar, start: str, productions: Iterable[ir.Production], accepts: list[ir.Accept]
 ) -> ir.Grammar:
-    """A grammar without semantics; its nonterminals in order of first appearance."""
+    """A grammar without semantics; its nonterminals are in order of first appearance."""
     found = dict.fromkeys([start])
     rules = tuple(productions)
     for production in rules:
@@ -139,7 +140,7 @@ def grammar_of(
 
 
 def _check_left_sides(lefts: Mapping[str, Entity], names: NameTable, sink: Sink) -> None:
-    """Report the left sides that are modules or edges."""
+    """Report left sides that are modules or edges."""
     for name, left in lefts.items():
         terminal = names.declared.terminals.get(name)
         if terminal is not None:
@@ -150,7 +151,7 @@ def _check_left_sides(lefts: Mapping[str, Entity], names: NameTable, sink: Sink)
 
 
 def lower_grammar(grammar: s.Grammar, names: NameTable, sink: Sink) -> GrammarInfo:
-    """The grammar with its symbols resolved; whatever is wrong with it is reported."""
+    """The grammar with its symbols resolved; errors in it are reported."""
     lefts = nonterminals(grammar)
     _check_left_sides(lefts, names, sink)
     own = tuple(name for name in lefts if name not in names.declared.terminals)
@@ -167,7 +168,7 @@ def lower_grammar(grammar: s.Grammar, names: NameTable, sink: Sink) -> GrammarIn
     return GrammarInfo(grammar_of(grammar, start, lowered, reader.accepts), reader.productions)
 
 
-# --- accept conditions ------------------------------------------------------------------------
+# --- Accept conditions ------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +179,7 @@ class Conditions:
     sink: Sink
 
     def terminal(self, name: s.Ident) -> str:
-        """The name of a module or an edge; reported if it is none."""
+        """The name of a module or an edge; anything else is reported."""
         found = self.names.entity(name)
         if found is not None and found.kind == "nonterminal":
             message = f"`{name.text}` is a nonterminal; words are made of modules and edges"

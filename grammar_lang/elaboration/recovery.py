@@ -1,7 +1,7 @@
-"""After errors: what of a program is sound all the same, and which findings say nothing new.
+"""After errors: the sound part of a program, and diagnostics that only follow from others.
 
-The later checks look at the sound part.  A statement that cannot be read is dropped; whoever then
-misses a name that stands in it, or a clause of its item, is not told so.
+The later checks use the sound part.  A statement that cannot be parsed is dropped; if a name in it,
+or a clause of its item, is then missing, that is not reported.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True, slots=True)
 class _Unsound:
-    """The items with an error in them, as (kind, name)."""
+    """The items that contain an error, as (kind, name)."""
 
     items: frozenset[tuple[type, str]]
 
     def without(self, kind: type, named: Mapping[str, Item]) -> dict[str, Item]:
-        """The sound ones."""
+        """The items of that kind that are sound."""
         return {name: item for name, item in named.items() if (kind, name) not in self.items}
 
 
@@ -49,7 +49,7 @@ def _unsound(file: t.File, found: Iterable[Diagnostic]) -> _Unsound:
 def _grammar(
     grammar: ir.Grammar, semantics: Mapping[str, object], modules: Mapping[str, ir.Module]
 ) -> ir.Grammar:
-    """The grammar, without its semantics where they or a module of it are not sound."""
+    """The grammar, without its semantics if that or one of its modules has an error."""
     used = (x.name for p in grammar.productions for x in p.right if x.kind == "module")
     if grammar.name in semantics and all(name in modules for name in used):
         return grammar
@@ -60,9 +60,9 @@ def sound_part(program: ir.Program, file: t.File, found: Iterable[Diagnostic]) -
     """The grammars, workspaces and tasks without an error in themselves or in what they use.
 
     Args:
-        program: what was lowered of a file, whatever its errors.
+        program: the program of a file that may have errors.
         file: its syntax.
-        found: all findings, those included that only follow from others.
+        found: all diagnostics, including those that only follow from others.
     """
     unsound = _unsound(file, found)
     modules = unsound.without(s.Module, program.modules)
@@ -90,7 +90,7 @@ def sound_part(program: ir.Program, file: t.File, found: Iterable[Diagnostic]) -
     )
 
 
-# --- findings that follow from others ---------------------------------------------------------
+# --- Diagnostics that follow from others ------------------------------------------------------
 
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -121,14 +121,14 @@ _NAMED = _MISSING | {
 
 
 class Spans:
-    """Disjoint spans, asked which of them covers a place."""
+    """Disjoint spans, with a search for the one that covers a place."""
 
     def __init__(self, spans: Iterable[Span]) -> None:
         self._spans = sorted(spans, key=lambda span: (span.file, span))
         self._starts = [(span.file, span.start) for span in self._spans]
 
     def covering(self, place: Span) -> Span | None:
-        """The span in which, or right after which, ``place`` begins."""
+        """The span that contains the start of ``place``, or ends there."""
         index = bisect_right(self._starts, (place.file, place.start)) - 1
         if index < 0:
             return None
@@ -139,12 +139,12 @@ class Spans:
 def without_followers(
     found: Sequence[Diagnostic], file: File, *, complete: bool = True
 ) -> tuple[Diagnostic, ...]:
-    """The findings that do not merely follow from the syntax errors of a file.
+    """The diagnostics that do not merely follow from the syntax errors of a file.
 
     Args:
-        found: all findings.
-        file: its syntax, with what could not be read.
-        complete: whether all files that it includes were found; if not, no name is unknown.
+        found: all diagnostics.
+        file: its syntax, with what could not be parsed.
+        complete: whether all included files were read; if not, no name is reported as unknown.
     """
     if complete and not file.broken:
         return tuple(found)

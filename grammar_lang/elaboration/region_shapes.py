@@ -1,4 +1,4 @@
-"""The shapes of regions: boxes, polytopes, hulls and round sets, exact."""
+"""The shapes of regions: boxes, polytopes, hulls and round sets, all exact."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from grammar_lang.units import LENGTH, ONE, Dimension
 
 @dataclass(frozen=True, slots=True)
 class RegionShapes:
-    """Reads the shapes of a workspace of that dimension."""
+    """Reads the shapes of a workspace; ``size`` is its dimension."""
 
     sink: Sink
     size: Literal[2, 3]
 
     def lower(self, shape: t.Shape, kind: ir.RegionKind) -> ir.RegionShape | None:
-        """The shape of a region of that kind; None where an error was reported."""
+        """The shape of a region of that kind; None if an error was reported."""
         match shape:
             case t.Box():
                 return self._box(shape)
@@ -45,7 +45,7 @@ class RegionShapes:
                 return self._round(shape, kind)
 
     def _units(self, units: tuple[s.Ident | None, ...]) -> list[ListUnit]:
-        """The unit of each part; the last part's stands for those that have none."""
+        """The unit of each part; a part without a unit takes that of the last part."""
         last = list_unit(units[-1], LENGTH, self.sink)
         own = [last if u is None else list_unit(u, LENGTH, self.sink) for u in units[:-1]]
         return [*own, last]
@@ -64,7 +64,7 @@ class RegionShapes:
         return ir.Inequalities(tuple(rows)) if len(rows) == 2 * self.size else None
 
     def _side(self, index: int, side: s.Interval, unit: ListUnit) -> list[ir.HalfSpace]:
-        """The rows ``-x <= -lower`` and ``x <= upper``; none where an error was reported."""
+        """The rows ``-x <= -lower`` and ``x <= upper``; empty if an error was reported."""
         reader = Constants(self.sink)
         lower = reader.rational(side.lower, LENGTH, unit)
         upper = reader.rational(side.upper, LENGTH, unit)
@@ -96,7 +96,7 @@ class RegionShapes:
         return None if found is None else ir.Hull(found)
 
     def _points(self, points: tuple[t.Point, ...]) -> tuple[tuple[Fraction, ...], ...] | None:
-        """Points, exact; None where an error was reported."""
+        """The exact points; None if an error was reported."""
         units = self._units(tuple(point.unit for point in points))
         reader = Constants(self.sink)
         read = [
@@ -142,9 +142,9 @@ _NONE: Coefficients = (Fraction(0), Fraction(0), Fraction(0))
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """``coefficients . (x, y, z) + constant`` of a dimension, in SI; None: a bare constant.
+    """``coefficients . (x, y, z) + constant``, with its dimension, in SI; None: a bare constant.
 
-    ``inexact`` is where a constant is written that is no rational.
+    ``inexact`` is the place of a constant that is not rational.
     """
 
     coefficients: Coefficients
@@ -153,7 +153,7 @@ class Form:
     inexact: Span | None = None
 
     def times(self, factor: Fraction, dimension: Dimension) -> Form:
-        """The form times a constant of that dimension."""
+        """The form multiplied by a constant of that dimension."""
         x, y, z = (c * factor for c in self.coefficients)
         return Form((x, y, z), self.constant * factor, (self.dimension or ONE) * dimension)
 
@@ -191,14 +191,14 @@ def has_axis(expr: s.Expr) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Inequalities:
-    """Reads inequalities whose bare constants are in ``unit``."""
+    """Reads inequalities; ``unit`` is the unit of bare constants."""
 
     sink: Sink
     unit: ListUnit
     size: Literal[2, 3]
 
     def lower(self, row: t.Inequality) -> ir.HalfSpace | None:
-        """The half-space of an inequality; None where an error was reported."""
+        """The half-space of an inequality; None if an error was reported."""
         if not self._sign(row):
             return None
         if not has_axis(row.left) and not has_axis(row.right):
@@ -237,7 +237,7 @@ class Inequalities:
         self.sink.error(Code.NOT_LINEAR, message, at, hint)
 
     def _form(self, expr: s.Expr) -> Form | None:
-        """The form of an expression in which a coordinate occurs."""
+        """The linear form of an expression that contains a coordinate; None after an error."""
         match expr:
             case s.AxisName(axis=axis):
                 if axis == "z" and self.size == 2:
@@ -271,7 +271,7 @@ class Inequalities:
         return Form(_NONE, exact or Fraction(0), value.dimension, inexact)
 
     def _factor(self, expr: s.Expr) -> tuple[Fraction, Dimension] | None:
-        """A constant that a form is multiplied by or divided through."""
+        """A constant by which a form is multiplied or divided."""
         reader = Constants(self.sink)
         value = reader.typed(expr, NO_UNIT)
         if value.sort is not Sort.SCALAR:

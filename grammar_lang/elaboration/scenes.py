@@ -1,4 +1,4 @@
-"""Where a file of obstacles lies in the workspace: its unit, and the frame of a mesh."""
+"""The position of an obstacle file in the workspace: its unit, and the frame of a mesh."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from grammar_lang.units import LENGTH
 def placed(
     item: t.ObstaclesFrom, size: Literal[2, 3], found: ir.ObstacleMap, sink: Sink
 ) -> ir.ObstacleMap | None:
-    """The obstacles where the clause puts them; None where an error was reported.
+    """The obstacles, positioned as the clause says; None if an error was reported.
 
     Args:
         item: the clause.
         size: the dimension of the workspace.
-        found: what its file has.
-        sink: takes the errors.
+        found: the contents of its file.
+        sink: collects the errors.
     """
     if found.scene is None:
         return found if _lies_itself(item, size, sink) else None
@@ -45,7 +45,7 @@ def placed(
 
 
 def _lies_itself(item: t.ObstaclesFrom, size: Literal[2, 3], sink: Sink) -> bool:
-    """Whether a map or polygons, which say where they lie, are in the plane and said no more of."""
+    """Whether a map or GeoJSON file is in the plane and without unit and frame; reported if not."""
     if size == 3:
         message = "a map of obstacles lies in the plane, this workspace in space"
         hint = "say `plane xy`, or write the obstacles as a mesh, boxes, polytopes or hulls"
@@ -62,7 +62,7 @@ def _lies_itself(item: t.ObstaclesFrom, size: Literal[2, 3], sink: Sink) -> bool
 
 
 def _frame(expr: s.Expr, size: Literal[2, 3], sink: Sink) -> ir.Expr:
-    """A closed frame, of the plane where the workspace is."""
+    """A closed frame, which in the plane must not leave it."""
     scope = ClosedScope()
     frame = require_frame(Checker(scope, sink).elaborate(expr), expr.span, sink)
     for use in scope.uses:
@@ -79,7 +79,7 @@ def _frame(expr: s.Expr, size: Literal[2, 3], sink: Sink) -> ir.Expr:
 
 
 def _amounts(frame: ir.Expr) -> Iterator[ir.Expr]:
-    """The angles and lengths of a frame."""
+    """The angles and lengths in a frame."""
     for step in ir.factors(frame):
         match step:
             case ir.Rot(angle=amount) | ir.Move(distance=amount):

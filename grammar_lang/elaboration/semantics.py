@@ -1,4 +1,4 @@
-"""Semantics (Definition 5): attribute rules and emissions of each production, typed."""
+"""Semantics (Definition 5): the typed attribute rules and emissions of each production."""
 
 from __future__ import annotations
 
@@ -37,22 +37,22 @@ from grammar_lang.names.table import NameTable
 from grammar_lang.source import Span
 
 _ENDS = 3
-"""So many attributes are named at either end of a long cycle."""
+"""The number of attributes named at either end of a long cycle."""
 
 
-# --- lowering ----------------------------------------------------------------------------------
+# --- Lowering ----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class SemanticsInfo:
-    """The blocks of a grammar and what in them depends on plane or space (nothing after errors)."""
+    """The blocks of a grammar, and the uses that depend on plane or space (empty after errors)."""
 
     blocks: Mapping[str, ir.SemanticBlock]
     uses: tuple[DimensionUse, ...]
 
 
 def _fits(value: Typed, due: Typed | None, at: Span, sink: Sink) -> None:
-    """Check a rule's value against the type of its attribute."""
+    """Check the value of a rule against the type of its attribute."""
     if due is None or Sort.UNKNOWN in {value.sort, due.sort}:
         return
     if value.sort is not due.sort:
@@ -73,7 +73,7 @@ def _rule(placed: PlacedRule, scope: ProductionScope, sink: Sink) -> ir.Attribut
 
 
 def _uses(scope: ProductionScope, position: int, dof: str) -> list[Span]:
-    """Where a degree of freedom is used: in the block, and in the module if it is mounted."""
+    """The places where a degree of freedom is used: in the block, and in the module if mounted."""
     places = list(scope.dofs.get(ir.DofOf(position, dof), ()))
     info = scope.info
     if (info.production.label, position) in scope.attributes.mounted:
@@ -84,7 +84,7 @@ def _uses(scope: ProductionScope, position: int, dof: str) -> list[Span]:
 
 
 def _check_mounted(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
-    """Report the modules whose frames and bodies a production leaves out."""
+    """Report the modules that have frames or bodies but are not mounted by a production."""
     production = scope.info.production
     for position, symbol in enumerate(production.right):
         module = scope.modules.get(symbol.name)
@@ -99,7 +99,7 @@ def _check_mounted(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
 
 
 def _check_dofs(scope: ProductionScope, block: s.Block, sink: Sink) -> None:
-    """Each degree of freedom of each module occurrence is used exactly once."""
+    """Check that each degree of freedom of each module occurrence is used exactly once."""
     production = scope.info.production
     called_by = {place: name for name, place in scope.info.names.items()}
     for position, symbol in enumerate(production.right):
@@ -187,7 +187,7 @@ def _blocks(
 
 
 def _check_inferred(attributes: Attributes, types: Types, sink: Sink) -> None:
-    """Report the attributes whose every definition refers to itself in another derivation."""
+    """Report attributes whose type is undetermined because all their definitions are recursive."""
     for (nonterminal, name), span in (
         *attributes.synthesized.items(),
         *attributes.inherited.items(),
@@ -227,9 +227,9 @@ def lower_semantics(
     meshes: Mapping[Span, ir.Mesh | ir.VisualFile],
     sink: Sink,
 ) -> SemanticsInfo:
-    """The semantics of a grammar; whatever is wrong with it is reported.
+    """The semantics of a grammar; errors in it are reported.
 
-    ``meshes`` are by the span of the path that names each.
+    ``meshes`` are keyed by the span of the path that names each.
     """
     before = len(sink.found)
     blocks = _blocks(grammar, semantics, names, sink)

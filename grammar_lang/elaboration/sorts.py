@@ -1,4 +1,4 @@
-"""Sorts and dimensions of values; whether a value fits its place and is plausible."""
+"""Sorts and dimensions of values, and checks that a value fits its place and is plausible."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from grammar_lang.units import (
 )
 from grammar_lang.units import unit as parse_unit
 
-# --- Sorts and dimensions of values, and the checks that a value fits its place -------------------
+# --- Sorts and dimensions of values, and checks that a value fits its place -----------------------
 #
 # A value is a scalar, a vector or a frame.  A *bare* value (dimension None) is made of numbers
 # without units; it takes the dimension that its place requires.
 
 
 class Sort(Enum):
-    """What a value is; UNKNOWN after an error, or where it is not yet inferred."""
+    """The sort of a value; UNKNOWN after an error, or if it is not yet inferred."""
 
     SCALAR = "a number"
     VECTOR = "a vector"
@@ -58,7 +58,7 @@ class Typed:
 
     @property
     def bare(self) -> bool:
-        """Whether it takes the dimension of its place."""
+        """Whether it takes the dimension that its place requires."""
         return self.dimension is None and self.sort in {Sort.SCALAR, Sort.VECTOR}
 
 
@@ -67,13 +67,13 @@ UNKNOWN = Typed(ZERO, Sort.UNKNOWN, None)
 
 
 def unknown(expr: ir.Expr) -> Typed:
-    """An expression of a sort that is not yet inferred; what it reads is kept."""
+    """An expression whose sort is not yet inferred; the expression is kept for what it reads."""
     return Typed(expr, Sort.UNKNOWN, None)
 
 
 @dataclass(frozen=True, slots=True)
 class DimensionUse:
-    """Something that makes sense in the plane (2) or in space (3) only."""
+    """An expression that is valid only in the plane (2) or only in space (3)."""
 
     only: Literal[2, 3]
     span: Span
@@ -81,24 +81,24 @@ class DimensionUse:
 
 
 class Scope(Protocol):
-    """What names mean where an expression stands."""
+    """The meaning of names at the place of an expression."""
 
     uses: list[DimensionUse]
 
     def name(self, ident: s.Ident, sink: Sink) -> Typed:
-        """The value of a plain name; reports it and returns UNKNOWN if there is none."""
+        """The value of a plain name; if it has none, report that and return UNKNOWN."""
         ...
 
     def member(self, member: s.Member, sink: Sink) -> Typed:
-        """The value of ``owner.name``; reports it and returns UNKNOWN if there is none."""
+        """The value of ``owner.name``; if it has none, report that and return UNKNOWN."""
         ...
 
     def dof(self, name: s.Member | s.Name) -> ir.Dof | None:
-        """The degree of freedom that ``owner.name``, or a plain name in its module, is."""
+        """The degree of freedom that ``owner.name``, or a plain name in its module, refers to."""
         ...
 
     def use_dof(self, name: s.Member | s.Name) -> ir.Expr:
-        """Take note that the degree of freedom stands alone in a ``rot`` or ``move`` here."""
+        """Record that the degree of freedom is the whole argument of a ``rot`` or ``move``."""
         ...
 
     def mentions(self, expressions: Iterable[s.Expr]) -> tuple[int, ...]:
@@ -127,7 +127,7 @@ def _known_already(declared: Span | None, sink: Sink) -> bool:
 def mismatch(
     value: Typed, dimension: Dimension, at: Span, sink: Sink, hint: str | None = None
 ) -> None:
-    """Report a wrong dimension, once for each declaration that is to blame."""
+    """Report a wrong dimension, but only once for each declaration that causes it."""
     if _known_already(value.declared, sink):
         return
     if hint is None:
@@ -141,7 +141,7 @@ def mismatch(
 
 
 def wrong_sort(value: Typed, wanted: str, at: Span, sink: Sink) -> None:
-    """Report a wrong sort; silent where the sort is unknown because of an earlier error."""
+    """Report a wrong sort, unless it is unknown because of an earlier error."""
     if value.sort is Sort.UNKNOWN:
         return
     hint = {
@@ -155,7 +155,7 @@ def wrong_sort(value: Typed, wanted: str, at: Span, sink: Sink) -> None:
 
 
 def require_scalar(value: Typed, dimension: Dimension, at: Span, sink: Sink) -> ir.Expr:
-    """The expression of a scalar of that dimension; whatever else it is, is reported."""
+    """The expression of a scalar of that dimension; anything else is reported."""
     if value.sort is not Sort.SCALAR:
         wrong_sort(value, describe(dimension), at, sink)
     elif value.dimension is not None and value.dimension != dimension:
@@ -164,7 +164,7 @@ def require_scalar(value: Typed, dimension: Dimension, at: Span, sink: Sink) -> 
 
 
 def require_vector(value: Typed, dimension: Dimension, at: Span, sink: Sink) -> ir.Expr:
-    """The expression of a vector of that dimension."""
+    """The expression of a vector of that dimension; anything else is reported."""
     if value.sort is not Sort.VECTOR:
         wrong_sort(value, "a vector", at, sink)
     elif value.dimension is not None and value.dimension != dimension:
@@ -173,14 +173,14 @@ def require_vector(value: Typed, dimension: Dimension, at: Span, sink: Sink) -> 
 
 
 def require_frame(value: Typed, at: Span, sink: Sink) -> ir.Expr:
-    """The expression of a frame."""
+    """The expression of a frame; anything else is reported."""
     if value.sort is not Sort.FRAME:
         wrong_sort(value, "a frame", at, sink)
     return value.expr
 
 
 def warn_turn(value: Typed, at: Span, sink: Sink) -> None:
-    """Warn of a bare angle above a turn: it was probably meant in degrees."""
+    """Warn of a bare angle above a full turn: it was probably meant in degrees."""
     if not value.bare or value.sort is not Sort.SCALAR or not constants.is_closed(value.expr):
         return
     try:
@@ -197,7 +197,7 @@ def warn_turn(value: Typed, at: Span, sink: Sink) -> None:
 
 
 def finite(value: Typed, at: Span, sink: Sink) -> Typed:
-    """The value, or UNKNOWN (reported) where it is closed and has no finite real value."""
+    """The value; if it is closed but has no finite real value, report that and return UNKNOWN."""
     if value.sort is not Sort.SCALAR or not constants.is_closed(value.expr):
         return value
     try:
@@ -213,7 +213,7 @@ def finite(value: Typed, at: Span, sink: Sink) -> Typed:
 
 
 def folded(build: Callable[[], ir.Expr], at: Span, sink: Sink) -> ir.Expr | None:
-    """The expression that ``build`` makes; numbers too large to represent are reported."""
+    """The expression that ``build`` makes; None if its numbers are too large, which is reported."""
     try:
         return build()
     except constants.MagnitudeError:
@@ -222,7 +222,7 @@ def folded(build: Callable[[], ir.Expr], at: Span, sink: Sink) -> ir.Expr | None
 
 
 def scale(value: Typed, unit: Unit, at: Span, sink: Sink) -> Typed:
-    """A bare value in a unit; a value with a dimension of its own is left as it is."""
+    """A bare value in a unit; a value that already has a dimension is unchanged."""
     if not value.bare:
         return value
     factor = constants.from_monomial((unit.factor, unit.pi_power))
@@ -243,17 +243,18 @@ def scale(value: Typed, unit: Unit, at: Span, sink: Sink) -> Typed:
     return finite(Typed(expr, value.sort, unit.dimension, unit.angular), at, sink)
 
 
-# --- Values that nobody builds a robot with: probably a wrong unit, or a digit too many -----------
+# --- Implausible values: probably a wrong unit, or a digit too many -------------------------------
 #
-# One table says what is plausible, generously.  Zero always is; intervals and choices are judged
-# value by value.  Bare angles above a turn are :func:`grammar_lang.elaboration.sorts.warn_turn`'s.
+# One table gives generous bounds.  Zero is always plausible.  In intervals and choices each value
+# is checked separately.  Bare angles above a full turn are checked by
+# :func:`grammar_lang.elaboration.sorts.warn_turn`.
 
 
 @dataclass(frozen=True, slots=True)
 class Plausible:
-    """The sizes ``least <= size <= most`` of a quantity, in SI, and the units it may be meant in.
+    """The plausible sizes ``least <= size <= most`` of a quantity in SI units, and its usual units.
 
-    ``units`` begins with the SI unit; ``least`` is 0 where every small value is plausible.
+    ``units`` begins with the SI unit; ``least`` is 0 if every small value is plausible.
     """
 
     name: str
@@ -267,7 +268,7 @@ class Plausible:
 
 
 SMALLEST, LARGEST = 1e-100, 1e100
-"""Of a quantity in SI units; the squares of such numbers, and some more, are doubles."""
+"""Bounds on quantities in SI units, chosen so that their squares, with a margin, are doubles."""
 PLAUSIBLE: dict[Dimension, Plausible] = {
     LENGTH: Plausible("length", 1e-6, 1e4, ("m", "cm", "mm")),
     MASS: Plausible("mass", 1e-9, 1e6, ("kg", "g")),
@@ -285,7 +286,7 @@ def _factor(unit: Unit) -> float:
 
 
 def _written(expr: s.Expr, unit: Unit | None) -> tuple[s.Number | None, Unit | None]:
-    """The only number of an expression and its unit, of its own or of its list."""
+    """The number in a plain or negated literal, and its unit, which may be that of its list."""
     while isinstance(expr, s.Negate):
         expr = expr.operand
     if not isinstance(expr, s.Number):
@@ -294,7 +295,7 @@ def _written(expr: s.Expr, unit: Unit | None) -> tuple[s.Number | None, Unit | N
 
 
 def _hint(size: float, due: Plausible, expr: s.Expr, unit: Unit | None) -> str:
-    """The unit that makes the value plausible, the nearest to one of it; else what is usual."""
+    """A unit that makes the value plausible, preferably close to 1; otherwise the usual range."""
     number, own = _written(expr, unit)
     if number is not None:
         plain = size if own is None else size / _factor(own)
@@ -312,7 +313,7 @@ def _usual(due: Plausible) -> str:
 
 
 def _size(value: ir.Expr) -> float:
-    """The size in floating point; positive where the value is an exact number and is not zero."""
+    """The size in floating point, but positive if the value is an exact non-zero number."""
     size = abs(constants.to_float(value))
     if not size and isinstance(value, ir.Num) and value.value:
         return math.ulp(0.0)
@@ -322,17 +323,17 @@ def _size(value: ir.Expr) -> float:
 def warn_implausible(
     value: Typed, dimension: Dimension, written: s.Expr, unit: Unit | None, sink: Sink
 ) -> bool:
-    """Whether a closed scalar is out of all proportion, which is then reported.
+    """Report a closed scalar that is implausibly large or small; return whether it was reported.
 
-    It is an error where floating point could not hold the squares of such numbers.
+    It is an error if floating point could not hold the squares of such numbers, otherwise a
+    warning.
 
     Args:
-        value: the value in SI; nothing is said of one of another sort or dimension, or of one that
-            is not closed.
-        dimension: what it is, or what its place takes it for.
-        written: how it is written; a name alone was judged where it is declared.
-        unit: the unit of the list in which it stands, if any.
-        sink: takes the diagnostic.
+        value: the value in SI units; other sorts and dimensions and open values are ignored.
+        dimension: its dimension, or the one that its place requires.
+        written: its syntax; a plain name is ignored, since its declaration is checked.
+        unit: the unit of the list that contains it, if any.
+        sink: collects the diagnostic.
     """
     due = PLAUSIBLE.get(dimension)
     if due is None or value.sort is not Sort.SCALAR or isinstance(written, s.Name | s.Member):
@@ -358,7 +359,7 @@ def warn_implausible(
 def warn_implausible_vector(
     value: Typed, dimension: Dimension, written: s.Expr, sink: Sink
 ) -> None:
-    """The same of each component of a vector."""
+    """As :func:`warn_implausible`, for each component of a vector."""
     if not isinstance(value.expr, ir.Vector) or not isinstance(written, s.Tuple):
         return
     unit = None if written.unit is None else parse_unit(written.unit.text)

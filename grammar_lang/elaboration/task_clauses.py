@@ -1,4 +1,4 @@
-"""The clauses of a task about inputs, and about an existing robot."""
+"""The clauses of a task about efforts, and about an existing robot."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from grammar_lang.units import FORCE, ONE, TORQUE, Dimension
 
 
 def clause_places(task: t.Task) -> dict[str, Span]:
-    """Where the clauses stand that are plain values in the task."""
+    """The places of the clauses that are plain values in the task."""
     kinds = {
         t.Horizon: "horizon",
         t.Gravity: "gravity",
@@ -44,7 +44,7 @@ _UNIT: dict[ir.DofKind, str] = {"revolute": "N*m", "prismatic": "N"}
 
 @dataclass(slots=True)
 class _EffortReader:
-    """Reads the bounds of a task whose family has degrees of freedom of ``kinds``."""
+    """Reads the effort bounds of a task whose family has degrees of freedom of ``kinds``."""
 
     task: s.Ident
     kinds: tuple[ir.DofKind, ...]
@@ -52,7 +52,7 @@ class _EffortReader:
     found: dict[ir.DofKind, ir.Effort] = field(default_factory=dict[ir.DofKind, ir.Effort])
 
     def missing(self, kind: ir.DofKind) -> None:
-        """Report a missing bound; at a bound of a kind that does not occur, if there is one."""
+        """Report a missing bound, at a bound of a kind that does not occur if there is one."""
         for other, effort in self.found.items():
             if other not in self.kinds:
                 value = Typed(ir.Pi(), Sort.SCALAR, _EFFORT[other])
@@ -63,7 +63,7 @@ class _EffortReader:
         self.sink.error(Code.MISSING_CLAUSE, message, self.task.span, hint)
 
     def _kind(self, value: Typed, at: Span) -> ir.DofKind | None:
-        """The kind that an effort belongs to, by its dimension."""
+        """The kind of degree of freedom that an effort belongs to, by its dimension."""
         for kind, dimension in _EFFORT.items():
             if value.dimension == dimension:
                 return kind
@@ -110,7 +110,7 @@ class _EffortReader:
 
 
 def lower_efforts(task: t.Task, kinds: tuple[ir.DofKind, ...], sink: Sink) -> tuple[ir.Effort, ...]:
-    """The effort bounds, one for each of the ``kinds`` of degrees of freedom at least."""
+    """The effort bounds: at least one for each of the ``kinds`` of degrees of freedom."""
     before = len(sink.found)
     reader = _EffortReader(task.name, kinds, sink)
     for item in task.items:
@@ -124,7 +124,7 @@ def lower_efforts(task: t.Task, kinds: tuple[ir.DofKind, ...], sink: Sink) -> tu
 
 
 # --------------------------------------------------------------------------------------------------
-# ``from W fixed …``: the existing robot of a task (Example 2), its occurrences named and read.
+# ``from W fixed …``: the existing robot of a task (Example 2); its occurrences are resolved.
 
 
 @dataclass(slots=True)
@@ -137,7 +137,7 @@ class _ReconfigurationReader:
     seen: dict[tuple[int, str], Span] = field(default_factory=dict[tuple[int, str], Span])
 
     def _place(self, name: s.Ident) -> int | None:
-        """The position of an occurrence in the word; None where there is none, reported."""
+        """The position of an occurrence in the word; None if there is none, which is reported."""
         if name.text in self.word.places:
             return self.word.places[name.text]
         if name.text in self.word.repeated:
@@ -191,7 +191,7 @@ class _ReconfigurationReader:
         return None
 
     def _value(self, item: t.Fixing, parameter: ir.Parameter, info: ModuleInfo) -> ir.Expr | None:
-        """The value, of the parameter's dimension and in its domain."""
+        """The value, of the parameter's dimension and in its domain; None after an error."""
         reader = Constants(self.sink)
         dimension = info.members[parameter.name].dimension or ONE
         value = reader.scalar(item.value, dimension, angle=parameter.unit == "rad")
@@ -214,7 +214,7 @@ def _in_domain(value: ir.Expr, domain: ir.Interval | ir.Choices) -> bool:
 
 
 def _check_clashes(word: Occurrences, terminals: Mapping[str, Entity], sink: Sink) -> None:
-    """Report the occurrences whose name is another symbol's own."""
+    """Report the occurrences whose name is that of another symbol."""
     for name, own in word.clashes:
         message = f"this occurrence is called `{own}`, which is another symbol's name"
         notes = [(terminals[own].span, "declared here")]
@@ -224,13 +224,13 @@ def _check_clashes(word: Occurrences, terminals: Mapping[str, Entity], sink: Sin
 def lower_origin(
     item: t.From, modules: Mapping[str, ModuleInfo], names: NameTable, sink: Sink
 ) -> ir.Origin:
-    """The existing robot; whatever is wrong with its clause is reported.
+    """The existing robot; errors in its clause are reported.
 
     Args:
         item: the clause.
         modules: the modules of the file.
-        names: what the names of the file stand for.
-        sink: where errors go.
+        names: the name table of the file.
+        sink: collects the errors.
     """
     terminals = names.declared.terminals
     for name in item.word:

@@ -1,4 +1,4 @@
-"""Tasks: a robot family, a workspace and what is to be done, every clause checked."""
+"""Tasks: a robot family, a workspace and a goal, with every clause checked."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Named = TypeVar("Named")
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What a task may name, and the modules, families and workspaces that were made of it."""
+    """The names that a task may use, and the lowered modules, families and workspaces."""
 
     names: NameTable
     modules: Mapping[str, ModuleInfo]
@@ -60,11 +60,11 @@ class _Reader:
 
     @property
     def kinds(self) -> tuple[ir.DofKind, ...]:
-        """The kinds of joints that the family has; none where that is not known."""
+        """The kinds of joints of the family; empty if the family is unknown."""
         return () if self.family is None else self.family.kinds
 
     def one(self, kind: type[Clause], name: str, hint: str | None) -> Clause | None:
-        """The clause of a kind; a second one is reported, and with a hint a missing one."""
+        """The clause of a kind; a second one is reported, and with a hint a missing one too."""
         items = [item for item in self.task.items if isinstance(item, kind)]
         for item in items[1:]:
             notes = [(items[0].span, "first here")]
@@ -76,24 +76,24 @@ class _Reader:
         return items[0] if items else None
 
     def avoided(self, name: s.Ident) -> str:
-        """The name of a region or map that is avoided; reported if it is none."""
+        """The name of a region or map to avoid; reported if it does not exist."""
         check_round(name, self.workspace, ("obstacle",), "to be avoided", self.sink)
         return self.region(name)
 
     def spoken_of(self, name: s.Ident) -> str:
-        """The name of a region or map in a formula; reported if it is none."""
+        """The name of a region or map in a formula; reported if it does not exist."""
         check_round(name, self.workspace, (), "in formulas", self.sink)
         return self.region(name)
 
     def region(self, name: s.Ident) -> str:
-        """The name of a region or map of the workspace; reported if it is none."""
+        """The name of a region or map of the workspace; reported if it does not exist."""
         if self.workspace is not None and self.around.names.entity(name) is None:
             known = self.around.names.declared.places[self.workspace.name]
             self._no_region(name, self.workspace.name, known)
         return name.text
 
     def place(self, name: s.Ident) -> str:
-        """The name of a region where the task starts or ends; reported if it is none."""
+        """The name of a region where the task starts or ends; reported if it is not one."""
         ends: tuple[ir.RegionKind, ...] = ("region", "target")
         check_round(name, self.workspace, ends, "a place to start or to end", self.sink)
         found = self.around.names.entity(name)
@@ -113,7 +113,7 @@ class _Reader:
         report_unknown(name, due, known, self.around.names.declared, self.sink, message)
 
     def named(self, name: s.Ident, known: Mapping[str, Named], due: str) -> Named | None:
-        """The thing of that name; reported if there is none."""
+        """The declaration of that name; reported if there is none."""
         if self.around.names.entity(name) is None:
             report_unknown(name, due, known, self.around.names.declared, self.sink)
         return known.get(name.text)
@@ -122,14 +122,14 @@ class _Reader:
         return None if expr is None else self.constants.integer(expr, 1, "an effector's number")
 
     def not_negative(self, expr: s.Expr, dimension: Dimension, what: str) -> Fraction:
-        """A rational, at least zero; zero where an error was reported."""
+        """A rational, reported if it is negative; zero if it could not be read."""
         value = self.constants.rational(expr, dimension)
         if value is not None and value < 0:
             self.sink.error(Code.BAD_VALUE, f"{what} is negative", expr.span, "write zero or more")
         return value or Fraction(0)
 
     def positive(self, expr: s.Expr, dimension: Dimension, what: str) -> Fraction:
-        """A rational above zero; one where an error was reported."""
+        """A rational, reported if it is not positive; one if it could not be read."""
         value = self.constants.rational(expr, dimension)
         if value is not None and value <= 0:
             self.sink.error(
@@ -137,7 +137,7 @@ class _Reader:
             )
         return value or Fraction(1)
 
-    # --- start, reach, avoid -------------------------------------------------------------------
+    # --- Start, reach, avoid -------------------------------------------------------------------
 
     def start(self) -> ir.StartIn | ir.StartAt | None:
         items = [i for i in self.task.items if isinstance(i, t.StartIn | t.StartAt)]
@@ -184,7 +184,7 @@ class _Reader:
         return tuple(avoid for avoid in found if avoid is not None)
 
     def _avoid(self, item: t.Avoid) -> ir.Avoid | None:
-        """What is avoided besides the robot itself; None if there is nothing else."""
+        """The regions and maps to avoid; None if the clause names only the robot itself."""
         margin = Fraction(0)
         if item.margin is not None:
             margin = self.not_negative(item.margin, LENGTH, "the margin")
@@ -201,7 +201,7 @@ class _Reader:
         return ir.Avoid(tuple(others), item.subject, margin, item.span) if others else None
 
     def _is_self(self, name: s.Ident) -> bool:
-        """Whether a name in ``avoid`` is the robot itself, not a region that is called so."""
+        """Whether a name in ``avoid`` means the robot itself, not a region of that name."""
         if name.text != "self":
             return False
         return self.around.names.entity(name) is None
@@ -219,7 +219,7 @@ class _Reader:
             self.itself = ir.AvoidSelf(margin, self._exceptions(item), item.span)
 
     def _exceptions(self, item: t.Avoid) -> frozenset[tuple[str, str]]:
-        """The pairs of modules whose bodies may touch; a name that is no module is reported."""
+        """The pairs of modules whose bodies may touch; unknown modules are reported."""
         names, found = self.around.names, set[tuple[str, str]]()
         for pair in item.excepted:
             unknown = [name for name in pair if names.entity(name) is None]
@@ -231,20 +231,20 @@ class _Reader:
                 found.add((one, two))
         return frozenset(found)
 
-    # --- formulas ------------------------------------------------------------------------------
+    # --- Formulas ------------------------------------------------------------------------------
 
     def satisfy(self) -> tuple[ir.Satisfy, ...]:
         found: list[ir.Satisfy] = []
         for item in self.task.items:
             if isinstance(item, t.Satisfy):
-                # Loaded where a task needs it, so that a check starts fast.
+                # Imported only if a task has a formula, to keep checks fast.
                 from grammar_lang.elaboration.formulas import lower_formula
 
                 formula = lower_formula(item.formula, self.spoken_of, self._poses, self.sink)
                 found.append(ir.Satisfy(formula, item.span))
         return tuple(found)
 
-    # --- the existing robot, and disturbances --------------------------------------------------
+    # --- The existing robot, and disturbances --------------------------------------------------
 
     def origin(self) -> ir.Origin | None:
         item = self.one(t.From, "from", None)
@@ -281,10 +281,10 @@ class _Reader:
             item, self.family, self.around.modules, self.around.names, self.sink
         )
 
-    # --- the rest ------------------------------------------------------------------------------
+    # --- Other clauses -------------------------------------------------------------------------
 
     def horizon(self) -> tuple[int, Fraction, bool]:
-        """The number of steps, their length, and whether there may be fewer."""
+        """The number of steps, their length, and whether there may be fewer steps."""
         item = self.one(t.Horizon, "horizon", "add `horizon 80 steps of 0.125 s;`")
         if item is None:
             return 1, Fraction(1), False
@@ -329,7 +329,7 @@ class _Reader:
 
 
 def lower_task(task: t.Task, around: Surroundings, sink: Sink) -> ir.Task | None:
-    """The task; None where a required clause is missing or wrong, which is reported."""
+    """The task; None if a required clause is missing or wrong, which is reported."""
     reader = _Reader(task, around, sink)
     robot = reader.one(t.Robot, "robot", "add `robot G;` with the name of a grammar")
     place = reader.one(t.TaskWorkspace, "workspace", "add `workspace W;`")

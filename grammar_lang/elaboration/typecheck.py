@@ -1,4 +1,4 @@
-"""Expressions: names looked up, sorts and dimensions checked, constants folded exactly."""
+"""Elaborate expressions: look up names, check sorts and dimensions, and fold constants exactly."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def read_unit(ident: s.Ident, sink: Sink) -> Unit | None:
 
 
 def plain_name(ident: s.Ident, known: tuple[str, ...], sink: Sink) -> Typed:
-    """The value of a name that no declaration in scope gives: ``pi`` or an error."""
+    """The value of a name that is not declared in scope: ``pi``, or an error."""
     if ident.text == "pi":
         return Typed(ir.Pi(), Sort.SCALAR, None)
     hint = did_you_mean(ident.text, (*known, "pi"), "name", sink)
@@ -69,9 +69,9 @@ def plain_name(ident: s.Ident, known: tuple[str, ...], sink: Sink) -> Typed:
 
 @dataclass(frozen=True, slots=True)
 class Checker:
-    """Elaborates expressions in a scope; what it finds wrong goes to the sink.
+    """Elaborates expressions in a scope and reports errors to the sink.
 
-    ``functions`` are those that only the place of the expression knows.
+    ``functions`` are additional functions that are known only at the place of the expression.
     """
 
     scope: Scope
@@ -81,7 +81,7 @@ class Checker:
     )
 
     def elaborate(self, expr: s.Expr) -> Typed:
-        """The typed form of an expression; UNKNOWN where an error was reported."""
+        """The typed form of an expression; UNKNOWN if an error was reported."""
         match expr:
             case s.Number():
                 return self._number(expr)
@@ -164,14 +164,14 @@ class Checker:
         return Typed(vector, Sort.VECTOR, dimension)
 
     def _same(self, dimension: Dimension | None, value: Typed, at: Span) -> Dimension | None:
-        """The common dimension of what came before and a value."""
+        """The common dimension of the previous components and a value."""
         if dimension is None or value.dimension is None:
             return dimension or value.dimension
         if value.dimension != dimension:
             mismatch(value, dimension, at, self.sink)
         return dimension
 
-    # --- functions -----------------------------------------------------------------------------
+    # --- Functions -----------------------------------------------------------------------------
 
     def _call(self, call: s.Call) -> Typed:
         match call.function.text:
@@ -186,7 +186,7 @@ class Checker:
                 return UNKNOWN
 
     def _unknown_function(self, name: str, call: s.Call) -> None:
-        """Report a name that is no function; mistakes in its arguments are told as well."""
+        """Report an unknown function; errors in its arguments are reported as well."""
         at = call.function.span
         if name in EMISSIONS:
             message = f"`{name}(…)` is an emission, not a value"
@@ -221,7 +221,7 @@ class Checker:
         return self._unary(function, value.expr, dimension, call.span)
 
     def _image(self, function: ir.Function, value: Typed, at: Span) -> Dimension | None:
-        """The dimension of the function's value; bare for a bare argument."""
+        """The dimension of the function's value; None (bare) for a bare argument."""
         if value.dimension is None:
             return None
         if function in {"sin", "cos", "tan"}:
@@ -264,7 +264,7 @@ class Checker:
         result = self._unary("neg", value.expr, value.dimension, at)
         return Typed(result.expr, result.sort, result.dimension, value.angular)
 
-    # --- operators -----------------------------------------------------------------------------
+    # --- Operators -----------------------------------------------------------------------------
 
     def _binary(self, expr: s.Binary) -> Typed:
         left, right = self.elaborate(expr.left), self.elaborate(expr.right)
@@ -327,7 +327,7 @@ class Checker:
             a, b = left.dimension or ONE, right.dimension or ONE
             dimension = a * b if operator == "*" else a / b
         found = self._fold(operator, left.expr, right.expr, dimension, at.span)
-        # A multiple of an angle, or of an angular rate, is one.
+        # A multiple of an angle, or of an angular rate, is angular as well.
         multiple = left.angular and right.dimension is None
         multiple |= operator == "*" and right.angular and left.dimension is None
         return replace(found, angular=multiple)

@@ -1,4 +1,4 @@
-"""Workspaces (Section 3): bounds and named closed convex regions, exact."""
+"""Workspaces (Section 3): bounds and named closed convex regions, all exact."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class _Reader:
             self.regions[name] = ir.Region(name, item.kind, shape, item.name.span)
 
     def named(self, name: s.Ident, hint: str = "choose another name") -> bool:
-        """Whether a region or map is the first of its name; else that is reported."""
+        """Whether a region or map is the first of its name; reported if not."""
         first = self.names.setdefault(name.text, name.span)
         if first is not name.span:
             duplicate(name, first, self.sink, hint)
@@ -67,7 +67,7 @@ def _dimension(workspace: t.Workspace, sink: Sink) -> Literal[2, 3]:
 def lower_workspace(
     workspace: t.Workspace, maps: Mapping[Span, ir.ObstacleMap], sink: Sink
 ) -> ir.Workspace:
-    """The workspace; whatever is wrong with it is reported, wrong shapes are left empty."""
+    """The workspace; errors in it are reported, and wrong shapes are left empty."""
     size = _dimension(workspace, sink)
     found: list[ir.ObstacleMap] = []
     reader = _Reader(sink, RegionShapes(sink, size))
@@ -101,7 +101,7 @@ def check_round(
     use: str,
     sink: Sink,
 ) -> None:
-    """Report a round region of a kind that is not due: it is a polytope on one side of it."""
+    """Report a round region of another kind, whose polytope may be on the wrong side of it."""
     for region in () if workspace is None else workspace.regions:
         round_one = region.name == name.text and isinstance(region.shape, ir.Round)
         if round_one and region.kind not in kinds:

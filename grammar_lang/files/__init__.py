@@ -1,1 +1,1 @@
-"""Files: read, included, never outside their tree."""
+"""Files: read and included, but never from outside the tree of the main file."""

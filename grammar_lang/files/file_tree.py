@@ -1,4 +1,4 @@
-"""Files as texts, and the directory tree that all files of a program are in."""
+"""Reading files as texts, and the directory tree that holds all files of a program."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from grammar_lang.syntax import Ident
 
 # --- One file: from its path to its bytes, and from its bytes to a text ---------------------------
 #
-# A specification is UTF-8 text, with a byte order mark or without.  Its lines end with LF or CR LF;
-# a CR alone counts as LF.
+# A specification is UTF-8 text, with or without a byte order mark.  Its lines end with LF or CR LF;
+# a lone CR counts as LF.
 
 
 _LONE_RETURN = re.compile(r"\r(?!\n)")
 
 LIMIT = 8 * 2**20
-"""So many bytes may the texts of a program have, all together."""
+"""The most bytes that the texts of a program may have together."""
 
 
 class NoRegularFile(OSError):
-    """A folder, a device or a pipe where a file is due; ``strerror`` says which."""
+    """A folder, a device or a pipe instead of a file; ``strerror`` says which."""
 
 
 class TooLarge(Exception):
-    """A file of more bytes than are left; ``size`` counts them."""
+    """The file has more bytes than may still be read; ``size`` is their number."""
 
     def __init__(self, size: int) -> None:
         super().__init__(f"{size} bytes")
@@ -44,7 +44,7 @@ def read_file(path: Path, limit: int) -> bytes:
 
     Raises:
         OSError, ValueError: it cannot be read; :func:`reason` says why.
-        TooLarge: it has more than ``limit`` bytes; it has not been read then.
+        TooLarge: it has more than ``limit`` bytes.
     """
     status = path.stat()
     if not stat.S_ISREG(status.st_mode):
@@ -66,12 +66,12 @@ def reason(error: OSError | ValueError) -> str:
 
 
 def decoded(data: bytes, file: int, sink: Sink) -> tuple[str, bool]:
-    """The text of a file, and whether it is sound; what is wrong with it is reported.
+    """Decode a file; return its text and whether it is valid, and report what is wrong.
 
     Args:
         data: the bytes.
         file: the number of the file, for spans.
-        sink: takes the errors.
+        sink: collects the errors.
     """
     try:
         text = data.decode("utf-8-sig")
@@ -84,7 +84,7 @@ def decoded(data: bytes, file: int, sink: Sink) -> tuple[str, bool]:
 
 
 def is_text(text: str, file: int, sink: Sink) -> bool:
-    """Whether a text has no NUL; the first one is reported."""
+    """Whether a text has no NUL; the first NUL is reported."""
     nul = text.find("\0")
     if nul < 0:
         return True
@@ -96,24 +96,24 @@ def is_text(text: str, file: int, sink: Sink) -> bool:
 
 # --- The directory tree of the file on the command line, and the paths that name files in it ------
 #
-# A path is written with ``/`` and means a file relative to the folder of the file in which it
-# stands, as that file is named, not as links resolve it: so a copy of the tree means the same.
-# Where links lead is looked at as well: nothing outside the tree is ever read.
+# A path is written with ``/`` and is relative to the folder of the file in which it stands, under
+# the name of that file before links are resolved: so a copy of the tree has the same meaning.  The
+# targets of links are checked as well: nothing outside the tree is ever read.
 #
-# The library, which ``include std`` reads, stands in the tree as the folder ``@std``.  Where the
-# tree has no such file, that of the package is meant; results keep copies, which are read then.
+# The library, which ``include std`` reads, appears in the tree as the folder ``@std``.  If the tree
+# has no such file, the file of the package is read.  Results keep copies, which are read instead.
 
 
 STD = "@std"
 LIBRARY = os.path.realpath(Path(__file__).parent.parent / "library")
 
 _MANY = 1000
-"""So many files of a folder are compared with a misspelt name."""
+"""The most files of a folder that are compared with a misspelt name."""
 _SHOWN = 80
 
 
 class Refusal(Exception):
-    """A path that names no readable file of the tree."""
+    """A path does not name a readable file of the tree."""
 
     def __init__(self, code: Code, message: str, hint: str) -> None:
         super().__init__(message)
@@ -124,29 +124,29 @@ class Refusal(Exception):
 
 @node
 class Place:
-    """A file of a tree: ``path`` below its top, in normal form; ``real`` without links."""
+    """A file of a tree: ``path`` is its normalised path below the top, ``real`` has no links."""
 
     path: str
     real: str
 
 
 def visible(path: str) -> str:
-    """A path in a message: what cannot be printed is replaced."""
+    """A path for a message, with non-printable characters replaced."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in path)
 
 
 def shown(path: str) -> str:
-    """A path as a message quotes it, cut where it is very long."""
+    """A path as a message quotes it, shortened if it is very long."""
     return f"`{visible(path)}`" if len(path) <= _SHOWN else f"`{visible(path[:_SHOWN])}…`"
 
 
 def name_of(path: Path) -> str:
-    """What diagnostics call a file; bytes of its name that are no UTF-8 are replaced."""
+    """The name of a file in diagnostics; bytes that are not UTF-8 are replaced."""
     return str(path).encode("utf-8", "replace").decode("utf-8")
 
 
 def _unencodable(path: str) -> bool:
-    """Whether a text from elsewhere than a file has what no name of a file can have."""
+    """Whether a text has characters that no file name can have."""
     try:
         os.fsencode(path)
     except UnicodeEncodeError:
@@ -155,7 +155,7 @@ def _unencodable(path: str) -> bool:
 
 
 def _written(path: str) -> None:
-    """Refuse what no path of a file is, whatever the tree holds."""
+    """Reject a text that cannot be the path of a file, whatever the tree holds."""
     if not path:
         raise Refusal(Code.UNREADABLE_REFERENCE, "an empty path", "write the path of a file")
     if "\0" in path or _unencodable(path):
@@ -176,9 +176,9 @@ def _written(path: str) -> None:
 
 @node
 class FileTree:
-    """The tree below the folder of the main file, as the user names it and without links.
+    """The tree below the folder of the main file: ``folder`` as the user names it, ``top`` real.
 
-    ``open_files`` is what an editor holds of files, by their path without links.
+    ``open_files`` are the contents of files that an editor holds, by path with links resolved.
     """
 
     folder: Path
@@ -189,21 +189,21 @@ class FileTree:
     )
 
     def name(self, place: Place) -> str:
-        """What diagnostics call a file of the tree."""
+        """The name of a file of the tree in diagnostics."""
         if place.path.startswith(f"{STD}/") and place.real.startswith(f"{LIBRARY}{os.sep}"):
             return name_of(Path(place.real))
         return name_of(self.folder / place.path)
 
     def place(self, written: str, base: str, *, std: bool = False) -> Place:
-        """The file that a path means.
+        """Find the file that a path names.
 
         Args:
             written: the path as written.
             base: the path of the file in which it stands, below the top.
-            std: whether the path is one of the library.
+            std: whether the path is relative to the library.
 
         Raises:
-            Refusal: it is no path, or it leads out of the tree.
+            Refusal: it is not a path, or it leads out of the tree.
         """
         _written(written)
         folder = STD if std else posixpath.dirname(base)
@@ -227,7 +227,7 @@ class FileTree:
         return Place(path, real)
 
     def _is_of_package(self, path: str) -> bool:
-        """Whether a file of the library has no copy in the tree."""
+        """Whether the file of a library path has no copy in the tree."""
         copy = posixpath.join(self.top, path)
         return not os.path.lexists(copy) and os.path.realpath(copy) not in self.open_files
 
@@ -237,12 +237,12 @@ class FileTree:
         Args:
             place: the file.
             written: its path as written.
-            limit: it may have so many bytes.
-            suffixes: how the names of such files end.
+            limit: the most bytes it may have.
+            suffixes: the possible extensions of the file, for hints.
 
         Raises:
             Refusal: it cannot be read.
-            TooLarge: it has more bytes.
+            TooLarge: it has more than ``limit`` bytes.
         """
         held = self.open_files.get(place.real)
         if held is not None:
@@ -258,7 +258,7 @@ class FileTree:
             raise Refusal(Code.UNREADABLE_REFERENCE, message, hint) from None
 
     def _others(self, place: Place, written: str, suffixes: tuple[str, ...]) -> str:
-        """A hint: the file that may be meant."""
+        """A hint about which file may be meant."""
         folder, name = posixpath.split(written)
         kinds = " or ".join(f"`{suffix}`" for suffix in suffixes)
         try:
@@ -279,24 +279,24 @@ class FileTree:
 
 _GIVE = "give the path of a file that can be read"
 _LIBRARY_ALONE = FileTree(Path(LIBRARY), LIBRARY, "")
-"""Where a text is that has no folder: it includes files of the library and no others."""
+"""For a text without a folder: it can include only files of the library."""
 
 
 # --- The files that make up a program: each read once, numbered in the order of reading -----------
 
 
 IMAGE_LIMIT = 64 * 2**20
-"""So many bytes may the images of all maps have together."""
+"""The most bytes that the images and meshes of a program may have together."""
 
 
 @dataclass(slots=True)
 class FileSet:
-    """The files read so far; ``tree`` is None where there is only a text, without a folder.
+    """The files read so far; ``tree`` is None for a text without a folder.
 
-    Such a text includes files of the library alone.
+    Such a text can include only files of the library.
 
-    ``left`` counts the bytes that further texts may have, ``left_images`` those of images.
-    ``unsound`` are the numbers of texts that cannot be parsed.
+    ``left`` is the number of bytes that further texts may have, ``left_images`` that of images and
+    meshes.  ``unsound`` are the numbers of texts that cannot be parsed.
     """
 
     tree: FileTree | None
@@ -311,9 +311,9 @@ class FileSet:
         self._numbers = {source.path: number for number, source in enumerate(self.sources)}
 
     def place(self, written: Ident, base: int, *, std: bool = False) -> Place | None:
-        """The file that a path in the file number ``base`` means; a bad path is reported.
+        """Find the file that a path in the file number ``base`` names; report a bad path.
 
-        With ``std`` it is a path in the library.
+        With ``std``, the path is relative to the library.
         """
         tree = self.tree
         if tree is None and (std or self.sources[base].path.startswith(f"{STD}/")):
@@ -335,7 +335,7 @@ class FileSet:
         Args:
             place: the file.
             written: its path as written.
-            suffixes: how the names of such files end.
+            suffixes: the possible extensions of the file, for hints.
         """
         if place.path in self._numbers:
             return self._numbers[place.path]
@@ -363,7 +363,7 @@ class FileSet:
         return data
 
     def twin(self, place: Place, number: int) -> None:
-        """Note that a file was reached under another name than the one it was read by."""
+        """Record that a file was reached under another name than the first."""
         first = self.sources[number]
         if place.path == first.path or place.path in self._numbers:
             return
@@ -389,6 +389,6 @@ class FileSet:
 
 
 def too_large(what: str, size: int, limit: int, span: Span, sink: Sink) -> None:
-    """Report files of more bytes than a program may have; ``what`` begins the message."""
+    """Report that the files of a program are too large; ``what`` begins the message."""
     message = f"{what} {size:,} bytes, more than {limit:,}"
     sink.error(Code.TOO_LARGE, message, span, "leave out what no task needs")

@@ -1,7 +1,8 @@
-"""A file with all it includes: the items of every file, in the order in which includes stand.
+"""A file with all its includes: the items of every file, in the order of the includes.
 
-Includes are followed with a stack of our own, however deep they go.  A file is known by its real
-path: the second time it adds nothing, and where it is still open it is a cycle.
+Includes are followed with an explicit stack, so they may be nested to any depth.  A file is
+identified by its real path.  The second include of a file adds nothing; an include of a file that
+is still being read is a cycle.
 """
 
 from __future__ import annotations
@@ -24,17 +25,18 @@ from grammar_lang.syntax import Ident
 from grammar_lang.syntax import tasks as t
 
 _ENDS = 3
-"""So many files are named at either end of a long chain."""
+"""The number of files named at either end of a long chain of includes."""
 
 
 @node
 class Inclusion:
-    """The items of all files as those of one.
+    """The items of all files, as if they were in one file.
 
-    ``maps`` and ``meshes`` are by the span of the path that names each, ``opened`` gives the number
-    of the file that an ``include`` reads first, by the span of its path.
+    ``maps`` and ``meshes`` are keyed by the span of the path that names them.  ``opened`` maps the
+    span of the path in an ``include`` to the number of the file, for the first include of each
+    file.
 
-    ``complete`` is False where a file could not be read: nobody knows what it declares.
+    ``complete`` is False if a file could not be read, so that its declarations are unknown.
     """
 
     file: t.File
@@ -46,7 +48,7 @@ class Inclusion:
 
 @node
 class _Open:
-    """A file that is being gone through."""
+    """A file whose items are being processed."""
 
     number: int
     real: str
@@ -70,7 +72,7 @@ class _Traversal:
     complete: bool = True
 
     def follow(self, real: str) -> None:
-        """Go through the main file and all it includes."""
+        """Process the main file and all its includes."""
         self._open(0, real)
         while self.chain:
             item = next(self.chain[-1].items, None)
@@ -116,7 +118,7 @@ class _Traversal:
                 self._open(number, place.real)
 
     def _cycle(self, item: t.Include, first: int, path: str) -> None:
-        """Report an include that closes a cycle, at that include; ``first`` is its target."""
+        """Report an include that closes a cycle; ``first`` is the depth of the file it names."""
         names = [self.files.sources[o.number].path for o in self.chain[first:]]
         if len(names) > 2 * _ENDS + 1:
             left_out = len(names) - 2 * _ENDS
@@ -155,11 +157,11 @@ def include_all(files: FileSet, real: str) -> Inclusion:
 
 
 # --------------------------------------------------------------------------------------------------
-# Files of obstacles that a workspace names: which kind they are, and a first look into them.
+# Obstacle files that a workspace names: their kind, and a first check of their contents.
 #
 # A map_server map is a YAML file that names an image, its resolution in metres per pixel and the
-# pose of its lower left pixel (https://wiki.ros.org/map_server, section 4).  Polygons come as
-# GeoJSON (RFC 7946), bodies as meshes.  What the files mean geometrically is not decided here.
+# pose of its lower left pixel (https://wiki.ros.org/map_server, section 4).  Polygons are GeoJSON
+# (RFC 7946), and bodies are meshes.  The geometry of the files is not interpreted here.
 
 
 Kind: TypeAlias = Literal["map_server", "geojson", "mesh"]
@@ -172,7 +174,7 @@ _KINDS: dict[str, Kind] = {
     **dict[str, Kind].fromkeys(SUFFIXES, "mesh"),
 }
 _CONVERTED = (".dae", ".glb", ".scene", ".sdf", ".world")
-"""Scenes that `srgc import scene` reads, and the language does not."""
+"""Scenes that `srgc import scene` reads, but the language does not."""
 _GEOJSON_TYPES = (
     "FeatureCollection",
     "Feature",
@@ -189,15 +191,15 @@ _YAML_TEXT = re.compile(r"""'((?:[^'\n]|'')*)'|"([^"\n]*)"|([^\s#'"](?:[^\n#]|(?
 
 
 def kind_of(path: str) -> Kind | None:
-    """The kind of a file of obstacles, by the end of its name."""
+    """The kind of an obstacle file, by its extension; None if it is unknown."""
     lower = path.lower()
     return next((kind for end, kind in _KINDS.items() if lower.endswith(end)), None)
 
 
 def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
-    """The file of obstacles at a path that stands in the file number ``base``.
+    """Read the obstacle file at a path in the file number ``base``.
 
-    What is wrong with the path or the file is reported; None then.
+    Problems with the path or the file are reported; the result is then None.
     """
     place = files.place(path, base)
     if place is None:
@@ -226,7 +228,7 @@ def read_map(path: Ident, base: int, files: FileSet) -> ir.ObstacleMap | None:
 
 
 def _report_kind(written: Ident, path: str, sink: Sink) -> None:
-    """Report a file of which the end of the name does not say that it can be read."""
+    """Report an obstacle file whose extension is not a known one."""
     if path.lower().endswith(_CONVERTED):
         message = "the language reads meshes as STL and OBJ, not files of this type"
         hint = f"`srgc import scene {visible(written.text)}` writes obstacles that it reads"
@@ -243,7 +245,7 @@ def _report_kind(written: Ident, path: str, sink: Sink) -> None:
 
 
 def _scene(path: Ident, place: Place, files: FileSet) -> ir.ObstacleMap | None:
-    """The mesh at a path; None if it is none, which is reported."""
+    """Read the mesh at a path; report it and return None if it is not a mesh."""
     from grammar_lang.files.scenes import scene_of
 
     data = files.binary(place, path, SUFFIXES)
@@ -269,7 +271,7 @@ def _no_constant(name: str) -> NoReturn:
 
 
 def _is_geojson(source: Source, number: int, sink: Sink) -> bool:
-    """Whether a text is a JSON object with a type of GeoJSON; what it is not is reported."""
+    """Whether a text is a JSON object with a GeoJSON type; any fault is reported."""
     import json
 
     start = Span(0, 1, number)
@@ -300,7 +302,7 @@ def _is_geojson(source: Source, number: int, sink: Sink) -> bool:
 
 
 def _image_path(source: Source, number: int, sink: Sink) -> Ident | None:
-    """The path of the image that a map names; None if a line is missing."""
+    """The path of the image of a map_server map; None if a line is missing."""
     ends = {line[1]: line.end() for line in reversed([*_YAML_LINE.finditer(source.text)])}
     missing = [key for key in ("image", "resolution", "origin") if key not in ends]
     if missing:
@@ -312,14 +314,14 @@ def _image_path(source: Source, number: int, sink: Sink) -> Ident | None:
 
 
 def _image(path: Ident, number: int, files: FileSet) -> ir.MapImage | None:
-    """The image at a path; None if it cannot be read."""
+    """Read the image at a path; None if that fails."""
     place = files.place(path, number)
     data = None if place is None else files.binary(place, path, (".pgm", ".png"))
     return None if place is None or data is None else ir.MapImage(place.path, data)
 
 
 def _yaml_text(text: str, start: int, number: int) -> Ident:
-    """The plain or quoted scalar that begins at an offset; empty where there is none."""
+    """The plain or quoted scalar that begins at an offset; an empty name if there is no scalar."""
     found = _YAML_TEXT.match(text, start)
     if found is None:
         return Ident("", Span(start, start + 1, number))

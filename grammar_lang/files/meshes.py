@@ -1,6 +1,6 @@
-"""Files of meshes: the vertices of STL, as text or binary, and of OBJ; exact, each once.
+"""Mesh files: the exact, distinct vertices of STL (text or binary) and OBJ.
 
-What hulls are made of them is not decided here.  Sources: 3D Systems, *StereoLithography interface
+Their hulls are computed elsewhere.  Sources: 3D Systems, *StereoLithography interface
 specification* (1988); Wavefront, *Object files (.obj)*.
 """
 
@@ -21,9 +21,9 @@ from grammar_lang.syntax import Ident
 SUFFIXES = (".stl", ".obj")
 VISUALS = (*SUFFIXES, ".dae", ".glb")
 MOST = 500_000
-"""Vertices, counting one of each triangle of an STL file thrice."""
+"""The most vertices of a mesh; in STL, three per triangle."""
 LARGEST = 1e12
-"""Coordinates are smaller, in the unit of the mesh."""
+"""The bound on the absolute value of coordinates, in the unit of the mesh."""
 _LONGEST = 64
 _HEADER, _TRIANGLE = 84, 50
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,2})?")
@@ -32,13 +32,13 @@ Vertices: TypeAlias = tuple[tuple[Fraction, ...], ...]
 
 
 class MeshError(ValueError):
-    """A file that is no mesh; the message says why."""
+    """The file is not a mesh; the message says why."""
 
 
 def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
-    """The mesh at a path that stands in the file number ``base``.
+    """Read the mesh at a path in the file number ``base``.
 
-    What is wrong with the path or the file is reported; None then.
+    Problems with the path or the file are reported; the result is then None.
     """
     place = files.place(path, base)
     if place is None:
@@ -61,9 +61,9 @@ def read_mesh(path: Ident, base: int, files: FileSet) -> ir.Mesh | None:
 
 
 def read_visual(path: Ident, base: int, files: FileSet) -> ir.VisualFile | None:
-    """The file of a visual at a path that stands in the file number ``base``; not looked into.
+    """Read the file of a visual at a path in the file number ``base``, without parsing it.
 
-    What is wrong with the path is reported; None then.
+    Problems with the path or the file are reported; the result is then None.
     """
     place = files.place(path, base)
     if place is None:
@@ -80,12 +80,12 @@ def read_visual(path: Ident, base: int, files: FileSet) -> ir.VisualFile | None:
 
 
 def is_mesh(path: str) -> bool:
-    """Whether a file is a mesh that can be read, by the end of its name."""
+    """Whether a file is a mesh that can be read, by its extension."""
     return path.lower().endswith(SUFFIXES)
 
 
 def is_obj(path: str) -> bool:
-    """Whether a mesh is OBJ, by the end of its name."""
+    """Whether a mesh is OBJ, by its extension."""
     return path.lower().endswith(".obj")
 
 
@@ -98,12 +98,14 @@ def _stl(data: bytes) -> Vertices:
 
 
 def binary_triangles(data: bytes) -> Iterator[tuple[tuple[float, ...], ...]] | None:
-    """The corners of each triangle of an STL file that is binary; None where it is text.
+    """The corners of each triangle of a binary STL file; None if the file is text.
 
-    It is binary where the size fits the number of triangles that is said, whatever it begins with.
+    A file is binary if its size fits the number of triangles in its header, whatever it begins
+    with.
 
     Raises:
-        MeshError: there are too many; or, while they are read, a corner is not finite.
+        MeshError: there are too many triangles; or, during iteration, a corner is not finite or is
+            out of range.
     """
     if len(data) < _HEADER:
         return None
@@ -126,10 +128,10 @@ def _unpacked(data: bytes, count: int) -> Iterator[tuple[tuple[float, ...], ...]
 
 
 def text_lines(data: bytes) -> Iterator[tuple[int, list[str]]]:
-    """The numbers of the lines of a mesh that is text, from 1 on, and their words, if any.
+    """The number, from 1 on, and the words of each non-empty line of a mesh in text form.
 
     Raises:
-        MeshError: it is no text.
+        MeshError: the data are not text.
     """
     if b"\0" in data:
         raise MeshError("it is neither binary of the size that its header says nor text")
@@ -141,7 +143,7 @@ def text_lines(data: bytes) -> Iterator[tuple[int, list[str]]]:
 
 
 def written_corner(number: int, words: Sequence[str]) -> tuple[Fraction, ...]:
-    """The three numbers behind the first word of a line.
+    """The three numbers after the first word of a line.
 
     Raises:
         MeshError: there are no three such numbers.
@@ -157,7 +159,7 @@ def written_corner(number: int, words: Sequence[str]) -> tuple[Fraction, ...]:
 
 
 def _lines(data: bytes, word: str, piece: str) -> Vertices:
-    """The three numbers behind a ``word`` that begins a line; there have to be ``piece`` lines."""
+    """The numbers on lines that begin with ``word``; the file must also have ``piece`` lines."""
     found = dict[tuple[Fraction, ...], None]()
     pieces = corners = 0
     for number, words in text_lines(data):
@@ -177,7 +179,7 @@ def _lines(data: bytes, word: str, piece: str) -> Vertices:
 
 
 def _is_decimal(part: str) -> bool:
-    """Whether a text is a number of a usual size; a fraction of a huge power takes for ever."""
+    """Whether a text is a number of usual size: a huge power would make an enormous fraction."""
     if len(part) > _LONGEST or _DECIMAL.fullmatch(part) is None:
         return False
     return abs(float(part)) < LARGEST

@@ -1,7 +1,8 @@
-"""Meshes as scenes: the triangles of STL and OBJ, and which of them make up an object.
+"""Meshes as scenes: the triangles of STL and OBJ, grouped into objects.
 
-In OBJ what stands under an `o` (where the file has none, under a `g`) is an object; else, and in
-STL, what hangs together by common corners.  Sources as for :mod:`grammar_lang.files.meshes`.
+In OBJ, the faces under one `o` (or `g`, if the file has no `o`) are an object.  Other faces, and
+all of STL, are split into parts connected by common corners.  Sources: see
+:mod:`grammar_lang.files.meshes`.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from grammar_lang.files import meshes
 from grammar_lang.files.meshes import MeshError
 
 OBJECT_LIMIT = 5_000
-"""So many objects may a mesh have."""
+"""The most objects of a mesh."""
 TRIANGLE_LIMIT = meshes.MOST // 3
-"""So many triangles may it have, a face of k corners counting as k - 2."""
+"""The most triangles of a mesh; a face of k corners counts as k - 2."""
 _LABEL = 60
 _DROPPED = frozenset({"l", "p", "curv", "curv2", "surf"})
-"""What OBJ has besides faces; to leave it out would be to leave out an obstacle."""
+"""OBJ elements other than faces; leaving them out could leave out an obstacle."""
 
 Corner: TypeAlias = tuple[Fraction, ...]
 Written: TypeAlias = Corner | tuple[float, ...]
@@ -32,9 +33,9 @@ Triangle: TypeAlias = tuple[int, int, int]
 
 @dataclass(slots=True)
 class _Triangles:
-    """The corners, each once, and the triangles by the name of what they stand under.
+    """The distinct corners, and the triangles by the name of their object.
 
-    Corners are floats as long as the file has them so: they are far quicker to tell apart.
+    Corners stay floats if the file stores floats, because these compare far faster.
     """
 
     numbers: dict[Written, int] = field(default_factory=dict[Written, int])
@@ -57,12 +58,12 @@ def scene_of(path: str, data: bytes, *, faces_alone: bool = True) -> ir.Scene:
     """The objects of a mesh, in the order in which they first occur.
 
     Args:
-        path: where it lies, which says what it is.
-        data: what the file holds.
-        faces_alone: whether it may have nothing but faces; else what it has besides is left out.
+        path: the path of the file; its extension tells the format.
+        data: the bytes of the file.
+        faces_alone: whether anything but faces is an error; otherwise it is ignored.
 
     Raises:
-        MeshError: it is no mesh, or a larger one than can be read.
+        MeshError: the data are not a mesh, or too large a mesh.
     """
     found = _obj(data, faces_alone=faces_alone) if meshes.is_obj(path) else _stl(data)
     if not found.count:
@@ -74,7 +75,7 @@ def scene_of(path: str, data: bytes, *, faces_alone: bool = True) -> ir.Scene:
 
 
 def _objects(found: _Triangles) -> Iterator[ir.SceneObject]:
-    """Named parts as they are, the others by what hangs together."""
+    """Named parts are objects; unnamed parts are split into connected components."""
     corners = [tuple(map(Fraction, corner)) for corner in found.numbers]
     for name, triangles in found.parts.items():
         if name is not None:
@@ -96,7 +97,7 @@ def _object(label: str, triangles: Sequence[Triangle], corners: Sequence[Corner]
 
 
 def _components(triangles: Sequence[Triangle]) -> list[list[Triangle]]:
-    """What hangs together by common corners, by the first triangle of each."""
+    """The components connected by common corners, in the order of their first triangles."""
     above: dict[int, int] = {}
 
     def top(corner: int) -> int:
@@ -127,7 +128,7 @@ def _stl(data: bytes) -> _Triangles:
 
 
 def _facets(data: bytes) -> Iterator[tuple[Corner, ...]]:
-    """The corners of each facet of an STL file that is text."""
+    """The corners of each facet of a text STL file."""
     corners: list[Corner] = []
     facets = solids = 0
     for number, words in meshes.text_lines(data):
@@ -179,7 +180,7 @@ def _obj(data: bytes, *, faces_alone: bool) -> _Triangles:
 
 
 def _joined(data: bytes) -> Iterator[tuple[int, list[str]]]:
-    """The lines without comments; one that ends with a backslash goes on in the next."""
+    """The lines without comments; a backslash at the end of a line continues it on the next."""
     before: list[str] = []
     first = 0
     for number, words in meshes.text_lines(data):
@@ -205,7 +206,7 @@ def _uncommented(words: Sequence[str]) -> list[str]:
 
 
 def _vertex(written: str, vertices: Sequence[int], number: int) -> int:
-    """The vertex that a corner of a face names: by its number, or from the last one back."""
+    """The vertex that a corner of a face names: from 1, or back from the last one if negative."""
     text = written.partition("/")[0]
     digits = text.removeprefix("-")
     if digits.isascii() and digits.isdigit() and len(digits) <= 9:

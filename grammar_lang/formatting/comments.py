@@ -1,7 +1,7 @@
-"""The comments of a text: what lies between its tokens, and where each of them belongs.
+"""The comments of a text, and the token or line that each belongs to.
 
-A comment is no token.  It lies in the gap before a token (or after the last one); the line breaks
-around it say whether it ends a line, has one to itself or leads one.
+A comment is not a token.  It lies in the gap before a token (or after the last one).  The line
+breaks around it decide whether it ends a line, stands on its own line or leads one.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ _LINE_END = re.compile(r"[ \t\r\f\v]+$", re.MULTILINE)
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A comment without the blanks that end its lines.
+    """A comment, without trailing spaces on its lines.
 
-    ``breaks`` counts the line breaks between it and what comes before it, 2 standing for more.
+    ``breaks`` counts the line breaks between it and what comes before it; 2 stands for more.
     """
 
     text: str
@@ -29,7 +29,7 @@ class Comment:
 
     @property
     def to_line_end(self) -> bool:
-        """Whether it is a ``//`` comment: nothing can follow it on its line."""
+        """Whether it is a ``//`` comment, so that nothing can follow it on its line."""
         return self.text.startswith("//")
 
     @property
@@ -40,14 +40,14 @@ class Comment:
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """What lies before a token: comments, then ``breaks`` line breaks (2 standing for more)."""
+    """The comments before a token, then ``breaks`` line breaks (2 stands for more)."""
 
     comments: tuple[Comment, ...]
     breaks: int
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """The line breaks before each comment and after the last."""
+        """The numbers of line breaks before each comment and after the last."""
         return (*(comment.breaks for comment in self.comments), self.breaks)
 
 
@@ -70,7 +70,7 @@ def _gap(text: str) -> Gap:
 class Written:
     """The tokens of a parsed text: ``kinds[i]`` is the terminal of token ``i``.
 
-    ``gaps[i]`` lies before it; there is one gap more, after the last token.
+    ``gaps[i]`` is the gap before it; there is one more gap, after the last token.
     """
 
     kinds: tuple[str, ...]
@@ -79,7 +79,7 @@ class Written:
 
 
 def written(tokens: Tokens) -> Written:
-    """Tokens and gaps of a text that has been parsed; a unit is one token."""
+    """The tokens and gaps of a parsed text; a unit is one token."""
     kept = [i for i, kind in enumerate(tokens.kinds) if kind != SKIPPED]
     text, starts, ends = tokens.text, tokens.starts, tokens.ends
     gaps: list[Gap] = []
@@ -96,9 +96,9 @@ def written(tokens: Tokens) -> Written:
 class Boundary:
     """The comments between two statements, by their places.
 
-    ``trailing`` ends the line of the statement before.  ``above`` are lines of their own, each with
-    whether a blank line goes before it.  ``leading`` are on the line of the next statement.
-    ``blank`` says whether a blank line goes before that line.
+    ``trailing`` ends the line of the previous statement.  ``above`` are comments on their own
+    lines, each with whether a blank line goes before it.  ``leading`` are on the line of the next
+    statement, and ``blank`` is whether a blank line goes before that line.
     """
 
     trailing: str
@@ -107,7 +107,7 @@ class Boundary:
     blank: bool
 
     def parted(self) -> Boundary:
-        """With at least one blank line, the first possible."""
+        """The same boundary with at least one blank line, at the first possible place."""
         if self.blank or any(blank for blank, _ in self.above):
             return self
         if not self.above:
@@ -117,7 +117,7 @@ class Boundary:
 
 
 def boundary(gap: Gap, *, follows: bool, first: bool, last: bool) -> Boundary:
-    """The comments of a gap between statements.
+    """The comments of a gap between statements, sorted by their places.
 
     Args:
         gap: the gap.
@@ -147,7 +147,7 @@ def boundary(gap: Gap, *, follows: bool, first: bool, last: bool) -> Boundary:
 
 
 def _trailing(counts: tuple[int, ...], *, first: bool, last: bool) -> int:
-    """How many comments end the line of the statement before: those before the first break."""
+    """The number of comments that end the line of the previous statement."""
     for i, count in enumerate(counts):
         if count:
             return i

@@ -1,8 +1,8 @@
-"""What grammars from ports stand for, as text: ``srgc expand``.
+"""Replace grammars made from ports by ordinary grammars, for ``srgc expand``.
 
-Each is replaced by the grammar and the semantics that it is; comments inside of it stand before it.
-Everything else stays as it is written.  A file with such a grammar that is included takes the place
-of its ``include``, without the grammars and modules that the tasks do not need.
+Each becomes a grammar with productions and a semantics; comments inside it are moved before it.
+Everything else stays as it is written.  An included file with such a grammar replaces its
+``include``, without the grammars and modules that no task needs.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from grammar_lang.syntax import tasks as t
 _COMMENT = re.compile(r"//[^\n]*|/\*(?:[^*]|\*(?!/))*\*/")
 _COMMENTS = re.compile(r"(?:^[ \t]*//[^\n]*\n)+[ \t]*\Z", re.MULTILINE)
 
-# --- one grammar ---------------------------------------------------------------------------------
+# --- One grammar ---------------------------------------------------------------------------------
 
 
 def _rule(production: ir.Production) -> str:
@@ -41,7 +41,7 @@ def _rule(production: ir.Production) -> str:
 
 
 def _block(production: ir.Production, block: ir.SemanticBlock) -> str:
-    """The rules of a production: its module is mounted, and its outputs are handed on."""
+    """The semantic block of a production: it mounts the module and passes its outputs on."""
     called = occurrence_names(production)
     statements: list[str] = []
     for rule in block.rules:
@@ -57,7 +57,7 @@ def _block(production: ir.Production, block: ir.SemanticBlock) -> str:
 
 
 def _grammar(item: s.Grammar, grammar: ir.Grammar, text: str) -> str:
-    """A grammar from ports as productions, with its semantics."""
+    """A grammar from ports as text, with its productions and its semantics."""
     accepts = [
         f"  {text[part.span.start : part.span.end]}"
         for part in item.items
@@ -73,7 +73,7 @@ def _grammar(item: s.Grammar, grammar: ir.Grammar, text: str) -> str:
 
 
 def _comments_outside(whole: Span, kept: list[Span], text: str) -> list[str]:
-    """The comments in a part of a text, but for those in some parts of it."""
+    """The comments in a span, except those in the spans that are kept."""
     found: list[str] = []
     start = whole.start
     for span in (*kept, Span(whole.end, whole.end)):
@@ -82,14 +82,15 @@ def _comments_outside(whole: Span, kept: list[Span], text: str) -> list[str]:
     return found
 
 
-# --- files ---------------------------------------------------------------------------------------
+# --- Files ---------------------------------------------------------------------------------------
 
 
 @dataclass(slots=True)
 class _Expansion:
-    """Puts the texts of files together.
+    """Assembles the expanded text from the texts of the files.
 
-    ``whole`` are those that take the place of includes, ``idle`` their items that are left out.
+    ``whole`` are the files that replace their includes; ``idle`` are the items in them to leave
+    out.
     """
 
     program: ir.Program
@@ -110,7 +111,7 @@ class _Expansion:
         self._find_idle()
 
     def _find_idle(self) -> None:
-        """The grammars of included files that no task names, and modules of theirs alone."""
+        """Find grammars of included files that no task names, and modules that only they use."""
         tasks = self.program.tasks.values()
         used = {task.grammar for task in tasks} if tasks else {*self.program.grammars}
         for item in self.file.items:
@@ -158,7 +159,7 @@ class _Expansion:
         if number in self.whole and number is not None:
             yield item.span, self.text(number)
         elif number is None:
-            yield item.span, ""  # read before
+            yield item.span, ""  # the file was included before
         elif item.span.file and not item.std:
             path = _from_top(item.path.text, source)
             if path.startswith(f"{STD}/"):
@@ -168,13 +169,13 @@ class _Expansion:
 
 
 def _with_comments(span: Span, text: str) -> Span:
-    """A part of a text with the lines of comments right above it."""
+    """A span extended by the comment lines directly above it."""
     above = _COMMENTS.search(text, 0, span.start)
     return span if above is None else Span(above.start(), span.end, span.file)
 
 
 def named_files(item: t.Item) -> Iterator[s.Ident]:
-    """The paths by which an item names maps and meshes."""
+    """The paths of maps and meshes in an item."""
     match item:
         case t.Workspace(items=items):
             yield from (each.path for each in items if isinstance(each, t.ObstaclesFrom))
@@ -195,12 +196,12 @@ def _meshes(emissions: Iterator[s.Emission]) -> Iterator[s.Ident]:
 
 
 def _from_top(written: str, source: Source) -> str:
-    """A path that stands in a file, as the main file would write it."""
+    """A path in an included file, rewritten relative to the folder of the main file."""
     return posixpath.normpath(posixpath.join(posixpath.dirname(source.path), written))
 
 
 def names_files(text: str) -> bool:
-    """Whether a text names files that are looked for beside it."""
+    """Whether a text refers to files by paths relative to its own folder."""
     file = parse(text, Sink())
     return any(
         (isinstance(item, t.Include) and not item.std) or any(named_files(item))

@@ -1,8 +1,7 @@
-"""The canonical form of a text: the face of the formatter.
+"""The formatter: turn a text into its canonical form.
 
-What is written is read again.  It must have the same abstract syntax, the same tokens and the same
-comments between the same tokens, or it is not given out: a formatter that changes a specification
-is worse than none.
+The result is parsed again.  Unless it has the same abstract syntax, the same tokens and the same
+comments between the same tokens, it is not returned: a formatter must never change a specification.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from grammar_lang.syntax.tasks import File
 
 
 class NotFaithful(Exception):
-    """The canonical text does not mean what the text means: a fault of the formatter."""
+    """The canonical text does not mean what the original means: a fault of the formatter."""
 
     def __init__(self, what: str) -> None:
         super().__init__(f"the canonical form has {what}")
@@ -41,11 +40,11 @@ def _compare(before: tuple[File, Written], after: tuple[File, Written]) -> None:
 
 @without_collection
 def canonical(text: str, sink: Sink) -> str | None:
-    """The canonical form of a text, None where it has syntax errors; it takes linear time.
+    """The canonical form of a text, or None if it has syntax errors; takes linear time.
 
     Args:
         text: the text, without byte order mark.
-        sink: takes the errors.
+        sink: collects the errors.
 
     Raises:
         NotFaithful: the formatter is at fault.

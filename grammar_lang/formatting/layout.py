@@ -1,13 +1,14 @@
 """The canonical lines of a parsed text.
 
-Bodies of grammars, semantics, workspaces and tasks have one statement a line; those of modules,
-semantic blocks and polytopes only where they do not fit on one line or hold a comment.
+Bodies of grammars, semantics, workspaces, tasks and missions have one statement per line.  Bodies
+of modules, semantic blocks and polytopes have that only if they do not fit on one line or hold a
+comment.
 
-A line is broken where its rank is lowest, at the last such place that fits in 100 columns:
-greedily, so the time is linear.  A line is never broken beside a comment, unless it was: so the
-places do not depend on earlier breaks, and what was broken once is broken the same way again.
+A line is broken where its rank is lowest, at the last such place within 100 columns.  This is
+greedy, so the time is linear.  A line is never broken next to a comment unless it was broken there
+before.  So the places do not depend on earlier breaks, and formatting again changes nothing.
 
-Statements and bodies are a tree of braces and semicolons, at most four deep (item, block,
+Statements and bodies form a tree of braces and semicolons, at most four deep (item, block,
 statement, inequality), whatever the text.
 """
 
@@ -22,7 +23,7 @@ from grammar_lang.formatting.spacing import NEVER, Spacing, spacing
 
 INDENT = 2
 ALIGNED_WIDTH = 72
-"""Comments at the ends of lines are aligned where the code of the lines is no wider."""
+"""Comments at line ends are aligned if the code of their lines is at most this wide."""
 
 _OPENING = frozenset({"(", "["})
 _CLOSING = frozenset({")", "]", ",", ";"})
@@ -33,7 +34,7 @@ def _blank_line() -> Line:
 
 
 def _write(lines: list[Line], border: Boundary, indent: int) -> None:
-    """The comments between two statements, but for those that lead the next."""
+    """Add the comments between two statements, except those that lead the next one."""
     if border.trailing:
         lines[-1].trailing = border.trailing
     for blank, text in border.above:
@@ -50,7 +51,7 @@ class _Layout:
     spacing: Spacing
 
     def file(self) -> list[Line]:
-        """Every item; around those of several lines are blank lines."""
+        """The lines of all items; an item of several lines has blank lines around it."""
         lines: list[Line] = []
         gaps = self.written.gaps
         items = outline(self.written.kinds)
@@ -91,7 +92,7 @@ class _Layout:
         _write(lines, border, indent)
 
     def _on_one_line(self, statement: Statement, indent: int, before: list[Atom]) -> Line | None:
-        """A statement with its body, if it may be one line and fits."""
+        """A statement with its body on one line; None if that is not allowed or does not fit."""
         if statement.spread and statement.body:
             return None
         texts, gaps = self.written.texts, self.written.gaps
@@ -104,7 +105,7 @@ class _Layout:
         return Line(indent, code) if indent + len(code) <= WIDTH else None
 
     def _atoms(self, first: int, stop: int) -> list[Atom]:
-        """Tokens with the comments between them."""
+        """The tokens of a range, with the comments between them."""
         texts, gaps = self.written.texts, self.written.gaps
         blanks, ranks = self.spacing.blanks, self.spacing.ranks
         atoms = [Atom(texts[first], blank=True)]
@@ -116,7 +117,7 @@ class _Layout:
         return atoms
 
     def _commented(self, here: int, atoms: list[Atom]) -> None:
-        """The comments before a token, and the token."""
+        """Add the comments before a token, and the token."""
         gap = self.written.gaps[here]
         blank = atoms[-1].text not in _OPENING
         before: Comment | None = None
@@ -130,9 +131,9 @@ class _Layout:
 
 
 def _align(lines: Sequence[Line]) -> list[int]:
-    """Per line the column at which its trailing comment begins.
+    """For each line, the column at which its trailing comment begins.
 
-    Those of consecutive lines of the same indentation begin at the same column.
+    In consecutive lines of the same indentation they begin at the same column.
     """
     columns = [line.indent + len(line.code) + 2 for line in lines]
     begin = 0
@@ -177,10 +178,10 @@ class Atom(NamedTuple):
 
     Attributes:
         text: its text.
-        blank: whether a blank goes before it, where it does not begin a line.
-        rank: of a line break before it.
-        starts: whether it begins a line in any case.
-        ends: whether it is a ``//`` comment; what follows then begins a line.
+        blank: whether a space goes before it, unless it begins a line.
+        rank: the rank of a line break before it.
+        starts: whether it always begins a line.
+        ends: whether it is a ``//`` comment, so that what follows begins a line.
     """
 
     text: str
@@ -192,7 +193,7 @@ class Atom(NamedTuple):
 
 @dataclass(slots=True)
 class Line:
-    """A line of the canonical text; a comment in it may have further lines of its own."""
+    """A line of the canonical text; a comment in it may span further lines."""
 
     indent: int
     code: str
@@ -200,12 +201,12 @@ class Line:
 
 
 def _column(column: int, text: str) -> int:
-    """Where a text ends that begins at a column; only its first line counts."""
+    """The column at which a text ends; only its first line counts."""
     return column + len(text.partition("\n")[0])
 
 
 def _first_line(atoms: Sequence[Atom], begin: int, indent: int) -> int:
-    """Where the line that begins with an atom stops."""
+    """The index of the first atom that is not on the line beginning with atom ``begin``."""
     column = indent
     best, lowest = 0, NEVER
     for i in range(begin, len(atoms)):
@@ -223,7 +224,7 @@ def _first_line(atoms: Sequence[Atom], begin: int, indent: int) -> int:
 
 
 def flat(atoms: Iterable[Atom]) -> str:
-    """All on one line."""
+    """All atoms on one line."""
     parts: list[str] = []
     for atom in atoms:
         if parts and atom.blank:
@@ -239,7 +240,7 @@ def _line(atoms: Sequence[Atom], indent: int) -> Line:
 
 
 def _segments(atoms: Sequence[Atom]) -> Iterable[Sequence[Atom]]:
-    """Cut where a line begins in any case."""
+    """Split the atoms where a line always begins."""
     begin = 0
     for i in range(1, len(atoms)):
         if atoms[i].starts or atoms[i - 1].ends:
@@ -271,7 +272,7 @@ _SPREAD = frozenset({"grammar", "semantics", "workspace", "task", "mission"})
 class Statement:
     """The tokens ``first <= i < stop``, with a body between the braces ``opens`` and ``closes``.
 
-    Without a body ``opens`` is -1.  A body that is ``spread`` has one statement a line in any case.
+    Without a body ``opens`` is -1.  A ``spread`` body always has one statement per line.
     """
 
     first: int
@@ -287,7 +288,7 @@ def outline(kinds: Sequence[str]) -> list[Statement]:
     stack = [Statement(0)]
     first = 0
     ended: Statement | None = None
-    """The statement whose body has ended; its ``;`` is yet to come."""
+    """The statement whose body has ended and whose ``;`` is still to come."""
     choices = False
     for here, kind in enumerate(kinds):
         if kind == "{":

@@ -1,6 +1,6 @@
-"""Expressions, conditions and formulas as text of the language, the inverse of the parser.
+"""Write expressions, conditions and formulas as text of the language; the parser's inverse.
 
-Parentheses stand where the grammar needs them and nowhere else.
+Parentheses are written only where the grammar needs them.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 def is_name(text: str) -> bool:
-    """Whether a text can stand where the language has a name."""
+    """Whether a text is a name of the language."""
     return _NAME.fullmatch(text) is not None and text not in RESERVED
 
 
 def symbol(ident: s.Ident) -> str:
-    """A symbol of a word; one that is no name, or a word of the language, is quoted."""
+    """A symbol of a word; quoted if it is not a name, or is a keyword of the language."""
     plain = is_name(ident.text) and ident.text not in tables().words
     return ident.text if plain else quoted(ident)
 
 
 def quoted(ident: s.Ident) -> str:
-    """A text in quotes, which it must not have both of."""
+    """A text in quotes; it must not contain both kinds of quote."""
     mark = "'" if '"' in ident.text else '"'
     return f"{mark}{ident.text}{mark}"
 
 
 def word(symbols: Iterable[s.Ident]) -> str:
-    """Symbols with blanks between them."""
+    """Symbols separated by spaces."""
     return " ".join(map(symbol, symbols))
 
 
 def listed(names: Iterable[s.Ident]) -> str:
-    """Names with commas between them."""
+    """Names separated by commas."""
     return ", ".join(name.text for name in names)
 
 
@@ -55,11 +55,11 @@ _RANKS: dict[s.Operator, tuple[int, int, int]] = {
     "*": (_PRODUCT, _PRODUCT, _FACTOR), "/": (_PRODUCT, _PRODUCT, _FACTOR),
     "^": (_POWER, _ATOM, _FACTOR),
 }  # fmt: skip
-"""Of an operation, and the least of its left and its right side."""
+"""The rank of each operation, and the least ranks of its left and right operands."""
 
 
 def expression(node: s.Expr, least: int = _SUM) -> str:
-    """An expression, in parentheses if it binds less than ``least``.
+    """An expression, in parentheses if its rank is below ``least``.
 
     Raises:
         ValueError: a number in it was too large to be read.
@@ -71,7 +71,7 @@ def expression(node: s.Expr, least: int = _SUM) -> str:
 def _ranked(node: s.Expr) -> tuple[str, int]:
     match node:
         case s.Number() | s.Scaled() | s.Tuple():
-            # As the base of a power the unit would take the exponent.
+            # A unit would take the exponent if its number were the base of a power.
             return _atom(node), _ATOM if node.unit is None else _POWER
         case s.Binary(operator=operator, left=left, right=right):
             rank, before, behind = _RANKS[operator]
@@ -126,7 +126,7 @@ def _digits(value: Fraction | None) -> str:
 
 
 def arguments(given: Iterable[s.Argument]) -> str:
-    """The arguments of a call or of a body."""
+    """The arguments of a call or of an emission."""
     return ", ".join(
         f"{'' if each.name is None else f'{each.name.text}: '}{expression(each.value)}"
         for each in given
@@ -134,12 +134,12 @@ def arguments(given: Iterable[s.Argument]) -> str:
 
 
 def row(items: Iterable[s.Expr], unit: s.Ident | None) -> str:
-    """Expressions in parentheses with the unit behind them."""
+    """Expressions in parentheses, followed by the unit."""
     return f"({', '.join(map(expression, items))}){_behind(unit)}"
 
 
 def domain(node: s.Interval | s.Choices) -> str:
-    """An interval, or several values."""
+    """An interval, or a set of values."""
     inner = ", ".join(map(expression, _values(node)))
     inner = f"[{inner}]" if isinstance(node, s.Interval) else f"{{{inner}}}"
     return f"{inner}{_behind(node.unit)}"
@@ -154,7 +154,7 @@ def _behind(unit: s.Ident | None) -> str:
 
 
 def quantity(node: s.Expr) -> str:
-    """A number with its unit and its sign, and what else it is in parentheses."""
+    """A number with its unit and sign; any other expression is put in parentheses."""
     match node:
         case s.Number():
             return expression(node)
@@ -172,7 +172,7 @@ _PREPOSITIONS = {"contains": "contains", "starts": "starts with", "ends": "ends 
 
 
 def condition(node: s.Condition, within: str = "") -> str:
-    """A condition; ``within``: the word that joins it with others, or ``not``."""
+    """A condition; ``within`` is the operator around it (``and``, ``or`` or ``not``) or empty."""
     match node:
         case s.Or(parts=parts):
             text, inner = " or ".join(condition(part, "or") for part in parts), within != ""
@@ -196,7 +196,7 @@ _TIGHT = frozenset({"and", "not"})
 
 
 def regex(node: s.Regex, least: int = 0) -> str:
-    """A regular expression; what binds less than ``least`` is in parentheses.
+    """A regular expression, in parentheses if its rank is below ``least``.
 
     A choice has rank 0, a sequence 1, a repetition 2, a symbol 3.
     """
@@ -225,7 +225,7 @@ def effector(number: s.Expr | None) -> str:
 
 
 def pose(node: f.Pose) -> str:
-    """A pose with a blank before it."""
+    """A pose, with a space before it."""
     match node:
         case f.Aligned(axis=axis, direction=direction, unit=unit, within=within):
             return f" aligned {axis} to {row(direction, unit)} within {expression(within)}"
@@ -239,7 +239,7 @@ _IMPLIES, _OR, _AND, _UNTIL, _UNARY = range(5)
 
 
 def formula(node: f.Formula, least: int = _IMPLIES) -> str:
-    """A formula, in parentheses if it binds less than ``least``."""
+    """A formula, in parentheses if its rank is below ``least``."""
     match node:
         case f.Binary(operator="implies", left=left, right=right):
             text, rank = f"{formula(left, _OR)} implies {formula(right)}", _IMPLIES

@@ -1,7 +1,7 @@
-"""Blanks between the tokens of a statement, and where its line may be broken.
+"""Spaces between the tokens of a statement, and the places where its line may be broken.
 
-Everything follows from the terminals, never from how the text was spaced.  A ``*``, ``/`` or ``^``
-after a unit stands apart: without the blank it would be part of the unit.
+Both depend on the terminals only, never on the spacing of the text.  A ``*``, ``/`` or ``^`` after
+a unit is set apart: without the space it would be part of the unit.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 NEVER = 1 << 60
-"""The rank of a place where no line is broken."""
+"""The rank of a place where the line must not be broken."""
 
 _OPERANDS = frozenset({"NAME", "NUMBER", "UNIT", ")", "]", "}", "x", "y", "z", "world"})
 _TIGHT_BEFORE = frozenset({";", ",", ")", "]", ":", "."})
@@ -25,7 +25,7 @@ _UNBROKEN_AFTER = frozenset({
     *_COMPARISONS,
 })  # fmt: skip
 _BETTER = 5 * 10**9
-"""Less than the rank of all places that are only taken where there is no better one."""
+"""Added to the rank of a poor place, which is used only if the line has no better one."""
 _BEFORE = {
     "fixed": 0, "implies": 2, "or": 3, "|": 3, "and": 4, "until": 5,
     "rate": 6, "margin": 6, "rates": 6, "by": 6, **dict.fromkeys(_COMPARISONS, 7),
@@ -36,9 +36,9 @@ _COMPARED = frozenset({"accel", "effort", "modules", "rates", "length"})
 
 @dataclass(frozen=True, slots=True)
 class Spacing:
-    """Per token: whether a blank goes before it, and the rank of a line break there.
+    """For each token, whether a space goes before it, and the rank of a line break there.
 
-    The lowest rank of a line is broken first, the last place of those; ``NEVER`` is not broken.
+    A line is broken at the lowest rank, and at the last place of that rank; never at ``NEVER``.
     """
 
     blanks: Sequence[bool]
@@ -47,20 +47,20 @@ class Spacing:
 
 @dataclass(slots=True)
 class _Place:
-    """What the tokens so far say about the next; reset with every statement."""
+    """What the tokens so far say about the next one; reset at every statement."""
 
     first: bool = True
-    """Whether the token before begins the statement."""
+    """Whether the previous token is the first of the statement."""
     depth: int = 0
     production: bool = False
     regex: int = -1
-    """The depth at which a regular expression began, -1 outside."""
+    """The depth at which a regular expression began; -1 outside one."""
     choices: bool = False
     sign: bool = False
-    """Whether the token before is a sign, not an operator."""
+    """Whether the previous token is a sign, not an operator."""
 
     def pass_by(self, before: str, kind: str) -> None:
-        """Take note of a token."""
+        """Update the state after a token."""
         self.sign = kind == "-" and before not in _OPERANDS
         self.first = self.depth == 0 and before in {";", "{", "}"}
         if kind in {"(", "["} or (kind == "{" and before == "in"):
@@ -81,7 +81,7 @@ class _Place:
             self.production = True
 
     def tight(self, before: str, kind: str) -> bool:
-        """Whether a token follows the one before without a blank."""
+        """Whether no space goes between the previous token and this one."""
         if kind in _TIGHT_BEFORE or before in _TIGHT_AFTER or self.sign:
             return True
         if (before == ":" and self.production) or (before == "{" and self.choices):
@@ -101,7 +101,7 @@ class _Place:
                 return False
 
     def rank(self, before: str, kind: str, *, tight: bool) -> int:
-        """Of a line break between two tokens."""
+        """The rank of a line break between two tokens."""
         level = self.depth * 100
         if before == ",":
             return level + 1

@@ -1,7 +1,7 @@
-"""The canonical text of syntax nodes, the inverse of the parser: for programs that write programs.
+"""Write syntax nodes as canonical text, for programs that write programs; the parser's inverse.
 
-Each statement is written as the grammar has it, the layout is that of the formatter, and what is
-written is read again: other nodes than those given are a fault of this file.
+Each statement follows the grammar, and the formatter sets the layout.  The text is parsed again: if
+that gives other nodes than the given ones, this file is at fault.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ from grammar_lang.syntax import tasks as t
 
 
 def syntax_text(items: Iterable[t.Item]) -> str:
-    """Items as a file in canonical form.
+    """A file with the given items, in canonical form.
 
     Raises:
         ValueError: a number in them was too large to be read.
-        NotFaithful: the text has another meaning: a fault of the writer, or nodes that no text has.
+        NotFaithful: the text has another meaning: this file is at fault, or no text has the nodes.
     """
     given = tuple(items)
     text = canonical("".join(f"{_item(item)}\n" for item in given), Sink())
@@ -152,7 +152,7 @@ _GRAMMARS: dict[type, Callable[[Any], str]] = {
 
 
 def point(node: t.Point) -> str:
-    """A point, or a vector."""
+    """A point or a vector."""
     return row(node.items, node.unit)
 
 

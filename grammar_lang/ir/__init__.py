@@ -1,8 +1,8 @@
 """The typed intermediate representation: names resolved, units converted to SI, spans kept.
 
-Every node is frozen and compares without its span.  Expressions are trees over exact rationals
+Nodes are immutable, and comparison ignores their spans.  Expressions are trees over exact rationals
 and pi; nothing is rounded here.  An *occurrence* is the position of a symbol on the right side of
-its production, counted from 0; ``THIS`` stands for the left side, ``LOCAL`` for none.
+its production, counted from 0; ``THIS`` is the left side, and ``LOCAL`` marks local values.
 """
 
 from __future__ import annotations
@@ -266,7 +266,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A file with all it includes.  ``terminals``: modules and edges in order of declaration."""
+    """A file with all its includes; ``terminals`` are modules and edges in declaration order."""
 
     modules: Mapping[str, Module]
     terminals: tuple[str, ...]
@@ -280,5 +280,5 @@ class Program:
     missions: Mapping[str, Mission] = field(default_factory=dict[str, Mission])
 
     def is_module(self, name: str) -> bool:
-        """Whether a terminal is a module (and not an edge)."""
+        """Whether a terminal is a module (otherwise it is an edge)."""
         return name in self.modules

@@ -1,7 +1,7 @@
 """Exact values of closed expressions (no parameters, degrees of freedom or attributes).
 
-A *monomial* is ``q * pi**k`` with q rational and k an integer: what products and quotients of
-numbers with units are made of.
+A *monomial* is ``q * pi**k`` with q rational and k an integer: products and quotients of numbers
+with units have this form.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def _sum(left: Monomial, right: Monomial, sign: int) -> Monomial | None:
 
 
 def combine(operator: ir.Operator, left: Monomial, right: Monomial) -> Monomial | None:
-    """The value of an operation where it is a monomial again; raises :class:`MagnitudeError`."""
+    """The result of an operation if it is a monomial; raises :class:`MagnitudeError`."""
     match operator:
         case "+":
             return _sum(left, right, 1)
@@ -80,7 +80,7 @@ def _root(value: Monomial) -> Monomial | None:
 
 
 def _sine(turns: Fraction) -> Monomial | None:
-    """sin(2 pi ``turns``) where it is rational at a rational angle (Niven's theorem)."""
+    """sin(2 pi ``turns``) if it is rational at a rational angle (Niven's theorem)."""
     values = {0: 0, 1: 1, 3: 2, 5: 1, 6: 0, 7: -1, 9: -2, 11: -1}
     twelfths = (turns * 12) % 12
     if twelfths.denominator != 1 or twelfths.numerator not in values:
@@ -103,7 +103,7 @@ def is_right_angle(angle: Monomial) -> bool:
 
 
 def apply(function: ir.Function, value: Monomial) -> Monomial | None:
-    """The value of a function where it is a monomial again."""
+    """The result of a function if it is a monomial."""
     q, k = value
     match function:
         case "neg":
@@ -122,7 +122,7 @@ def apply(function: ir.Function, value: Monomial) -> Monomial | None:
 
 
 def evident(expr: ir.Expr) -> Monomial | None:
-    """As :func:`monomial`, None also where its numbers are too large to be written down."""
+    """As :func:`monomial`, but also None if its numbers are too large."""
     try:
         return monomial(expr)
     except MagnitudeError:
@@ -130,10 +130,10 @@ def evident(expr: ir.Expr) -> Monomial | None:
 
 
 def monomial(expr: ir.Expr) -> Monomial | None:
-    """The value of a closed scalar expression where it is seen to be a monomial.
+    """The value of a closed scalar expression if it is evidently a monomial, otherwise None.
 
     Raises:
-        MagnitudeError: its numbers are too large to be written down.
+        MagnitudeError: its numbers are too large.
     """
     match expr:
         case ir.Num(value=q):
@@ -164,9 +164,10 @@ def from_monomial(value: Monomial) -> ir.Expr:
 
 
 def rational(expr: ir.Expr) -> Fraction | None:
-    """The exact value of a closed expression; None where it is not seen to be a rational.
+    """The exact value of a closed expression; None if it is not evidently rational.
 
-    Roots of squares and the rational sines of rational angles are seen, sums of unlike surds not.
+    Roots of squares and rational sines of rational angles are recognised; sums of unlike surds are
+    not.
     """
     value = evident(expr)
     return value[0] if value is not None and (not value[1] or not value[0]) else None
@@ -188,7 +189,7 @@ _PI_ABOVE = _PI_BELOW + Fraction(1, 10**35)
 
 
 def rational_bounds(value: Monomial) -> tuple[Fraction, Fraction]:
-    """Rationals at most and at least a positive ``q * pi**k``, each within 1e-30 of it."""
+    """Rational lower and upper bounds of a positive ``q * pi**k``, from 35 digits of pi."""
     factor, power = value
     ends = _PI_BELOW**power, _PI_ABOVE**power
     return factor * min(ends), factor * max(ends)
@@ -209,10 +210,10 @@ def _operate(operator: ir.Operator, a: float, b: float) -> float:
 
 
 def to_float(expr: ir.Expr) -> float:
-    """The value of a closed scalar expression in floating point, not rounded correctly.
+    """The value of a closed scalar expression in floating point, not correctly rounded.
 
     Raises:
-        ValueError: if the expression is not closed, not a scalar, or has no finite value.
+        ValueError: the expression is not closed, not a scalar, or has no finite value.
     """
     try:
         value = _float(expr)
@@ -238,14 +239,14 @@ def _float(expr: ir.Expr) -> float:
 
 
 def unary(function: ir.Function, operand: ir.Expr) -> ir.Expr:
-    """``function(operand)``, folded where it is a monomial; may raise MagnitudeError."""
+    """``function(operand)``, folded if it is a monomial; may raise MagnitudeError."""
     inner = monomial(operand)
     value = None if inner is None else apply(function, inner)
     return ir.Unary(function, operand) if value is None else from_monomial(value)
 
 
 def binary(operator: ir.Operator, left: ir.Expr, right: ir.Expr) -> ir.Expr:
-    """The expression of an operation, folded where it is a monomial; may raise MagnitudeError."""
+    """The expression of an operation, folded if it is a monomial; may raise MagnitudeError."""
     a, b = monomial(left), monomial(right)
     value = None if a is None or b is None else combine(operator, a, b)
     return ir.Binary(operator, left, right) if value is None else from_monomial(value)
@@ -265,7 +266,7 @@ def is_closed(expr: ir.Expr) -> bool:
 
 
 def less(a: ir.Expr, b: ir.Expr) -> bool:
-    """Whether ``a < b``: exactly where both are like monomials, else in floating point.
+    """Whether ``a < b``: exact if both are like monomials, otherwise in floating point.
 
     Raises:
         ValueError: as :func:`to_float`.

@@ -1,4 +1,4 @@
-"""What productions emit: bodies, shapes and effectors, each at a frame."""
+"""The emissions of productions: bodies, shapes and effectors, each at a frame."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class PointMass:
 
 @node
 class Solid:
-    """A rigid body; inertia about its com: one number in the plane, six (xx yy zz xy xz yz)."""
+    """A rigid body; inertia about its com: one number in the plane, else xx yy zz xy xz yz."""
 
     frame: Expr
     mass: Expr
@@ -51,7 +51,7 @@ ShapeKind: TypeAlias = Literal["sphere", "capsule", "cylinder", "box", "hull"]
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """The vertices of a mesh, each once, as the file at ``path`` with that ``digest`` has them."""
+    """The distinct vertices of the mesh file at ``path``, whose contents have that ``digest``."""
 
     path: str
     digest: str
@@ -60,12 +60,12 @@ class Mesh:
 
 @node
 class Shape:
-    """What a link is in collisions; it has no mass.
+    """The shape of a link for collisions; it has no mass.
 
-    A sphere has its centre, a box its middle at the frame's origin; capsules and cylinders lead
-    from there along an ``axis``.  ``sizes`` are the radius of a sphere, length and radius of
-    capsules and cylinders, the edges of a box: two in the plane, three in space.  A hull is that of
-    a ``mesh`` in the frame, whose unit is ``scale`` metres.
+    A sphere or a box is centred at the frame's origin; a capsule or a cylinder leads from there
+    along ``axis``.  ``sizes`` are the radius of a sphere, the length and radius of a capsule or
+    cylinder, or the edges of a box: two in the plane, three in space.  A hull is that of ``mesh``
+    in the frame, whose unit is ``scale`` metres.
     """
 
     kind: ShapeKind
@@ -80,7 +80,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class VisualFile:
-    """The file at ``path`` with that ``digest``, which is kept as it is."""
+    """The file at ``path`` with that ``digest``, kept unchanged."""
 
     path: str
     digest: str
@@ -89,9 +89,9 @@ class VisualFile:
 
 @node
 class Visual:
-    """A mesh in a frame for pictures and exports alone, its unit of ``scale`` metres.
+    """A mesh in a frame for pictures and exports only, whose unit is ``scale`` metres.
 
-    It is no emission: it has no mass, does not collide, and no robot is another one by it.
+    It is not an emission: it has no mass and does not collide, so it does not change the robot.
     """
 
     frame: Expr
@@ -112,11 +112,11 @@ class Effector:
 
 Emission: TypeAlias = Rod | PointMass | Solid | Shape | Effector
 Emitted: TypeAlias = Emission | Visual
-"""What a statement that emits stands for."""
+"""The result of an emitting statement."""
 
 
 def with_expressions(emission: Emission, change: Callable[[Expr], Expr]) -> Emission:
-    """An emission with each of its expressions changed."""
+    """An emission with each of its expressions replaced."""
     frame = change(emission.frame)
     match emission:
         case Rod(_, _, length, density, radius):

@@ -1,4 +1,4 @@
-"""Rational bounds of closed scalar expressions, also of those that are irrational.
+"""Rational bounds of closed scalar expressions, including irrational ones.
 
 Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (outward rounding).
 """
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 Bounds: TypeAlias = tuple[Fraction, Fraction]
 
 PRECISION = 256
-"""Bits with which irrational numbers are enclosed."""
+"""The precision, in bits, of enclosures of irrational numbers."""
 DIGITS = 40
-"""Significant decimal digits of their bounds."""
+"""The number of significant decimal digits of the bounds."""
 
 
 def rational_bounds(expr: ir.Expr) -> Bounds | None:
-    """Rationals at most and at least a closed scalar expression, equal where it is seen to be one.
+    """Rational bounds of a closed scalar expression; equal if it is evidently rational.
 
-    None where the expression has no finite value, or its sign is not seen.
+    None if the expression has no finite value, or if its sign cannot be determined.
     """
     exact = constants.evident(expr)
     if exact is not None and exact[0] > 0:
@@ -36,7 +36,7 @@ def rational_bounds(expr: ir.Expr) -> Bounds | None:
     if exact is not None:
         lower, upper = constants.rational_bounds((-exact[0], exact[1]))
         return -upper, -lower
-    # The library is loaded for irrational numbers alone, so that other files are read fast.
+    # Only irrational numbers need this library; without them, loading stays fast.
     from flint import ctx
 
     before, ctx.prec = ctx.prec, PRECISION

@@ -1,9 +1,9 @@
-"""Expressions, attribute rules and emissions as text of the language.
+"""Write expressions, attribute rules and emissions as text of the language.
 
-Numbers are exact and in SI units: a decimal where there is one, else a quotient.  The
-intermediate representation does not keep the units of numbers, so that they are not written.  Read
-again, the text gives the same expression; where a number with a unit is multiplied by something,
-its unit has to be written again first.
+Numbers are exact and in SI units: a decimal if there is a finite one, otherwise a quotient.  Units
+are not written, because the intermediate representation does not keep those of numbers.  Reading
+the text gives the same expression; only where a number with a unit is a factor, its unit has to be
+added first.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from grammar_lang.ir.expressions import (
 from grammar_lang.ir.family import AttributeRule, Production, SemanticBlock
 
 LONGEST_PLAIN = 10
-"""Decimals of more characters are written with an exponent where that is shorter."""
+"""Longer decimals are written with an exponent if that is shorter."""
 SUM, PRODUCT, FACTOR, ATOM = range(4)
 _RANK: dict[Operator, int] = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT}
 
@@ -60,7 +60,7 @@ Ranked: TypeAlias = tuple[str, int]
 
 
 def occurrence_names(production: Production) -> tuple[str, ...]:
-    """How a production calls the symbols of its right side: by alias, by name, or as X1, X2."""
+    """The names of the symbols on a right side: by alias, by name, or as X1, X2."""
     total = Counter(symbol.name for symbol in production.right)
     seen: Counter[str] = Counter()
     found: list[str] = []
@@ -72,7 +72,7 @@ def occurrence_names(production: Production) -> tuple[str, ...]:
 
 
 def updates_text(production: Production, block: SemanticBlock) -> tuple[str, ...]:
-    """The statements of a block, rules first and visuals last, without semicolons."""
+    """The statements of a block without semicolons: rules first, visuals last."""
     called = occurrence_names(production)
 
     def names(occurrence: int) -> str:
@@ -84,40 +84,40 @@ def updates_text(production: Production, block: SemanticBlock) -> tuple[str, ...
 
 
 def rule_text(rule: AttributeRule, names: Names) -> str:
-    """``this.frame = N.frame * rot(z, JO.q)``."""
+    """A rule as text: ``this.frame = N.frame * rot(z, JO.q)``."""
     target = attribute_text(rule.target, names)
     local = rule.target.occurrence == LOCAL and "." not in target
     return f"{'let ' if local else ''}{target} = {expression_text(rule.value, names)}"
 
 
 def called_in(occurrence: int, called: Sequence[str]) -> str:
-    """What a block calls an occurrence; ``called`` are the symbols of the right side."""
+    """The name of an occurrence in a block; ``called`` are the names on the right side."""
     return called[occurrence] if occurrence >= 0 else "this"
 
 
 def attribute_text(attribute: AttributeOf, names: Names) -> str:
-    """``this.frame``, ``N.frame``; of a local value its name, ``f`` or ``Elbow.out``."""
+    """An attribute as text: ``this.frame``, ``N.frame``, or a local ``f`` or ``Elbow.out``."""
     if attribute.occurrence == LOCAL:
         return attribute.name
     return f"{names(attribute.occurrence)}.{attribute.name}"
 
 
 def emission_text(emission: Emitted, names: Names) -> str:
-    """``rod(frame: N.frame, axis: x, length: L.length, density: 1)``."""
+    """An emission as text: ``rod(frame: N.frame, axis: x, length: L.length, density: 1)``."""
     kind, arguments = _emitted(emission, names)
     return f"{kind}({', '.join(f'{name}: {value}' for name, value in arguments)})"
 
 
 def expression_text(expression: Expr, names: Names) -> str:
-    """An expression; ``names`` says how occurrences are called.
+    """An expression as text; ``names`` gives the names of occurrences.
 
-    A module's own parameters, coordinates, states and inputs (those of ``THIS``) go by their name.
+    A module's own parameters, coordinates, states and inputs (those of ``THIS``) have plain names.
     """
     return _ranked(expression, names)[0]
 
 
 def number_text(value: Fraction) -> str:
-    """A rational as a decimal, or as a quotient where it has no finite decimal."""
+    """A rational as a decimal, or as a quotient if it has no finite decimal."""
     sign, value = ("-" if value < 0 else ""), abs(value)
     digits, places = _decimal(value)
     if digits is None:
@@ -190,11 +190,11 @@ def _measures(kind: ShapeKind, axis: Axis | None, sizes: tuple[str, ...]) -> lis
     return [*along, ("radius", sizes[-1])]
 
 
-# --- expressions -------------------------------------------------------------------------------
+# --- Expressions -------------------------------------------------------------------------------
 
 
 def _ranked(expression: Expr, names: Names) -> Ranked:
-    """The text with how tightly its outermost operator binds."""
+    """The text of an expression, and how tightly its outermost operator binds."""
     match expression:
         case Num(value):
             return _number(value)
@@ -267,6 +267,6 @@ def _owned(occurrence: int, name: str, names: Names) -> str:
 
 
 def _at_least(rank: int, expression: Expr, names: Names) -> str:
-    """The text, in parentheses where its operator binds less tightly."""
+    """The text of an expression, in parentheses if its rank is below ``rank``."""
     text, own = _ranked(expression, names)
     return text if own >= rank else f"({text})"

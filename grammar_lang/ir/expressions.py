@@ -1,7 +1,7 @@
 """Expressions of the intermediate representation: trees over exact rationals and pi.
 
-The ``mentions`` of a step of a frame are the occurrences of modules that its arguments name, by a
-coordinate, a parameter or a constant, in order of first mention.
+The ``mentions`` of a frame step are the occurrences of modules whose coordinates, parameters or
+constants its arguments name, in order of first mention.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias
 from grammar_lang.source import Span, node
 
 THIS = -1
-"""The occurrence of the left side; others are positions on the right side, from 0."""
+"""The occurrence of the left side; the others are positions on the right side, from 0."""
 LOCAL = -2
 """The occurrence of the local values of a production, and of a module's own frames."""
 NOWHERE = Span(0, 0)
@@ -48,7 +48,8 @@ class ParameterOf:
 class DofOf:
     """The coordinate of a degree of freedom.
 
-    In frames it stands alone in a ``rot`` or ``move``; a module's own dynamics may read it too.
+    In a frame it is the whole argument of a ``rot`` or ``move``; a module's own dynamics may read
+    it too.
     """
 
     occurrence: int
@@ -73,7 +74,7 @@ class EffortOf:
 
 @node
 class StateOf:
-    """A state of the module's own; only in its dynamics."""
+    """A state of the module itself; only in its dynamics."""
 
     occurrence: int
     name: str
@@ -89,9 +90,9 @@ class InputOf:
 
 @node
 class AttributeOf:
-    """An attribute of a nonterminal occurrence or of the left side (``THIS``), or a local value.
+    """An attribute of a nonterminal or of the left side (``THIS``), or a local value.
 
-    What is ``LOCAL`` is defined in the block that reads it: ``f`` of a ``let``, or a frame of a
+    A ``LOCAL`` value is defined in the block that reads it: ``f`` of a ``let``, or a frame of a
     mounted module, such as ``Elbow.out``.
     """
 
@@ -132,7 +133,7 @@ class World:
 
 @node
 class Rot:
-    """Rotation about an axis of the local frame; the angle is a scalar or one revolute dof."""
+    """Rotation about an axis of the local frame by a scalar, or by one revolute dof."""
 
     axis: Axis
     angle: Expr
@@ -141,7 +142,7 @@ class Rot:
 
 @node
 class Move:
-    """Translation along an axis of the local frame; a scalar or one prismatic dof."""
+    """Translation along an axis of the local frame by a scalar, or by one prismatic dof."""
 
     axis: Axis
     distance: Expr
@@ -158,7 +159,7 @@ class Shift:
 
 @node
 class Compose:
-    """The product of two frames, left applied first (from the world outwards)."""
+    """The product of two frames; the left one is applied first (from the world outwards)."""
 
     left: Expr
     right: Expr
@@ -200,7 +201,7 @@ def leaves(expression: Expr) -> Iterator[Expr]:
 
 
 def factors(expr: Expr) -> Iterator[Expr]:
-    """The factors of a product of frames, from the left; of any other expression itself."""
+    """The factors of a product of frames, from the left; any other expression is its own factor."""
     todo = [expr]
     while todo:
         current = todo.pop()
@@ -213,12 +214,12 @@ def factors(expr: Expr) -> Iterator[Expr]:
 def with_leaves(
     expr: Expr, change: Callable[[Expr], Expr], mentions: tuple[int, ...] | None = None
 ) -> Expr:
-    """An expression with each leaf changed.
+    """An expression with every leaf replaced.
 
     Args:
         expr: the expression.
-        change: the new leaf of an old one.
-        mentions: where given, those of all steps of frames.
+        change: maps a leaf to its replacement.
+        mentions: if given, the new mentions of all frame steps.
     """
 
     def new(part: Expr) -> Expr:
@@ -243,11 +244,11 @@ def with_leaves(
             return change(expr)
 
 
-# --- depth and size -------------------------------------------------------------------------------
+# --- Depth and size -------------------------------------------------------------------------------
 
 MAX_DEPTH = 120
 MAX_NODES = 20_000
-"""Bounds on expressions, so that every later walk may recurse."""
+"""Bounds on expressions, so that all later traversals may be recursive."""
 
 
 def children(expr: Expr) -> tuple[Expr, ...]:
@@ -266,7 +267,7 @@ def children(expr: Expr) -> tuple[Expr, ...]:
 
 
 def too_large(expr: Expr) -> bool:
-    """Whether an expression exceeds ``MAX_DEPTH`` or, as a tree, ``MAX_NODES``."""
+    """Whether an expression exceeds ``MAX_DEPTH`` or, counted as a tree, ``MAX_NODES``."""
     stack = [(expr, 0)]
     seen = 0
     while stack:

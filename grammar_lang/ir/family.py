@@ -43,9 +43,9 @@ class Parameter:
 class Dof:
     """A degree of freedom about or along an axis of the local frame; None means unlimited.
 
-    ``effort`` bounds its free input, ``inertia`` is that of its rotor times the square of the gear,
-    which moves with the joint alone, ``accel`` bounds the size of its acceleration, ``coulomb`` is
-    that of the effort of its dry friction, ``gear`` the ratio itself, which exports state; all are
+    ``effort`` bounds its free input.  ``inertia`` is the rotor inertia times the square of the gear
+    ratio; it moves with this joint only.  ``accel`` bounds the absolute acceleration, ``coulomb``
+    is the effort of dry friction, and ``gear`` is the gear ratio, which exports state.  All are
     closed and in SI units.
     """
 
@@ -64,7 +64,7 @@ class Dof:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """A state of a module's own and its derivative; ``unit`` is its SI unit as text.
+    """A state of a module's own dynamics and its derivative; ``unit`` is its SI unit as text.
 
     Without an ``initial`` value (closed, SI) it starts at zero.
     """
@@ -88,7 +88,7 @@ class Input:
 
 @node
 class Torque:
-    """The generalised force on a degree of freedom, instead of its free input alone."""
+    """The generalised force on a degree of freedom, which replaces its free input."""
 
     dof: str
     value: Expr
@@ -99,8 +99,8 @@ class Torque:
 class Module:
     """A robot module (an element of Sigma).  Its constants are inlined where they are used.
 
-    ``states``, ``inputs`` and ``torques`` are its own dynamics (Definition 5); the module itself
-    is the occurrence ``THIS`` there.
+    ``states``, ``inputs`` and ``torques`` are its own dynamics (Definition 5), in which ``THIS`` is
+    the module itself.
     """
 
     name: str
@@ -128,7 +128,7 @@ SymbolKind: TypeAlias = Literal["module", "edge", "nonterminal"]
 
 @node
 class Symbol:
-    """An occurrence of a symbol on a right side; ``alias`` is how its production calls it."""
+    """An occurrence of a symbol on a right side; ``alias`` is its own name there, if any."""
 
     name: str
     kind: SymbolKind
@@ -207,7 +207,7 @@ class EndsWith:
 
 @node
 class Count:
-    """The number of occurrences of a symbol; of all symbols where ``symbol`` is None."""
+    """The number of occurrences of a symbol, or of all symbols if ``symbol`` is None."""
 
     symbol: str | None
     comparison: Comparison
@@ -223,7 +223,7 @@ class Matches:
 
 @node
 class AllOf:
-    """Conjunction; empty: every word."""
+    """Conjunction; if empty, every word is accepted."""
 
     parts: tuple[Accept, ...]
 
@@ -247,10 +247,10 @@ Accept: TypeAlias = Contains | StartsWith | EndsWith | Count | Matches | AllOf |
 
 @node
 class AttributeRule:
-    """``target = value``: synthesized where the target is ``THIS``, else inherited.
+    """``target = value``: synthesized if the target is ``THIS``, otherwise inherited.
 
-    ``mentions`` are the occurrences of modules that the value names, in order of first mention;
-    those of an emission are named in its arguments other than the frame.
+    ``mentions`` are the occurrences of modules that the value names, in order of first mention.
+    For an emission, they are those in its arguments other than the frame.
     """
 
     target: AttributeOf
@@ -260,10 +260,10 @@ class AttributeRule:
 
 
 def owners(production: Production, emission: Emission) -> tuple[int, ...]:
-    """The modules on the right side, by position, that an emitted body may be that of.
+    """The positions of the modules on the right side that may own an emitted body.
 
-    It is that of the only module of its production, or of those that its quantities name; none
-    where the production has no module.
+    If the production has only one module, that one; otherwise the modules that its quantities name,
+    or all of them if it names none.  Empty if the production has no module.
     """
     modules = tuple(i for i, x in enumerate(production.right) if x.kind == "module")
     return modules if len(modules) < 2 else emission.mentions or modules
@@ -273,7 +273,7 @@ def owners(production: Production, emission: Emission) -> tuple[int, ...]:
 class SemanticBlock:
     """The semantic rules of one production.
 
-    ``visuals`` are beside the emissions: only what shows or exports a robot looks at them.
+    ``visuals`` are kept apart from the emissions: only drawing and exports use them.
     """
 
     rules: tuple[AttributeRule, ...]
@@ -285,7 +285,7 @@ class SemanticBlock:
 def semantic_block(
     rules: Iterable[AttributeRule], emitted: Iterable[Emitted], span: Span
 ) -> SemanticBlock:
-    """The block of a production with what it emits, in order."""
+    """The semantic block of a production, with emissions and visuals separated, each in order."""
     emissions, visuals = list[Emission](), list[Visual]()
     for each in emitted:
         if isinstance(each, Visual):
@@ -297,10 +297,10 @@ def semantic_block(
 
 @dataclass(frozen=True, slots=True)
 class Grammar:
-    """An SRG (Definition 3) with its accept condition and, where given, its semantics (FRG).
+    """An SRG (Definition 3) with its accept condition and, if given, its semantics (FRG).
 
-    ``nonterminals`` is in order of first appearance, the start symbol first.  ``listed`` are the
-    modules that a grammar from ports names, whether they stand in a robot or not.
+    ``nonterminals`` are in order of first appearance, the start symbol first.  ``listed`` are the
+    modules that a grammar from ports names, whether or not they occur in a robot.
     """
 
     name: str

@@ -1,9 +1,9 @@
 """Formulas of the intermediate representation: linear temporal logic on the finite trace [0, T].
 
-They speak of where effectors are, and of how their frames are turned there.
+They state where effectors are and how their frames are oriented.
 
-Times are exact, in seconds.  Windows are closed and relative to the instant where the formula is
-evaluated; whatever of them lies after T is cut off.
+Times are exact, in seconds.  Windows are closed and relative to the instant at which the formula is
+evaluated; the part of a window after T is cut off.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ from grammar_lang.source import Span, node
 
 @node
 class Aligned:
-    """An axis of an effector's frame points along a direction of the world, ``within`` an angle.
+    """An axis of an effector's frame is within an angle of a direction of the world.
 
-    The direction is not zero, the angle closed, in rad and between 0 and a half turn.
+    The direction is not zero.  The angle ``within`` is closed, in rad and between 0 and a half
+    turn.
     """
 
     axis: Axis
@@ -31,10 +32,11 @@ class Aligned:
 
 @node
 class Oriented:
-    """An effector's frame is turned from the world's by ``turns``, ``within`` an angle.
+    """An effector's frame is within an angle of the world's frame rotated by ``turns``.
 
-    Turns are about axes of the frame, one after the other, by closed angles in rad; the angle is
-    that of the rotation between both frames, between 0 and a half turn.
+    The turns are about axes of the rotated frame, one after the other, by closed angles in rad.
+    ``within`` bounds the angle of the rotation between the two frames; it is between 0 and a half
+    turn.
     """
 
     turns: tuple[tuple[Axis, Expr], ...]
@@ -47,9 +49,9 @@ Pose: TypeAlias = Aligned | Oriented
 
 @node
 class Atom:
-    """The ``effector``-th effector (from 1, in word order) is in the region, in all ``poses``.
+    """The ``effector``-th effector (from 1, in word order) is in the region, with all ``poses``.
 
-    ``numbered`` says that the number is written; a plain region is the only effector's.
+    ``numbered`` is whether the number is written; a region without it means the only effector.
     """
 
     region: str
@@ -69,7 +71,7 @@ class Not:
 
 @node
 class And:
-    """Conjunction of two or more."""
+    """Conjunction of two or more operands."""
 
     operands: tuple[Formula, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -77,7 +79,7 @@ class And:
 
 @node
 class Or:
-    """Disjunction of two or more."""
+    """Disjunction of two or more operands."""
 
     operands: tuple[Formula, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -94,7 +96,7 @@ class Implies:
 
 @node
 class Until:
-    """Strong: ``right`` holds at some instant from now on, ``left`` at all instants before it."""
+    """Strong until: ``right`` holds at some instant from now on, ``left`` at all before it."""
 
     left: Formula
     right: Formula
@@ -103,7 +105,7 @@ class Until:
 
 @node
 class Window:
-    """The instants from ``lower`` to ``upper`` seconds after the present one; None: to the end."""
+    """The instants from ``lower`` to ``upper`` seconds from now; ``upper`` is None for the end."""
 
     lower: Fraction
     upper: Fraction | None
@@ -111,7 +113,7 @@ class Window:
 
 @node
 class Always:
-    """At every instant of the window."""
+    """The operand holds at every instant of the window."""
 
     operand: Formula
     window: Window
@@ -120,7 +122,7 @@ class Always:
 
 @node
 class Eventually:
-    """At some instant of the window."""
+    """The operand holds at some instant of the window."""
 
     operand: Formula
     window: Window
@@ -129,7 +131,7 @@ class Eventually:
 
 @node
 class Next:
-    """One step of the horizon later; false at the last instant."""
+    """The operand holds one step of the horizon later; false at the last instant."""
 
     operand: Formula
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -137,7 +139,7 @@ class Next:
 
 @node
 class Last:
-    """Throughout the last ``duration`` seconds, [T - duration, T]."""
+    """The operand holds throughout the last ``duration`` seconds, [T - duration, T]."""
 
     duration: Fraction
     operand: Formula

@@ -1,4 +1,4 @@
-"""The parts of a formula, and their occurrences."""
+"""The parts of a formula and their occurrences."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def operands(formula: ir.Formula) -> tuple[ir.Formula, ...]:
 
 
 def subformulas(formula: ir.Formula) -> Iterator[ir.Formula]:
-    """The formula and all its parts, from the outside in and from left to right."""
+    """The formula and all its parts, outermost first and from left to right."""
     pending = [formula]
     while pending:
         found = pending.pop()
@@ -45,7 +45,7 @@ def subformulas(formula: ir.Formula) -> Iterator[ir.Formula]:
 
 
 def atoms(*formulas: ir.Formula) -> tuple[ir.Atom, ...]:
-    """The different atoms of formulas, in the order of their first occurrence."""
+    """The distinct atoms of formulas, in the order of their first occurrence."""
     found = {
         part: None
         for formula in formulas
@@ -56,7 +56,7 @@ def atoms(*formulas: ir.Formula) -> tuple[ir.Atom, ...]:
 
 
 def with_atoms(formula: ir.Formula, of: Callable[[ir.Atom], ir.Formula]) -> ir.Formula:
-    """The formula with others in place of its atoms; its depth is bounded by the parser."""
+    """The formula with its atoms replaced; recursive, since the parser bounds its depth."""
     match formula:
         case ir.Atom():
             return of(formula)
@@ -72,7 +72,7 @@ def with_atoms(formula: ir.Formula, of: Callable[[ir.Atom], ir.Formula]) -> ir.F
 
 
 def asked_poses(task: ir.Task) -> tuple[ir.Pose, ...]:
-    """All that a task says of how effectors' frames are turned."""
+    """All poses that a task requires of effectors."""
     reached = () if task.reach is None else task.reach.poses
     spoken = atoms(*(clause.formula for clause in task.satisfy))
     return (*reached, *(pose for atom in spoken for pose in atom.poses))
@@ -81,13 +81,13 @@ def asked_poses(task: ir.Task) -> tuple[ir.Pose, ...]:
 # --- Occurrences of subformulas, and formulas in which one is replaced by a constant --------------
 #
 # Every operator is monotonic in an occurrence under an even number of negations (*positive*) and
-# antitonic in the others, so that false in place of a positive occurrence, or true in place of a
-# negative one, makes a formula stronger.
+# antitonic in the others.  So a formula becomes stronger if a positive occurrence is replaced by
+# false, or a negative one by true.
 
 
 @dataclass(frozen=True, slots=True)
 class Occurrence:
-    """A part of a formula; ``path`` are the numbers of the operands that lead to it."""
+    """A part of a formula; ``path`` holds the operand numbers that lead to it from the top."""
 
     path: tuple[int, ...]
     formula: ir.Formula
@@ -95,7 +95,7 @@ class Occurrence:
 
 
 def occurrences(formula: ir.Formula) -> Iterator[Occurrence]:
-    """All parts of a formula, itself the first, from the outside in and from left to right."""
+    """All parts of a formula, itself included, outermost first and from left to right."""
     pending = [Occurrence((), formula, positive=True)]
     while pending:
         found = pending.pop()
@@ -108,14 +108,14 @@ def occurrences(formula: ir.Formula) -> Iterator[Occurrence]:
 
 
 def _turns(found: Occurrence, number: int) -> bool:
-    """Whether an operand of a part is negated by it."""
+    """Whether a part negates its operand of that number."""
     return isinstance(found.formula, ir.Not) or (
         isinstance(found.formula, ir.Implies) and number == 0
     )
 
 
 def strengthened(formula: ir.Formula, part: Occurrence) -> ir.Formula:
-    """The formula with the constant in place of one of its parts that makes it strongest."""
+    """The formula with one part replaced by the constant that makes the formula strongest."""
     anywhere = atoms(formula)[0]
     constant: ir.Formula = ir.Or((anywhere, ir.Not(anywhere)))
     if part.positive:
@@ -129,7 +129,7 @@ def strengthened(formula: ir.Formula, part: Occurrence) -> ir.Formula:
 
 
 def _with_operand(formula: ir.Formula, number: int, part: ir.Formula) -> ir.Formula:
-    """The formula with another operand of that number."""
+    """The formula with the operand of that number replaced."""
     match formula:
         case ir.And(operands=parts) | ir.Or(operands=parts):
             return replace(formula, operands=(*parts[:number], part, *parts[number + 1 :]))
@@ -145,15 +145,15 @@ def _with_operand(formula: ir.Formula, number: int, part: ir.Formula) -> ir.Form
 
 # --- ``F until G`` with G about closed regions, in an equivalent form that is easier to prove -----
 #
-# A point that moves from F straight into G is, at the instant of the change, on the boundary of
-# both, which no enclosure decides.  That it is in one of them can be decided.
+# A point that moves from F straight into G is on the boundary of both at the instant of the change,
+# which no enclosure can decide.  But it can be decided that the point is in one of them.
 
 
 def attained(formula: ir.Formula) -> ir.Formula:
-    """The same formula with ``F or G until G`` for ``F until G`` where G is closed.
+    """An equivalent formula with ``(F or G) until G`` for each ``F until G`` whose G is closed.
 
-    If F or G holds up to an instant of G, there is a first instant of G from now on, since those
-    instants make a closed set; before it F holds.
+    The instants at which G holds form a closed set.  So if F or G holds up to an instant of G,
+    there is a first such instant from now on, and F holds at all instants before it.
     """
     match formula:
         case ir.Until(left=left, right=right):
@@ -178,7 +178,7 @@ def _alternatives(formula: ir.Formula) -> tuple[ir.Formula, ...]:
 
 
 def _closed(formula: ir.Formula) -> bool:
-    """Whether a formula certainly holds on a closed set of instants: regions are closed."""
+    """Whether a formula certainly holds on a closed set of instants: regions are closed sets."""
     if isinstance(formula, ir.And | ir.Or):
         return all(_closed(part) for part in formula.operands)
     return isinstance(formula, ir.Atom)
@@ -188,22 +188,22 @@ def _closed(formula: ir.Formula) -> bool:
 
 
 _TIGHT, _UNTIL, _AND, _OR, _IMPLIES = range(1, 6)
-"""How tightly operators bind, as the language reference numbers them."""
+"""How tightly operators bind, numbered as in the language reference."""
 
 
 def formula_text(formula: ir.Formula) -> str:
-    """A formula with no more parentheses than it needs, times in seconds."""
+    """A formula as text, with only the parentheses that it needs, and times in seconds."""
     return _text(formula)[0]
 
 
 def _within(formula: ir.Formula, level: int) -> str:
-    """A formula in a place for operators that bind at least as tightly as ``level``."""
+    """A formula, in parentheses unless it binds at least as tightly as ``level``."""
     text, own = _text(formula)
     return text if own <= level else f"({text})"
 
 
 def _text(formula: ir.Formula) -> tuple[str, int]:
-    """A formula and how tightly its operator binds."""
+    """A formula as text, and how tightly its operator binds."""
     match formula:
         case ir.Atom(region=region, effector=effector, numbered=numbered, poses=poses):
             named = f"{region} by effector {effector}" if numbered else region
@@ -254,13 +254,14 @@ def _prefixed(
 
 def _window(window: ir.Window) -> str:
     if window.upper is None:
-        # No text denotes a window that begins later and has no end; this one people understand.
+        # The language cannot express a window that begins later and never ends; this is for
+        # readers.
         return "" if window.lower == 0 else f"[{_seconds(window.lower)}, end]"
     return f"[{_seconds(window.lower)}, {_seconds(window.upper)}]"
 
 
 def _seconds(time: Fraction) -> str:
-    """A time as a decimal where it is one, else as a quotient."""
+    """A time as a decimal if it has a finite one, or else as a quotient."""
     rest = time.denominator
     digits = 0
     for prime in (2, 5):

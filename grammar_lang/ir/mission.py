@@ -1,4 +1,4 @@
-"""Missions: several tasks for one robot, or for robots that are rebuilt from task to task."""
+"""Missions: several tasks for one robot, or for a robot that is rebuilt between tasks."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from grammar_lang.source import Span, node
 
 @node
 class Prices:
-    """What it costs to add a module, to remove one, and to change a parameter that is free.
+    """The prices of adding a module, of removing one, and of changing a free parameter.
 
-    ``change`` is zero where the price is not written: such a change is free of charge.
+    ``change`` is zero unless its price is written: such a change then costs nothing.
     """
 
     add: Fraction = Fraction(1)
@@ -25,13 +25,13 @@ class Prices:
 
 @node
 class Mission:
-    """Tasks in their order, of one grammar.
+    """A sequence of tasks for one grammar.
 
-    Without ``prices`` one robot does all of them.  With ``prices`` it is rebuilt between tasks:
-    modules that are kept keep the values of their parameters but for those that are ``free``, each
-    the name of a module and one of its parameters; ``most`` bounds what all changes cost together.
+    Without ``prices``, one robot does all of them.  With ``prices``, the robot is rebuilt between
+    tasks.  Modules that stay keep their parameter values, except for the ``free`` parameters, each
+    given by a module and a parameter name.  ``most`` bounds the total price of all changes.
     ``clauses`` are the places of ``tasks``, ``one robot``, ``reconfigure``, ``free``, ``changes``
-    and ``minimize``, ``named`` those of the names of the tasks.
+    and ``minimize``; ``named`` are the places of the task names.
     """
 
     name: str

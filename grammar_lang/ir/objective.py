@@ -1,4 +1,4 @@
-"""What a task or a mission minimizes."""
+"""Objectives: the quantities that a task or a mission minimizes."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ ObjectiveKind: TypeAlias = Literal["modules", "mass", "time", "energy", "effort"
 
 @node
 class Objective:
-    """An objective, from which later ones may depart by the part ``within`` of its least value.
+    """A quantity to minimize; later ones may raise its least value by the fraction ``within``.
 
-    ``modules`` is the number of modules, ``mass`` that of all bodies without loads (kg), ``time``
-    how long the motion takes (s), ``energy`` what its drives turn over (J), ``effort`` the largest
-    share of its bound that an input uses, ``changes`` what the robots of a mission cost to rebuild,
-    ``sum`` the sum of an ``attribute`` over the modules of the word.  Of ``sum``, ``amounts`` has
-    the modules of the grammar with the attribute in order of declaration, each with its value in SI
-    units, or None where it is a parameter; the others count as zero.  ``unit`` is the SI unit of
-    the sum as text, empty for a plain number.
+    ``modules`` is the number of modules, ``mass`` the mass of all bodies without loads (kg),
+    ``time`` the duration of the motion (s), ``energy`` the energy that its drives exchange (J),
+    ``effort`` the largest fraction of its bound that an input uses, and ``changes`` the price of
+    rebuilding the robots of a mission.  ``sum`` is the sum of an ``attribute`` over the modules of
+    the word.  Its ``amounts`` are the modules of the grammar with the attribute, in declaration
+    order, each with its value in SI units or None for a parameter; other modules count as zero.
+    ``unit`` is the SI unit of the sum as text, empty for a plain number.
     """
 
     kind: ObjectiveKind

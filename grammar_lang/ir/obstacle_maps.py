@@ -1,4 +1,4 @@
-"""Files of obstacles: maps in the plane, and meshes."""
+"""Obstacle files: maps in the plane, and meshes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grammar_lang.source import Span, node
 
 @node
 class MapImage:
-    """The image that a map_server YAML names; ``path`` as that of the map."""
+    """The image that a map_server YAML names; ``path`` as in :class:`ObstacleMap`."""
 
     path: str
     data: bytes = field(repr=False)
@@ -20,10 +20,10 @@ class MapImage:
 
 @dataclass(frozen=True, slots=True)
 class SceneObject:
-    """An object of a mesh, which stands for the convex hull of its corners.
+    """An object of a mesh, represented by the convex hull of its corners.
 
-    ``corners`` are distinct, in the unit of the mesh; ``faces`` are triangles of their numbers.
-    ``label`` is what messages call it.
+    ``corners`` are distinct, in the unit of the mesh; ``faces`` are triangles of corner indices.
+    ``label`` is its name in messages.
     """
 
     label: str
@@ -33,9 +33,9 @@ class SceneObject:
 
 @node
 class Scene:
-    """The objects of the mesh with a ``digest``, its unit of ``scale`` metres, in a frame.
+    """The objects of a mesh, identified by its ``digest``; its unit is ``scale`` metres.
 
-    The frame is closed; it leads from the world to the axes of the file.
+    ``frame`` is closed; it leads from the world to the axes of the file.
     """
 
     digest: str
@@ -47,12 +47,12 @@ class Scene:
 
 @node
 class ObstacleMap:
-    """A file of obstacles: a map_server image with its YAML, polygons as GeoJSON, or a mesh.
+    """An obstacle file: a map_server image with its YAML, polygons as GeoJSON, or a mesh.
 
-    ``name`` stands for all its obstacles together.  ``path`` is relative to the folder of the file
-    on the command line, ``text`` what it holds, ``file`` its number among the sources.  Only a
-    map_server map has an image; ``image_span`` is where its path stands.  Only a mesh, which has
-    no text, has a scene.
+    ``name`` denotes all its obstacles together.  ``path`` is relative to the folder of the file on
+    the command line, ``text`` is its contents, and ``file`` is its number among the sources.  Only
+    a map_server map has an image; ``image_span`` is where its path is written.  Only a mesh has a
+    scene; it has no text.
     """
 
     name: str

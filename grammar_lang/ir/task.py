@@ -41,10 +41,10 @@ class Hull:
 
 @node
 class Round:
-    """What is nearer than a radius to a point or a segment; of a cylinder without round ends.
+    """The points within a radius of a point or a segment; a cylinder has no round ends.
 
-    It stands for a polytope: where it is ``outward``, one that holds all of it, as motions keep out
-    of it; else one inside it.
+    It is approximated by a polytope: one that contains it if ``outward``, for regions that motions
+    avoid; otherwise one that it contains.
     """
 
     kind: Literal["ball", "capsule", "cylinder"]
@@ -69,7 +69,7 @@ class Region:
 
 @node
 class Workspace:
-    """Bounds and regions in the plane (dimension 2) or in space (3), regions as declared."""
+    """Bounds and regions in the plane (dimension 2) or in space (3); regions as declared."""
 
     name: str
     dimension: Literal[2, 3]
@@ -79,7 +79,7 @@ class Workspace:
     maps: tuple[ObstacleMap, ...] = ()
 
     def region(self, name: str) -> Region:
-        """The region of that name; KeyError if there is none."""
+        """The region of that name; raises KeyError if there is none."""
         for region in self.regions:
             if region.name == name:
                 return region
@@ -88,9 +88,9 @@ class Workspace:
 
 @node
 class StartIn:
-    """Start with some effector in a region; all rates at most ``rates`` (0: at rest).
+    """Start with some effector in a region, and with all rates at most ``rates`` (0: at rest).
 
-    ``held``: some inputs within their bounds balance the robot there.
+    ``held``: some inputs within their bounds hold the robot in equilibrium there.
     """
 
     region: str
@@ -104,8 +104,8 @@ class StartIn:
 class StartAt:
     """Start at rest with one given value per degree of freedom of the word, in word order.
 
-    ``kinds`` says for each value of which kind its degree of freedom has to be, None where its unit
-    leaves that open; empty: it is open for all.  ``places`` is where the values are written.
+    ``kinds`` is the kind of degree of freedom that each value requires, None if its unit leaves
+    that open; empty if it is open for all.  ``places`` is where the values are written.
     """
 
     values: tuple[Expr, ...]
@@ -114,19 +114,19 @@ class StartAt:
     places: tuple[Span, ...] = field(default=(), compare=False, repr=False)
 
     def kind(self, number: int) -> DofKind | None:
-        """Of which kind the degree of freedom of a value, from 0, has to be; None: of any."""
+        """The kind of degree of freedom that a value (counted from 0) requires; None if any."""
         return self.kinds[number] if self.kinds else None
 
 
 REST_RATE = Fraction(1, 1000)
-"""``reach ... at rest``: all rates of the joints are below this, in SI units."""
+"""For ``reach ... at rest``: all joint rates are below this, in SI units."""
 
 
 @node
 class FinalRates:
-    """Rates of joints are below ``bound``, in SI, throughout the last ``duration`` seconds.
+    """All joint rates are below ``bound``, in SI units, throughout the last ``duration`` seconds.
 
-    ``most`` is at least what is written, and above ``bound`` only where that is irrational.
+    ``most`` is at least the value written; it exceeds ``bound`` only if that value is irrational.
     """
 
     bound: Fraction = REST_RATE
@@ -138,8 +138,8 @@ class FinalRates:
 class Reach:
     """Some effector (or the ``effector``-th, from 1) is in the region at the final instant.
 
-    Its frame is turned as all ``poses`` say.  It is there throughout the last seconds where
-    ``rates`` have a duration; None: they are free.
+    Its frame satisfies all ``poses``.  If ``rates`` has a duration, it is there throughout those
+    last seconds; if ``rates`` is None, the rates are free.
     """
 
     region: str
@@ -173,7 +173,7 @@ class Effort:
 class AvoidSelf:
     """Bodies of links that no joint connects stay apart by more than ``margin`` metres.
 
-    Those of two modules of a pair in ``exceptions``, each in the order of names, may touch.
+    Bodies of the two modules of a pair in ``exceptions`` may touch; the names of a pair are sorted.
     """
 
     margin: Fraction
@@ -213,10 +213,10 @@ class Satisfy:
 
 @node
 class Radii:
-    """How far a state may be from another: a radius for each kind of coordinate and rate.
+    """The distance allowed between two states: a radius for each kind of coordinate and rate.
 
-    ``angle`` (rad) and ``angular_rate`` (rad/s) of revolute degrees of freedom, ``length`` (m) and
-    ``speed`` (m/s) of prismatic ones.
+    ``angle`` (rad) and ``angular_rate`` (rad/s) are for revolute degrees of freedom, ``length`` (m)
+    and ``speed`` (m/s) for prismatic ones.
     """
 
     angle: Fraction = Fraction(0)
@@ -227,7 +227,7 @@ class Radii:
 
 @node
 class Payload:
-    """A point mass (kg) at an effector (from 1), all the time; None: at the only one."""
+    """A point mass (kg) at an effector (from 1) throughout; None: at the only effector."""
 
     mass: Fraction
     effector: int | None
@@ -236,11 +236,11 @@ class Payload:
 
 @node
 class Carry:
-    """A point mass (kg) at an effector (from 1), between two samples; None: at the only one.
+    """A point mass (kg) that an effector (from 1) carries between two samples; None: the only one.
 
-    It is taken up where the effector is in the region ``source``, and put down, one sample later or
-    more, where it is in ``target``.  At both samples all rates are below the bound of ``rates``;
-    they go on as they are there.
+    The effector picks it up in the region ``source`` and puts it down, at least one sample later,
+    in ``target``.  At both samples all rates are below the bound of ``rates``; they do not change
+    when the load does.
     """
 
     mass: Fraction
@@ -252,7 +252,7 @@ class Carry:
 
     @property
     def visits(self) -> Formula:
-        """The effector is in the one region at some time, and in the other then or later."""
+        """The effector is in ``source`` at some time, and in ``target`` at that time or later."""
         number, some_time = self.effector or 1, Window(Fraction(0), None)
         there = Eventually(Atom(self.target, number, span=self.span), some_time, self.span)
         taken = Atom(self.source, number, span=self.span)
@@ -261,9 +261,9 @@ class Carry:
 
 @node
 class ModuleMass:
-    """All masses, densities and inertias of an occurrence of a module, times 1 +- ``part``.
+    """All masses, densities and inertias of an occurrence of a module are scaled by 1 +- ``part``.
 
-    Each occurrence in a word has a constant of its own.
+    Each occurrence in a word has its own factor.
     """
 
     module: str
@@ -273,16 +273,17 @@ class ModuleMass:
 
 @node
 class Robust:
-    """Disturbances that the motion has to bear.
+    """Disturbances that the motion has to withstand.
 
-    ``start`` holds the radii about the planned start, ``measured`` those of what the controller
-    measures about the true state.  Each input is off by up to the fraction ``effort`` of itself and
-    the fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities and
-    inertias are multiplied by one constant within 1 +- ``mass``, those of the modules in ``masses``
-    by one more for each of their occurrences, and payloads by one each within 1 +- ``payload``.
+    ``start`` holds the radii around the planned start, ``measured`` those of what the controller
+    measures around the true state.  Each input is off by up to the fraction ``effort`` of its value
+    and the fraction ``effort_of_bound`` of its bound, whatever is commanded.  All masses, densities
+    and inertias are multiplied by one common factor within 1 +- ``mass``.  Those of the modules in
+    ``masses`` are multiplied by one further factor per occurrence, and each payload by its own
+    within 1 +- ``payload``.
 
-    ``clauses`` are the places of the first clause of each kind: ``start``, ``measure``, ``effort``,
-    ``effort of bound``, ``mass``, ``mass of``, ``payload``; and of each radius, as ``start angle``.
+    ``clauses`` are the places of the first clause of each kind (``start``, ``measure``, ``effort``,
+    ``effort of bound``, ``mass``, ``mass of``, ``payload``) and of each radius (``start angle``).
     """
 
     start: Radii = Radii()
@@ -297,16 +298,16 @@ class Robust:
 
 @node
 class Task:
-    """A problem: a robot family, a workspace, and what is to be done in how many steps.
+    """A problem: a robot family, a workspace, a goal, and a number of steps to reach it.
 
-    ``reach`` is None only where ``satisfy`` holds a formula.  ``clauses`` are the places of those
-    clauses that are plain values here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``,
-    ``control``, ``repeat``, ``minimize``.
+    ``reach`` is None only if ``satisfy`` has a formula.  ``clauses`` are the places of the clauses
+    that are plain values here: ``horizon``, ``gravity``, ``modules``, ``bounds_body``, ``control``,
+    ``repeat``, ``minimize``.
 
-    With ``repeat`` the motion goes on for ever: ``steps`` bounds a prefix and one loop together.
-    With ``at_most`` a motion of fewer steps does the task, too; T in formulas is then its own end.
-    ``control`` says whether the inputs are a fixed list or follow what is measured; None: either.
-    Of the objectives in ``minimize``, each counts among what is left by those before it.
+    With ``repeat`` the motion never ends: ``steps`` bounds a prefix and one loop together.  With
+    ``at_most`` a motion may have fewer steps; T in formulas is then its own end.  ``control`` is
+    whether the inputs are a fixed list or follow the measurements; None: either.  Each objective in
+    ``minimize`` is applied to the solutions that the earlier ones leave.
     """
 
     name: str
@@ -336,32 +337,32 @@ class Task:
     at_most: bool = False
 
     def lasting(self, steps: int) -> Task:
-        """The task of motions of just so many steps."""
+        """The task with exactly this many steps."""
         return replace(self, steps=steps, at_most=False)
 
     @property
     def fewest_steps(self) -> int:
-        """The fewest steps of a motion: it takes as long as its end is to last."""
+        """The fewest steps of a motion: it must be at least as long as ``stay``."""
         return max(1, ceil(self.stay / self.step)) if self.at_most else self.steps
 
     @property
     def demanded(self) -> tuple[Satisfy, ...]:
-        """The ``satisfy`` clauses, and behind them what each ``carry`` asks at least."""
+        """The ``satisfy`` clauses, followed by the least that each ``carry`` requires."""
         return (*self.satisfy, *(Satisfy(carry.visits, carry.span) for carry in self.carries))
 
     @property
     def goal(self) -> Reach:
-        """The ``reach`` clause; LookupError where the task has formulas only."""
+        """The ``reach`` clause; raises LookupError if the task has formulas only."""
         if self.reach is None:
             raise LookupError(f"task {self.name} has no reach clause")
         return self.reach
 
     @property
     def final_rates(self) -> FinalRates | None:
-        """What binds the rates at the end of the motion; None: they are free."""
+        """The bound on the rates at the end of the motion; None if they are free."""
         return None if self.reach is None else self.reach.rates
 
     @property
     def stay(self) -> Fraction:
-        """How long before its end the motion has to be in the target, in seconds."""
+        """How long the motion has to stay in the target before its end, in seconds."""
         return Fraction(0) if self.final_rates is None else self.final_rates.duration

@@ -1,1 +1,1 @@
-"""What every name of a specification stands for, and where it stands."""
+"""Name resolution: the entity that each name of a specification refers to."""

@@ -1,4 +1,4 @@
-"""The names that stand in accept conditions, clauses of tasks and formulas."""
+"""The names in accept conditions, clauses of tasks and formulas."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def region_names(item: t.TaskItem) -> Iterator[s.Ident]:
 
 
 def named_modules(item: t.TaskItem) -> Iterator[s.Ident]:
-    """The modules that `avoid self` and `robust mass` name."""
+    """The modules that ``avoid … except`` and ``robust mass`` name."""
     match item:
         case t.Avoid(excepted=excepted):
             for pair in excepted:
@@ -68,14 +68,14 @@ def named_modules(item: t.TaskItem) -> Iterator[s.Ident]:
 
 
 def summed_attributes(item: t.TaskItem | m.MissionItem) -> Iterator[s.Ident]:
-    """The attributes of modules that objectives add up."""
+    """The attributes of modules that objectives sum up."""
     for objective in item.objectives if isinstance(item, m.Minimize) else ():
         if objective.attribute is not None:
             yield objective.attribute
 
 
 def symbols_of(grammar: s.Grammar) -> Iterator[str]:
-    """What stands on right sides; of a grammar from ports, its modules."""
+    """The symbols on the right sides of a grammar; for a grammar from ports, its modules."""
     for item in grammar.items:
         match item:
             case s.Production(right=right):

@@ -1,4 +1,4 @@
-"""The entities that names stand for, and the items of a specification that declare them."""
+"""The entities that names refer to, and the items of a specification that declare them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from grammar_lang.source import Span, node
 from grammar_lang.syntax import missions as m
 from grammar_lang.syntax import tasks as t
 
-# --- The entities that names stand for, as the items of a specification declare them --------------
+# --- The entities that names refer to, as the items of a specification declare them ------------
 
 
 Kind: TypeAlias = Literal[
@@ -76,14 +76,13 @@ _NAMED_KINDS: dict[type, Kind] = {
 
 @node
 class Entity:
-    """What a name stands for.
+    """The thing that a name refers to.
 
-    ``scope`` is where the name holds: nothing for modules, edges and items; the module of a
+    ``scope`` is where the name is valid.  It is empty for modules, edges and items; the module of a
     parameter, constant, degree of freedom, state, input or frame; the grammar of a nonterminal or
-    production; grammar and production of an occurrence with a name of its own and of a local value;
-    grammar and nonterminal of an attribute; the workspace of a region or map.  ``span`` is the name
-    where it is first declared, ``statement`` that declaration; attributes and types of ports have
-    neither.
+    production; the grammar and production of an alias or a local value; the grammar and nonterminal
+    of an attribute; the workspace of a region or map.  ``span`` is the name where it is first
+    declared, and ``statement`` is that declaration; attributes and port types have neither.
     """
 
     kind: Kind
@@ -94,7 +93,7 @@ class Entity:
 
 
 def entity(kind: Kind, scope: tuple[str, ...], name: s.Ident, statement: Span) -> Entity:
-    """The entity that a name in a declaration declares."""
+    """The entity that a name declares."""
     return Entity(kind, scope, name.text, name.span, statement)
 
 
@@ -146,12 +145,12 @@ def places(workspace: t.Workspace) -> dict[str, Entity]:
 
 @node
 class Occurrences:
-    """What a word calls its symbols (section "Names" of the language).
+    """The names of the occurrences in a word (section "Names" of the language reference).
 
-    ``places`` gives the position that a name means: X where it occurs once, X1 to Xn where it
-    occurs n times, and the names given in the production.  ``repeated`` gives the names that tell
-    the occurrences of a symbol apart.  ``clashes`` are the occurrences whose name is that of
-    another symbol already, each with that name.
+    ``places`` maps each name to a position: X if X occurs once, X1 to Xn if it occurs n times, and
+    the aliases given in the production.  ``repeated`` maps each repeated symbol to the names of its
+    occurrences.  ``clashes`` are the occurrences whose name is already that of another symbol, each
+    with that name.
     """
 
     places: Mapping[str, int]
@@ -162,12 +161,12 @@ class Occurrences:
 def occurrences(
     word: Sequence[s.Occurrence], taken: Container[str], unnumbered: Container[str] = ()
 ) -> Occurrences:
-    """How the symbols of a word are called.
+    """The names of the occurrences in a word.
 
     Args:
-        word: the symbols with the names given to them.
-        taken: the names of symbols, which no occurrence of another one can have.
-        unnumbered: symbols whose occurrences are not told apart by numbers.
+        word: the symbols with their aliases.
+        taken: the names of symbols, which no other occurrence may have.
+        unnumbered: symbols whose occurrences are not distinguished by numbers.
     """
     positions: dict[str, list[int]] = {}
     for position, each in enumerate(word):
@@ -205,9 +204,10 @@ _NO_LETTER = re.compile(r"[^A-Za-z0-9_]")
 
 
 def map_name(path: str) -> str:
-    """The name of a file without its end, as a NAME: ``maps/yard 2.yaml`` is ``yard_2``.
+    """The name of a file without its extension, as a NAME: ``maps/yard 2.yaml`` is ``yard_2``.
 
-    What no NAME holds becomes ``_``; a first digit and a reserved word get one in front.
+    Characters that a NAME cannot have become ``_``; a leading digit or a reserved word is preceded
+    by ``_``.
     """
     stem = posixpath.splitext(posixpath.basename(path))[0]
     name = _NO_LETTER.sub("_", stem)
@@ -215,14 +215,14 @@ def map_name(path: str) -> str:
 
 
 # --------------------------------------------------------------------------------------------------
-# What a specification declares, and the errors about names that are declared twice or not at all.
+# The declarations of a specification, and errors about duplicate and unknown names.
 #
 # Modules, edges and nonterminals share one name space.
 
 
 @dataclass
 class Declarations:
-    """The items of a specification by name; of several of a name only the first is kept."""
+    """The items of a specification by name; only the first of each name is kept."""
 
     terminals: dict[str, Entity] = field(default_factory=dict[str, Entity])
     modules: dict[str, s.Module] = field(default_factory=dict[str, s.Module])
@@ -233,7 +233,7 @@ class Declarations:
     missions: dict[str, m.Mission] = field(default_factory=dict[str, m.Mission])
 
     def is_first(self, item: t.Item) -> bool:
-        """Whether no item before it has its name space; others have none."""
+        """Whether the scope of an item's name is that item; True for items that have no scope."""
         match item:
             case s.Module(name=name):
                 return self.modules.get(name.text) is item
@@ -259,7 +259,7 @@ class Declarations:
 
     @cached_property
     def by_name(self) -> Mapping[str, Entity]:
-        """Modules, edges, nonterminals, regions, maps and items; the first of each name."""
+        """Modules, edges, nonterminals, regions, maps and items by name; the first of each name."""
         found: dict[str, Entity] = {}
         for each in self._all():
             found.setdefault(each.name, each)
@@ -282,7 +282,7 @@ def named(item: _Named) -> Entity:
     return entity(_NAMED_KINDS[type(item)], (), item.name, item.span)
 
 
-# --- collection --------------------------------------------------------------------------------
+# --- Collection --------------------------------------------------------------------------------
 
 
 def duplicate(name: s.Ident, first: Span, sink: Sink, hint: str = "choose another name") -> None:
@@ -349,14 +349,14 @@ def _named(item: _Named, declared: Declarations, sink: Sink) -> None:
 
 
 def declarations(file: t.File, sink: Sink) -> Declarations:
-    """Collect the declarations of a file; second ones of a name are reported."""
+    """Collect the declarations of a file; report every name that is declared twice."""
     declared = Declarations()
     for item in file.items:
         _item(item, declared, sink)
     return declared
 
 
-# --- names that stand for nothing due ----------------------------------------------------------
+# --- Names of the wrong kind, or of nothing ----------------------------------------------------
 
 
 def _described(found: Entity) -> str:
@@ -375,15 +375,15 @@ def report_unknown(
     sink: Sink,
     message: str | None = None,
 ) -> None:
-    """Report a name that is not ``due``: what it is instead, or that there is none.
+    """Report a name that does not refer to what is expected: it is something else, or unknown.
 
     Args:
         name: the name.
-        due: what is due here, with its article: ``a grammar``.
-        known: the names that would do.
-        declared: what the specification declares.
-        sink: where the error goes.
-        message: what to say of a name that stands for nothing at all.
+        due: what is expected here, with its article: ``a grammar``.
+        known: the names that would be right.
+        declared: the declarations of the specification.
+        sink: collects the error.
+        message: the message for a name that refers to nothing.
     """
     what = due.split(" ", 1)[1]
     hint = did_you_mean(name.text, known, what, sink)

@@ -1,7 +1,7 @@
-"""Name resolution: one walk over the syntax finds what every name stands for.
+"""Name resolution: one walk over the syntax finds the entity that each name refers to.
 
-Errors do not matter here: a name that stands for nothing is no mention of anything, and every other
-one is.  Whether an entity is of the kind that is due is for the checks to say.
+Errors are ignored here: a name that refers to nothing is left out, and every other name is
+recorded.  Later checks report entities of the wrong kind.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from grammar_lang.syntax.expressions import readings
 
 
 def _bare(name: s.Ident) -> Span:
-    """The place of a name, without the quotes that may be about it."""
+    """The span of a name without its quotes."""
     span = name.span
     quotes = span.end - span.start - len(name.text)
     return Span(span.start + 1, span.end - 1, span.file) if quotes == 2 else span
@@ -48,14 +48,14 @@ def _bare(name: s.Ident) -> Span:
 
 @dataclass(slots=True)
 class _GrammarNames:
-    """The names of a grammar; ``symbols`` are terminals and nonterminals."""
+    """The names of a grammar; ``symbols`` are its terminals and nonterminals."""
 
     grammar: s.Grammar
     symbols: Mapping[str, Entity]
     productions: Mapping[str, s.Production]
 
     def production(self, label: s.Ident) -> Entity:
-        """The production with a label that exists."""
+        """The entity of the production with this label, which must exist."""
         first = self.productions[label.text]
         return entity("production", (self.grammar.name.text,), first.label, first.span)
 
@@ -71,7 +71,7 @@ class _Resolver:
     )
     _grammars: dict[str, _GrammarNames] = field(default_factory=dict[str, _GrammarNames])
 
-    # --- what is found -------------------------------------------------------------------------
+    # --- Recording mentions --------------------------------------------------------------------
 
     def add(
         self,
@@ -81,13 +81,13 @@ class _Resolver:
         declares: bool = False,
         position: int | None = None,
     ) -> None:
-        """A name that stands for an entity, if it does."""
+        """Record that a name refers to an entity, unless that is None."""
         if meant is not None:
             span = _bare(name)
             self.found.append(Mention(meant, span, name.span, declares, self.within, position))
 
     def numbered(self, meant: Entity | None, name: s.Ident, position: int) -> None:
-        """A name that is a symbol's, perhaps with a number behind it."""
+        """Record the name of a symbol, which may be followed by a number."""
         if meant is not None:
             span = Span(name.span.start, name.span.start + len(meant.name), name.span.file)
             here = self.within
@@ -95,7 +95,7 @@ class _Resolver:
             self.found.append(mention)
 
     def members(self, module: str) -> Mapping[str, Entity]:
-        """What a module of that name declares; nothing if there is none."""
+        """The members that the module of that name declares; empty if there is no such module."""
         if module not in self.declared.modules:
             return {}
         if module not in self._members:
@@ -113,7 +113,7 @@ class _Resolver:
     # --- items ---------------------------------------------------------------------------------
 
     def item(self, item: t.Item) -> None:
-        """The names of an item; inside a second one of its name nothing is resolved."""
+        """Resolve the names of an item; a second item of the same name is not entered."""
         self.within = None
         match item:
             case s.Module(name=name):
@@ -251,7 +251,7 @@ class _Resolver:
         *,
         declares: bool = False,
     ) -> None:
-        """``owner.name``: a member of a module, or an attribute of a nonterminal."""
+        """Resolve ``owner.name``: a member of a module, or an attribute of a nonterminal."""
         symbol, position = production.left, ir.THIS
         if member.owner.text != "this":
             found = _position(member.owner.text, production, self.words[production.span])
@@ -310,13 +310,13 @@ class _Resolver:
                 self._sums(known[0], item)
 
     def _parameter(self, module: s.Ident, name: s.Ident) -> None:
-        """A parameter of a module that is named outside of words."""
+        """Resolve ``MODULE.parameter`` in a ``free``, outside of any word."""
         if module.text in self.declared.modules:
             self.add(self.declared.terminals.get(module.text), module)
             self.add(self.members(module.text).get(name.text), name, position=0)
 
     def _sums(self, task: t.Task, item: m.Minimize) -> None:
-        """The attributes that are summed up: each name is that of members of several modules."""
+        """Resolve summed attributes: each name refers to a member of every module that has it."""
         robots = (each.name.text for each in task.items if isinstance(each, t.Robot))
         grammar = self.declared.grammars.get(next(robots, ""))
         if grammar is not None:
@@ -343,9 +343,10 @@ class _Resolver:
 
 
 def _position(owner: str, production: s.Production, word: Occurrences) -> int | None:
-    """The occurrence that an owner names.
+    """The position of the occurrence that an owner names.
 
-    An alias that is another symbol's name as well is an error; renaming it has to find its uses.
+    An alias that is also the name of another symbol is an error, but renaming must still find its
+    uses.
     """
     if any(own == owner for _, own in word.clashes):
         for position, each in enumerate(production.right):
@@ -355,7 +356,7 @@ def _position(owner: str, production: s.Production, word: Occurrences) -> int | 
 
 
 def local_values(production: Entity | None, block: s.Block) -> dict[str, Entity]:
-    """The values that the block of a production gives names to, the first of each name."""
+    """The local values in the block of a production; the first of each name."""
     found: dict[str, Entity] = {}
     for item in block.statements if production is not None else ():
         if isinstance(item, s.Let) and production is not None:
@@ -365,7 +366,7 @@ def local_values(production: Entity | None, block: s.Block) -> dict[str, Entity]
 
 
 def _alias(production: Entity | None, occurrence: s.Occurrence) -> Entity | None:
-    """The occurrence of a production, by the name that is given to it there."""
+    """The entity of an occurrence with an alias."""
     if production is None or occurrence.alias is None:
         return None
     alias = occurrence.alias
@@ -374,14 +375,14 @@ def _alias(production: Entity | None, occurrence: s.Occurrence) -> Entity | None
 
 
 def resolve_names(file: t.File, sink: Sink) -> NameTable:
-    """The names of a specification.
+    """Resolve the names of a specification.
 
     Args:
-        file: the items of the main file and of all it includes.
-        sink: takes the errors about names that are declared twice.
+        file: the items of the main file and of all its includes.
+        sink: collects the errors about names that are declared twice.
     """
     resolver = _Resolver(declarations(file, sink))
-    # The blocks of a semantics may stand before its grammar.
+    # A semantics may stand before its grammar, so semantics come last.
     for item in sorted(file.items, key=lambda each: isinstance(each, s.Semantics)):
         resolver.item(item)
     return NameTable(resolver.found, resolver.declared, resolver.words)

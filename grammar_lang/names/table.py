@@ -1,4 +1,4 @@
-"""The table of names: every place that mentions an entity, and names that are never used."""
+"""The table of names: every place that mentions an entity, and the names that are never used."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ from grammar_lang.syntax import Ident
 
 # --- The names of a specification: every place that mentions an entity ----------------------------
 #
-# The resolver fills the table once, from the syntax alone.  The checks, the findings about unused
-# names and all that an editor asks (definition, references, rename, hover, completion) read it.
+# The resolver fills the table once, from the syntax alone.  It is read by the checks, by the
+# warnings about unused names and by all editor requests (definition, references, rename, hover,
+# completion).
 
 
 @node
 class Mention:
-    """A name in the text; a word may name several things, each with a mention of its own.
+    """A name in the text; a word that names several entities has a mention for each.
 
-    ``whole`` is the word that stands there; ``span`` is the part of it that is the name: a quoted
-    symbol without its quotes, ``L`` of the numbered occurrence ``L2``.  ``within`` is the entity in
-    whose declaration it stands: a production (also in the semantics), a member, a task, a mission.
-    ``position`` is that on the right side (``ir.THIS`` for the left one), or in the word of a
-    ``from``, of the symbol whose member or attribute is named.
+    ``whole`` is the word in the text; ``span`` is the part of it that is the name: a quoted symbol
+    without its quotes, or ``L`` of the numbered occurrence ``L2``.  ``within`` is the entity in
+    whose declaration it stands: a production (also in the semantics), a member, a task or a
+    mission.  ``position`` belongs to the symbol whose member or attribute is named: its position on
+    the right side (``ir.THIS`` for the left side) or in the word of a ``from``.
     """
 
     entity: Entity
@@ -40,7 +41,7 @@ class Mention:
 
     @property
     def summed_up(self) -> bool:
-        """Whether an objective adds up the attribute that it names."""
+        """Whether this is an attribute that an objective sums up."""
         attribute = self.entity.kind in {"constant", "parameter"} and self.position is None
         return attribute and self.within is not None and self.within.kind in {"task", "mission"}
 
@@ -48,8 +49,8 @@ class Mention:
 class NameTable:
     """The names of a specification in the order of their places.
 
-    ``declared`` are its items.  ``words`` gives what the right side of a production, or the word of
-    a ``from``, calls its symbols, by the place of the statement.
+    ``declared`` are its declarations.  ``words`` maps the span of a production or a ``from`` to the
+    names of the occurrences in its right side or word.
     """
 
     def __init__(
@@ -65,19 +66,19 @@ class NameTable:
         )
         self._starts = [(m.whole.file, m.whole.start) for m in self.mentions]
 
-    # --- by place ------------------------------------------------------------------------------
+    # --- By place ------------------------------------------------------------------------------
 
     @cached_property
     def _by_place(self) -> dict[Span, Mention]:
         return {mention.whole: mention for mention in self.mentions}
 
     def entity(self, name: Ident) -> Entity | None:
-        """What a name in the text stands for; None if it stands for nothing."""
+        """The entity that a name in the text refers to, if any."""
         found = self._by_place.get(name.span)
         return None if found is None else found.entity
 
     def at(self, file: int, offset: int) -> Mention | None:
-        """The name in which, or right after which, an offset is."""
+        """The mention that contains an offset or ends there."""
         index = bisect_right(self._starts, (file, offset)) - 1
         for mention in self.mentions[max(index - 1, 0) : index + 1][::-1]:
             if mention.whole.file == file and mention.whole.start <= offset <= mention.whole.end:
@@ -85,17 +86,17 @@ class NameTable:
         return None
 
     def together(self, mention: Mention) -> Sequence[Mention]:
-        """All that is named by the word of a mention: of ``sum(NAME)`` a member of each module."""
+        """All mentions by the same word: for ``sum(NAME)``, a member of each module."""
         place = mention.whole.file, mention.whole.start
         first, stop = bisect_left(self._starts, place), bisect_right(self._starts, place)
         return self.mentions[first:stop]
 
     def inside(self, span: Span) -> Sequence[Mention]:
-        """The names that stand in a part of the text."""
+        """The mentions in a part of the text."""
         first = bisect_left(self._starts, (span.file, span.start))
         return self.mentions[first : bisect_left(self._starts, (span.file, span.end), first)]
 
-    # --- by entity -----------------------------------------------------------------------------
+    # --- By entity -----------------------------------------------------------------------------
 
     @cached_property
     def _by_entity(self) -> dict[Entity, list[Mention]]:
@@ -105,19 +106,19 @@ class NameTable:
         return found
 
     def mentions_of(self, entity: Entity) -> Sequence[Mention]:
-        """Where an entity is named."""
+        """All mentions of an entity."""
         return self._by_entity.get(entity, ())
 
     def declarations(self, entity: Entity) -> Sequence[Mention]:
-        """Where it is declared: a nonterminal at the left of each of its productions."""
+        """The declarations of an entity: a nonterminal has one in each of its productions."""
         return [mention for mention in self.mentions_of(entity) if mention.declares]
 
     def uses(self, entity: Entity) -> Sequence[Mention]:
-        """Where it is named and not declared."""
+        """The mentions of an entity that do not declare it."""
         return [mention for mention in self.mentions_of(entity) if not mention.declares]
 
     def entities(self, *kinds: Kind, scope: tuple[str, ...] | None = None) -> list[Entity]:
-        """The entities of some kinds that are declared, in the order of their names' places."""
+        """The declared entities of some kinds, in the order of the places of their names."""
         return [
             entity
             for entity, mentions in self._by_entity.items()
@@ -127,12 +128,12 @@ class NameTable:
         ]
 
 
-# --- Names that are declared and never used: the last check of a file that has no errors ----------
+# --- Names that are declared and never used: the last check of a file without errors --------------
 #
-# Of modules: parameters, constants and frames that neither the semantics nor a body reads, states
-# and inputs on which no torque depends.  Of semantics: attributes and local values that nothing
-# reads.  Beside the tasks of a file: grammars, workspaces, regions and targets that none of them
-# names.  What an included file declares is a library's and need not be used.
+# In modules: parameters, constants and frames that neither the semantics nor a body reads, and
+# states and inputs on which no torque depends.  In semantics: attributes and local values that
+# nothing reads.  In a file with tasks: grammars, workspaces, regions and targets that no task
+# names.  The declarations of an included file belong to a library and need not be used.
 
 
 _HINTS: dict[str, str] = {
@@ -151,7 +152,7 @@ def _warn(unused: Entity, at: Span, why: str, hint: str, sink: Sink) -> None:
 
 
 def _check_attributes(names: NameTable, sink: Sink) -> None:
-    """Warn of the attributes and local values that nothing reads, where they are first defined."""
+    """Warn of attributes and local values that are never read, where they are first defined."""
     for local in names.entities("local value"):
         if not names.uses(local):
             _warn(local, local.span, "is never read", "read it in a rule, or remove it", sink)
@@ -162,18 +163,18 @@ def _check_attributes(names: NameTable, sink: Sink) -> None:
             _warn(attribute, at, f"of `{attribute.scope[1]}` is never read", hint, sink)
 
 
-# --- modules -----------------------------------------------------------------------------------
+# --- Modules --------------------------------------------------------------------------------------
 
 
 def _described(names: NameTable) -> Iterator[str]:
-    """The modules in the productions to which a semantics or their ports give a meaning."""
+    """The modules in grammars that have a semantics or are made from ports."""
     for name, grammar in names.declared.grammars.items():
         if grammar.from_ports or name in names.declared.semantics:
             yield from symbols_of(grammar)
 
 
 def _made_of(names: NameTable, members: Iterable[Entity]) -> dict[Entity, set[Entity]]:
-    """What the value of each member of a module is made of."""
+    """For each member of a module, the members that its value depends on."""
     made: dict[Entity, set[Entity]] = {member: set() for member in members}
     for member in made:
         for mention in names.uses(member):
@@ -183,7 +184,7 @@ def _made_of(names: NameTable, members: Iterable[Entity]) -> dict[Entity, set[En
 
 
 def _live(made: Mapping[Entity, set[Entity]], roots: Iterable[Entity]) -> set[Entity]:
-    """The roots, and whatever they are made of, directly or not."""
+    """The roots and all members that they depend on, directly or not."""
     found: set[Entity] = set()
     stack = list(roots)
     while stack:
@@ -195,13 +196,13 @@ def _live(made: Mapping[Entity, set[Entity]], roots: Iterable[Entity]) -> set[En
 
 
 def _used_in(kind: Kind, entity: Entity, names: NameTable) -> bool:
-    """Whether an entity is used in the declaration of something of a kind."""
+    """Whether an entity is used in the declaration of an entity of this kind."""
     users = (use.within for use in names.uses(entity))
     return any(user is not None and user.kind == kind for user in users)
 
 
 def _check_module(module: str, names: NameTable, sink: Sink) -> None:
-    """Warn of what neither the semantics nor a degree of freedom or an objective depends on."""
+    """Warn of members that no semantics, body, degree of freedom or objective depends on."""
     owns = s.owns_body(names.declared.modules[module])
     made = _made_of(names, members(names.declared.modules[module]).values())
     users: tuple[Kind, ...] = ("production", "module")
@@ -221,12 +222,12 @@ def _check_module(module: str, names: NameTable, sink: Sink) -> None:
         _warn(member, member.span, f"of module `{module}` is never used", hint, sink)
 
 
-# --- tasks -------------------------------------------------------------------------------------
+# --- Tasks ----------------------------------------------------------------------------------------
 
 
 def _check_tasks(names: NameTable, sink: Sink) -> None:
     def check(entity: Entity) -> bool:
-        """Whether a task names an entity; else that is warned of."""
+        """Whether a task names an entity; warn if not."""
         used = _used_in("task", entity, names)
         if not used:
             hint = "name it in a task, or remove it"
@@ -243,11 +244,11 @@ def _check_tasks(names: NameTable, sink: Sink) -> None:
 
 
 def report_unused(names: NameTable, sink: Sink) -> None:
-    """Warn of the names that a file declares and never uses; silent after errors.
+    """Warn of the names that a file declares but never uses, unless there are errors.
 
     Args:
-        names: those of the file with all it includes.
-        sink: takes the warnings; an error in it may stand where a name was to be read.
+        names: the names of the file with all its includes.
+        sink: collects the warnings; after an error in it, a use of a name may have been lost.
     """
     if sink.has_errors:
         return

@@ -1,1 +1,1 @@
-"""Text to abstract syntax, and the grammar that both follow."""
+"""Parsing: from text to abstract syntax, with the grammar of the language."""

@@ -1,7 +1,7 @@
-"""How each clause is written: by the item it stands in, an example for each word it begins with.
+"""The form of each clause: for each item, an example for every word that begins a clause.
 
-Messages about a clause that cannot be read show its form; those about an unknown one list the
-words.  ``MEANT`` are words with which people begin who do not know the language yet.
+A message about a clause that cannot be parsed shows its form; one about an unknown clause lists the
+words.  ``MEANT`` maps words that newcomers try to those of the language.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ ITEMS: Final[Mapping[str, str]] = MappingProxyType(
         "mission": "mission Day { tasks Morning, Noon; one robot; }",
     }
 )
-"""How each item begins."""
+"""An example of each item, by its first word."""
 
 OTHERS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -93,7 +93,7 @@ OTHERS: Final[Mapping[str, str]] = MappingProxyType(
         "semantics": "an attribute such as `this.frame = world;`, or a body such as `rod(…);`",
     }
 )
-"""What else stands in an item: it begins with a name."""
+"""The other statements of an item, which begin with a name."""
 
 BLOCK: Final = "base { this.frame = world; }"
 """A block of a semantics."""

@@ -1,4 +1,4 @@
-"""Hints for what other notations have, and newcomers therefore write."""
+"""Hints for newcomers who write what other notations have."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _POINT = (
 
 
 def habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
-    """What to write instead of a token, where ``wanted`` says what would fit; None if unknown."""
+    """What to write instead of a token; ``wanted`` is what would fit.  None if there is no hint."""
     return (
         _in_horizon(tokens, here, wanted)
         or _in_task(tokens, here, wanted)

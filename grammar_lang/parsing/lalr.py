@@ -1,7 +1,8 @@
-"""The LALR(1) parser: a stack of its own, values built bottom-up, errors survived.
+"""The LALR(1) parser: an explicit stack, values built bottom-up, and recovery from errors.
 
-After an error the statement is repaired, where one token more, less or other does it, or dropped,
-and parsing goes on with the next one.  Missing ``}`` at the end of an item are supplied.
+After an error the statement is repaired if adding, removing or replacing one token suffices.
+Otherwise it is dropped, and parsing goes on with the next one.  Missing ``}`` at the end of an item
+are supplied.
 
 Source: A. V. Aho, M. S. Lam, R. Sethi, J. D. Ullman, *Compilers*, sections 4.7 and 4.8.3 (panic
 mode and phrase-level recovery).
@@ -20,11 +21,11 @@ from grammar_lang.source import Span
 
 MAX_DEPTH = 100
 TOO_DEEP = frozenset({"less depth"})
-"""Stands for the expected terminals where the trouble is the depth."""
+"""Used instead of the expected terminals when the nesting is too deep."""
 
 _RESERVED = frozenset(RESERVED)
 _PATTERNS = frozenset({"NAME", "NUMBER", "STRING", "UNIT"})
-"""The terminals that are not called by their text."""
+"""The terminals that are not named by their text."""
 
 
 class Token(NamedTuple):
@@ -41,7 +42,7 @@ Complain: TypeAlias = Callable[[Place, Repair | None], bool]
 
 @dataclass(slots=True)
 class _Stack:
-    """The states, and beside each but the first: the value, its first token, end and depth."""
+    """The states and, for each but the first, a value with its first and last tokens and depth."""
 
     states: list[int] = field(default_factory=lambda: [0])
     values: list[Any] = field(default_factory=list[Any])
@@ -65,7 +66,7 @@ class _Stack:
         del self.depths[size:]
 
     def replace(self, base: int, state: int, value: object, depth: int) -> None:
-        """Put one value in the place of all from ``base`` on; it begins and ends as they do."""
+        """Replace all values from ``base`` on by one, which keeps their first and last tokens."""
         if base + 1 < len(self.values):
             self.ends[base] = self.ends[-1]
             self.cut(base + 1)
@@ -76,11 +77,11 @@ class _Stack:
 
 @dataclass(slots=True)
 class Parser:
-    """Parses items of one text; ``builders`` make the values, ``complain`` reports errors.
+    """Parses the items of a text; ``builders`` make the values, ``complain`` reports errors.
 
-    ``complain(place, repair)`` is told where a token does not fit (the one after the last where the
-    item ends too early) and what would mend it; where it answers False, the rest of the item is not
-    read.  Words of what is dropped go to ``skipped``.
+    ``complain(place, repair)`` receives the place of a token that does not fit (the one after the
+    last if the item ends too early) and a possible repair.  If it returns False, the rest of the
+    item is not parsed.  The words of dropped text are added to ``skipped``.
     """
 
     tables: Tables
@@ -91,10 +92,10 @@ class Parser:
     _stack: _Stack = field(default_factory=_Stack)
     _failed: bool = False
     _quiet: int = -1
-    """Up to this token all is told of the statement."""
+    """Errors up to this token are not reported, because their statement already had one."""
 
     def item(self, raw: RawItem) -> tuple[object | None, bool]:
-        """The value of an item, None if nothing of it can be used, and whether it is sound."""
+        """The value of an item (None if it is unusable), and whether it has no errors."""
         self._stack, self._failed, self._quiet = _Stack(), False, -1
         here, stop = raw.first, raw.stop
         while here < stop:
@@ -110,7 +111,7 @@ class Parser:
         return self._finish(raw)
 
     def expected(self, raw: RawItem) -> frozenset[str]:
-        """The terminals that may stand after the tokens of an unfinished item."""
+        """The terminals that may follow the tokens of an unfinished item."""
         self._stack, self._failed, self._quiet = _Stack(), False, -1
         here: int | None = raw.first
         while here is not None and here < raw.stop:
@@ -119,7 +120,7 @@ class Parser:
         return frozenset() if here is None else self.tables.expected(self._stack.states)
 
     def _finish(self, raw: RawItem) -> tuple[object | None, bool]:
-        """The value at the end of an item; braces left open are closed."""
+        """The value at the end of an item; open braces are closed."""
         while (expected := self._advance(END, raw.stop)) is not None:
             told = self._failed and expected is not TOO_DEEP
             if not told and not self._complain(self._place(raw.stop, raw.stop, expected), None):
@@ -140,10 +141,10 @@ class Parser:
         self._failed = True
         return place.here <= self._quiet or self.complain(place, repair)
 
-    # --- one token -----------------------------------------------------------------------------
+    # --- One token -----------------------------------------------------------------------------
 
     def _terminal(self, here: int) -> str:
-        """What a token is where the parser stands; a unit takes in all its tokens."""
+        """The terminal of a token at the current state; a unit includes all its tokens."""
         kind = self.tokens.kinds[here]
         if kind != WORD:
             return kind
@@ -179,7 +180,7 @@ class Parser:
         return here
 
     def _advance(self, terminal: str, here: int) -> frozenset[str] | None:
-        """Shift a terminal after all reductions; else what would be expected."""
+        """Shift a terminal after all reductions; return the expected ones if it does not fit."""
         tables, states = self.tables, self._stack.states
         actions, gotos, rules = tables.actions, tables.gotos, tables.rules
         while True:
@@ -198,7 +199,7 @@ class Parser:
                 return None
 
     def _reduce(self, rule: Reduction) -> bool:
-        """Replace the symbols of a rule; False where the value would be too deep."""
+        """Replace the symbols of a rule by its value; False if the value would be too deep."""
         stack, tokens = self._stack, self.tokens
         values = stack.values
         base = len(values) - rule.size
@@ -220,7 +221,7 @@ class Parser:
         if rule.transparent and len(children) == 1:
             made = children[0]
         elif rule.builder:
-            # Statements end with one of these; what is nested in them does not count outside.
+            # Statements end with one of these; the depth inside them does not count outside.
             depth = 0 if tokens.kinds[stack.ends[-1]] in {";", "}"} else depth + 1
             if depth > MAX_DEPTH:
                 return False
@@ -230,10 +231,10 @@ class Parser:
         stack.replace(base, state, made, depth)
         return True
 
-    # --- after an error ------------------------------------------------------------------------
+    # --- After an error ------------------------------------------------------------------------
 
     def _recover(self, here: int, stop: int, expected: frozenset[str]) -> int | None:
-        """Report an error and give the token to go on with; None where the item is lost."""
+        """Report an error and return the token to resume at; None if the item is lost."""
         self._settle()
         place = self._place(here, stop, expected)
         repair = None if expected is TOO_DEEP else find(place)
@@ -251,7 +252,7 @@ class Parser:
         return self._drop(point, here, self._resume(here, stop, point))
 
     def _settle(self) -> None:
-        """Reduce what is complete whatever follows, such as a statement that has ended."""
+        """Do the reductions that do not depend on what follows, as after a finished statement."""
         rows, states = self.tables.actions, self._stack.states
         while len(actions := {*rows[states[-1]].values()}) == 1 and (action := actions.pop()) < 0:
             rule = self.tables.rules[-1 - action]
@@ -261,7 +262,7 @@ class Parser:
                 return
 
     def _place(self, here: int, stop: int, expected: frozenset[str]) -> Place:
-        """Where a token does not fit, and the statement it is in; without one, the item."""
+        """The place of a token that does not fit, with its statement (or else its item)."""
         stack, size = self._stack, self._recovery_point() or 0
         first = stack.firsts[size] if size < len(stack.firsts) else here
         states = tuple(stack.states)
@@ -270,7 +271,7 @@ class Parser:
         )
 
     def _supply(self, place: Place, repair: Repair) -> int:
-        """Read the statement again as one that ends before the token of the repair."""
+        """Supply a terminal, and parse the statement again with its end before that token."""
         tokens, line = self.tokens, repair.here
         if line < place.here:
             self._stack.cut(len(place.opening) - 1)
@@ -284,7 +285,7 @@ class Parser:
         return line
 
     def _replace(self, repair: Repair) -> int:
-        """Take tokens for other ones; where that does not mend all, no more is told of it."""
+        """Replace tokens; unless that mends the whole statement, report no more errors in it."""
         for index, terminal in repair.instead.items():
             self.tokens.kinds[index] = terminal
         if not repair.whole and not repair.plain:
@@ -293,7 +294,7 @@ class Parser:
         return self._after(here) if self.tokens.kinds[here] == SKIPPED else here
 
     def _recovery_point(self) -> int | None:
-        """How many values to keep so that a statement may begin after them."""
+        """How many values to keep so that a statement may begin after them; None if impossible."""
         states, actions = self._stack.states, self.tables.actions
         for size in range(len(states) - 1, 0, -1):
             row = actions[states[size]]
@@ -302,12 +303,12 @@ class Parser:
         return None
 
     def _opens(self, size: int) -> bool:
-        """Whether the value before a place is a brace or a list of statements."""
+        """Whether the value before a position is a brace or a list of statements."""
         value = self._stack.values[size - 1]
         return isinstance(value, list) or (type(value) is int and self.tokens.kinds[value] == "{")
 
     def _resume(self, here: int, stop: int, point: int) -> int:
-        """The token after the statement that is dropped: after its ``;`` or at the ``}``."""
+        """The token after the dropped statement: after its ``;``, or at the ``}``."""
         kinds = self.tokens.kinds
         dropped = self._stack.values[point:]
         depth = sum(type(v) is int and kinds[v] == "{" for v in dropped)
@@ -328,19 +329,19 @@ class Parser:
         return stop
 
     def _takes_blocks(self, point: int) -> bool:
-        """Whether the statements at a place are blocks, which end with a brace."""
+        """Whether the statements at a position are blocks, which end with a brace."""
         named = self.tables.after(self._stack.states[point], "NAME")
         return named is not None and set(self.tables.actions[named]) == {"{"}
 
     def _drop(self, point: int, here: int, resumed: int) -> int:
-        """Forget the values after a place and note the words up to ``resumed``."""
+        """Drop the values from a position on, and record the words up to ``resumed``."""
         firsts = self._stack.firsts
         self._skip(firsts[point] if point < len(firsts) else here, resumed)
         self._stack.cut(point)
         return resumed
 
     def _skip(self, first: int, stop: int) -> None:
-        """Note the words of what is dropped, but for units."""
+        """Record the words of dropped text, except units."""
         tokens, unit = self.tokens, 0
         for index in range(first, min(stop, len(tokens))):
             text, start = tokens.at(index).strip("'\""), tokens.starts[index]

@@ -1,4 +1,4 @@
-"""Text to abstract syntax, item by item; every error that can be told from the next is reported."""
+"""Parse a text into abstract syntax, item by item, and report every independent error."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from grammar_lang.parsing.tree_builder import BUILDERS, item_of
 from grammar_lang.source import Span
 from grammar_lang.syntax.tasks import File, Item
 
-# --- Work without pauses for the collection of cyclic garbage -------------------------------------
+# --- Parsing without pauses of the garbage collector ----------------------------------------------
 #
-# Trees of a large file are millions of objects without a cycle.  Python's collector walks through
-# all of them again and again while they are made, which took a third of the time of ``check`` at 2
-# MB and made it more than linear.
+# The tree of a large file consists of millions of objects without a cycle.  While it is built,
+# Python's collector would traverse all of them again and again; that took a third of the time of
+# ``check`` at 2 MB and made it more than linear.
 
 
 Arguments = ParamSpec("Arguments")
@@ -38,7 +38,7 @@ Result = TypeVar("Result")
 
 
 def without_collection(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """The function, during whose calls no cyclic garbage is collected."""
+    """A wrapper of the function that disables the collection of cyclic garbage during calls."""
 
     @wraps(function)
     def paused(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
@@ -54,7 +54,7 @@ def without_collection(function: Callable[Arguments, Result]) -> Callable[Argume
 
 
 MAX_ERRORS = 100
-"""So many syntax errors of one file are reported; who has more has another kind of file."""
+"""The most syntax errors reported for a file; a file with more is probably not a specification."""
 
 
 @dataclass(slots=True)
@@ -67,7 +67,7 @@ class _Reader:
     errors: int = 0
 
     def read(self) -> File:
-        """Every item, until there are too many errors."""
+        """Parse every item, until there are too many errors."""
         astray: int | None = None
         for raw in cut(self.tokens):
             if self.errors >= MAX_ERRORS:
@@ -85,7 +85,7 @@ class _Reader:
         return File(tuple(self.found), tuple(self.broken), frozenset(self.skipped))
 
     def _looks_like_item(self, raw: RawItem) -> bool:
-        """Whether ``WORD NAME {`` stands there: an item whose keyword is misspelt."""
+        """Whether the item begins with ``WORD NAME {``: an item whose keyword is misspelt."""
         return raw.stop - raw.first > 3 and self.tokens.kinds[raw.first : raw.first + 3] == [
             WORD,
             WORD,
@@ -93,7 +93,7 @@ class _Reader:
         ]
 
     def _lose(self, first: int | None, stop: int) -> None:
-        """Give up the tokens before ``stop`` from ``first`` on, if there are such."""
+        """Record the tokens ``first <= i < stop`` as broken; nothing if ``first`` is None."""
         if first is None:
             return
         self.broken.append(self.tokens.span(first, stop - 1))
@@ -116,7 +116,7 @@ class _Reader:
 
 @without_collection
 def parse_tokens(text: str, sink: Sink, file: int = 0) -> tuple[File, Tokens]:
-    """As :func:`parse`; also the tokens, each with the terminal that it is."""
+    """As :func:`parse`, and also the tokens, each with its terminal."""
     tokens = tokenise(text, file)
     comment = unclosed_comment(tokens)
     if comment is not None:
@@ -127,11 +127,11 @@ def parse_tokens(text: str, sink: Sink, file: int = 0) -> tuple[File, Tokens]:
 
 
 def parse(text: str, sink: Sink, file: int = 0) -> File:
-    """The items of ``text`` that can be read; whatever cannot is reported.
+    """Parse the items of ``text``; report what cannot be parsed.
 
     Args:
         text: the text of a file.
-        sink: takes the errors.
-        file: the number of the file, for the spans.
+        sink: collects the errors.
+        file: the number of the file, for spans.
     """
     return parse_tokens(text, sink, file)[0]

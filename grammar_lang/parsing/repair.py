@@ -1,7 +1,7 @@
-"""Repairs of a statement at the token that does not fit: one token more, less or other.
+"""Repairs of a statement at the token that does not fit: add, remove or replace one token.
 
-A repair is tried on the states of the parser alone.  So a message can say what to write, and the
-statement need not be dropped.
+Repairs are tried on the states of the parser only.  With one, the message can say what to write,
+and the statement need not be dropped.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ UNIT = re.compile(
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 MOST_LINES = 4
-"""So many line ends before a mistake may be what lacks the ``;``."""
+"""The most preceding line ends at which a missing ``;`` is tried."""
 MOST_TOKENS = 500
 """Longer statements are not repaired."""
 
@@ -60,9 +60,9 @@ _INSTEAD = {
     "\N{LOGICAL OR}": ("or",),
     "\N{NOT SIGN}": ("not",),
 }
-"""What other notations, and texts that were copied from documents, write for a terminal."""
+"""Terminals that other notations, or texts copied from documents, write differently."""
 _ONLY_WHOLE = frozenset({";", ",", "and", ".", "->", "*", "|"})
-"""They have so many uses that a repair has to mend the whole statement."""
+"""Tokens with so many uses that a repair must mend the whole statement."""
 _SUPERFLUOUS = frozenset({"=", ":", ",", "=="})
 _CHANGED = frozenset({SKIPPED, "=", "==", "<=", "in", ":"})
 _MISSING = (",", ":", "in", "<=", "==", "=", "->", "x", "with", "*")
@@ -71,11 +71,11 @@ _CLOSERS = {"(": ")", "[": "]", "{": "}"}
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """Terminals in the place of tokens, or a terminal before the token ``here``.
+    """Terminals that replace tokens, or a terminal to add before the token ``here``.
 
-    ``instead`` gives for a token its terminal, SKIPPED where it is left out; where it is empty,
-    ``missing`` stands before the token ``here``.  ``whole`` says whether the statement then fits to
-    its end, the token ``stop``.
+    ``instead`` maps a token to its new terminal, or to SKIPPED if it is left out; if it is empty,
+    ``missing`` is added before the token ``here``.  ``whole`` is whether the statement then fits up
+    to its end, the token ``stop``.
     """
 
     here: int
@@ -86,18 +86,18 @@ class Repair:
 
     @property
     def plain(self) -> bool:
-        """Whether it is one operator in another notation; what follows may be wrong by itself."""
+        """Whether it only respells one operator, so that what follows may have its own errors."""
         return len(self.instead) == 1 and not _CHANGED & {*self.instead.values()}
 
     @property
     def supplied(self) -> bool:
-        """Whether a ``;`` or a ``}`` is supplied, before which the statement is read again."""
+        """Whether a ``;`` or a ``}`` is supplied, before which the statement is parsed again."""
         return self.missing in {";", "}"}
 
 
 @dataclass(slots=True)
 class Trial:
-    """A stack of states that takes tokens; no values are made, and the tokens stay as they are."""
+    """A stack of states that consumes tokens without making values or changing the tokens."""
 
     tables: Tables
     tokens: Tokens
@@ -105,7 +105,7 @@ class Trial:
     instead: Mapping[int, str] = field(default_factory=dict[int, str])
 
     def shift(self, terminal: str) -> bool:
-        """Take a terminal; False where it does not fit."""
+        """Consume a terminal; False if it does not fit."""
         return self.tables.shift(self.states, terminal)
 
     def accepts(self, terminal: str) -> bool:
@@ -113,12 +113,12 @@ class Trial:
         return self.tables.accepts(self.states, terminal)
 
     def take(self, here: int) -> int | None:
-        """Take a token: the one after it, None where it does not fit."""
+        """Consume a token and return the next one; None if it does not fit."""
         terminal, after = self._terminal(here)
         return after if terminal == SKIPPED or self.shift(terminal) else None
 
     def run(self, here: int, stop: int) -> int:
-        """Take tokens from ``here`` on; the one that does not fit, or at which to stop."""
+        """Consume tokens from ``here`` on; return the first that does not fit, or ``stop``."""
         while here < stop:
             after = self.take(here)
             if after is None:
@@ -127,7 +127,7 @@ class Trial:
         return here
 
     def _terminal(self, here: int) -> tuple[str, int]:
-        """What a token is in the state, and the token after it; a unit takes in all its tokens."""
+        """The terminal of a token in this state, and the next token; a unit is one terminal."""
         if here in self.instead:
             return self.instead[here], here + 1
         tokens = self.tokens
@@ -149,9 +149,9 @@ class Trial:
 
 
 def unread(tokens: Tokens, here: int) -> tuple[str, int]:
-    """The class and the end of a token as they were before the parser found out what it is.
+    """The class and the end of a token as they were before the parser wrote its terminal.
 
-    What a repair has made of it stays.
+    Replacements made by a repair are kept.
     """
     start, kind = tokens.starts[here], tokens.kinds[here]
     word = _WORD.match(tokens.text, start)
@@ -165,11 +165,11 @@ def unread(tokens: Tokens, here: int) -> tuple[str, int]:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a token does not fit.
+    """A token that does not fit.
 
-    ``opening`` are the states before the statement, whose first token is ``first``; ``states``
-    those before the token ``here``, where one of ``expected`` would have to stand.  ``stop`` is the
-    end of the item.
+    ``opening`` are the states before the statement, whose first token is ``first``.  ``states`` are
+    those before the token ``here``, where one of ``expected`` should stand.  ``stop`` is the end of
+    the item.
     """
 
     tables: Tables
@@ -182,11 +182,11 @@ class Place:
     expected: frozenset[str]
 
     def trial(self, instead: Mapping[int, str] | None = None) -> Trial:
-        """A parser that stands before the token."""
+        """A trial parser in the state before the token."""
         return Trial(self.tables, self.tokens, list(self.states), instead or {})
 
     def end(self, here: int) -> int:
-        """The ``;`` of the statement from a token on, or the brace or the end that comes first."""
+        """The ``;`` that ends the statement around a token, or an earlier closing brace or end."""
         depth, stop = 0, min(self.stop, here + MOST_TOKENS)
         for index in range(here, stop):
             kind = self.tokens.kinds[index]
@@ -202,7 +202,7 @@ class Place:
 
 
 def find(place: Place) -> Repair | None:
-    """The first repair that lets the parser go on, the surest kinds first."""
+    """The first repair that lets the parser go on; the most certain kinds are tried first."""
     end = place.end(place.here)
     if end - place.first >= MOST_TOKENS:
         return None
@@ -211,7 +211,7 @@ def find(place: Place) -> Repair | None:
 
 
 def _semicolon(place: Place) -> Repair | None:
-    """A missing ``;``: before this token, or at the end of a line before."""
+    """A missing ``;``: before this token, or at the end of an earlier line."""
     tokens, here = place.tokens, place.here
     if ";" in place.expected:
         trial = place.trial()
@@ -230,7 +230,7 @@ def _semicolon(place: Place) -> Repair | None:
 
 
 def _brace(place: Place) -> Repair | None:
-    """A missing ``}`` before a statement that begins as a block does."""
+    """A missing ``}`` before a statement that begins like a block."""
     trial = Trial(place.tables, place.tokens, list(place.opening))
     if place.tokens.at(place.here) != "{" or not trial.shift("}"):
         return None
@@ -239,7 +239,7 @@ def _brace(place: Place) -> Repair | None:
 
 
 def _ends(place: Place, trial: Trial, here: int, end: int) -> bool:
-    """Whether a statement fits to its end, be it without its ``;``."""
+    """Whether a statement fits to its end, with or without its ``;``."""
     reached = trial.run(here, end)
     if reached == end:
         return trial.accepts(";") or trial.accepts("}")
@@ -247,7 +247,7 @@ def _ends(place: Place, trial: Trial, here: int, end: int) -> bool:
 
 
 def _other(place: Place, end: int) -> Repair | None:
-    """Another terminal for the token, or none."""
+    """Another terminal instead of the token, or the token left out."""
     here, text = place.here, place.tokens.at(place.here)
     after = min(here + 2, place.stop)
     opens = here + 1 < place.stop and place.tokens.at(here + 1) == "{"
@@ -269,7 +269,7 @@ def _other(place: Place, end: int) -> Repair | None:
 
 
 def _brackets(place: Place, end: int) -> Repair | None:
-    """Brackets of another kind, or none, in the place of a pair."""
+    """Brackets of another kind, or none, instead of a pair."""
     tokens, here = place.tokens, place.here
     opener = tokens.at(here)
     closer = _closer(tokens, here, end) if opener in _CLOSERS else None
@@ -297,7 +297,7 @@ def _closer(tokens: Tokens, here: int, end: int) -> int | None:
 
 
 def _more(place: Place, end: int) -> Repair | None:
-    """One terminal more before the token."""
+    """One more terminal before the token."""
     before = [place.tokens.at(index) for index in range(place.first, place.here)]
     frames = before[-1:] == [")"] or before[-2:-1] == ["."]
     for terminal in _MISSING:
@@ -310,7 +310,7 @@ def _more(place: Place, end: int) -> Repair | None:
     return None
 
 
-# --- The statement as it should be ----------------------------------------------------------------
+# --- The repaired statement -----------------------------------------------------------------------
 
 
 MAX_WRITTEN = 72
@@ -318,7 +318,7 @@ MAX_WRITTEN = 72
 
 
 def mended(place: Place, repair: Repair) -> str | None:
-    """The statement with a repair; None if that is not all that it needs, or it is too long."""
+    """The statement with a repair; None if the repair is not enough, or the text is too long."""
     tokens, last = place.tokens, min(repair.stop, place.stop - 1)
     if tokens.kinds[last] == "}":
         last -= 1

@@ -1,4 +1,4 @@
-"""What the parser rejects, said in the words of the language."""
+"""Messages for what the parser rejects, in the terms of the language."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ _TOP = {
     **dict.fromkeys(("goal", "problem"), "task"),
 }
 _AFTER_NAME = frozenset({"(", ".", ":", "{"})
-"""What stands after the name with which a body, an attribute, a production or a block begins."""
+"""Tokens that follow the name at the start of a body, attribute, production or block."""
 _NOUNS = {"module": "statement", "semantics": "statement"}
 
 
@@ -73,7 +73,7 @@ def _joined(shown: Sequence[str], last: str) -> str:
 
 
 def _wanted(expected: frozenset[str]) -> str:
-    """``expected`` as a phrase, operators and the beginnings of an expression summed up."""
+    """``expected`` as a phrase; operators and the first tokens of an expression are summarised."""
     names = set(expected)
     if {"NUMBER", "(", "-"} <= names:
         names = (names - _EXPRESSION) | {"EXPRESSION"}
@@ -88,14 +88,14 @@ def _shortened(text: str) -> str:
 
 
 def _near(word: str, known: Iterable[str]) -> str | None:
-    """The word of the language that is nearly meant; words that are none themselves only."""
+    """The keyword that a word probably misspells; None if the word is itself reserved."""
     keywords = sorted(e for e in known if e not in _DESCRIBED and _WORD.fullmatch(e))
     fits = _WORD.fullmatch(word) and len(word) <= MAX_SHOWN and word not in RESERVED
     return nearest(word, keywords) if fits else None
 
 
 def _after(tokens: Tokens, here: int) -> Span:
-    """Just after the token before."""
+    """The place just after the previous token."""
     end = tokens.ends[here - 1]
     return Span(end, end + 1, tokens.file)
 
@@ -104,7 +104,7 @@ def _after(tokens: Tokens, here: int) -> Span:
 
 
 def slips(tokens: Tokens, sink: Sink, most: int) -> None:
-    """Report comments with ``#`` and numbers without a digit beside their point."""
+    """Report comments that begin with ``#``, and numbers without a digit next to the point."""
     for span in tokens.slips[:most]:
         text = tokens.text[span.start : span.end]
         if text[0] == "#":
@@ -181,7 +181,7 @@ def _is_unknown_unit(tokens: Tokens, here: int, expected: frozenset[str]) -> boo
 
 
 def _opener(tokens: Tokens, here: int, first: int, pair: str) -> int | None:
-    """The bracket of a pair that is open before a token, from ``first`` on."""
+    """The innermost bracket of a pair that is open at a token, from ``first`` on."""
     depth = 0
     for index in range(here - 1, first - 1, -1):
         depth += (tokens.at(index) == pair[0]) - (tokens.at(index) == pair[1])
@@ -191,7 +191,7 @@ def _opener(tokens: Tokens, here: int, first: int, pair: str) -> int | None:
 
 
 def _supplied(item: RawItem, tokens: Tokens, repair: Repair, sink: Sink) -> None:
-    """Report a missing ``;`` or ``}`` where it is missing: after the token before."""
+    """Report a missing ``;`` or ``}`` just after the previous token."""
     at = _after(tokens, repair.here)
     if repair.missing == ";":
         sink.error(Code.SYNTAX, "expected `;`", at, "add the `;`")
@@ -200,14 +200,14 @@ def _supplied(item: RawItem, tokens: Tokens, repair: Repair, sink: Sink) -> None
 
 
 def _never_closed(tokens: Tokens, at: Span, opened: int | None, pair: str, sink: Sink) -> None:
-    """Report that the second bracket of a pair is missing."""
+    """Report that the closing bracket of a pair is missing."""
     notes = [] if opened is None else [(tokens.span(opened), "opened here")]
     message = f"expected `{pair[1]}`: a `{pair[0]}` is never closed"
     sink.error(Code.SYNTAX, message, at, f"add the missing `{pair[1]}`", notes)
 
 
 def _mended(item: RawItem, place: Place, repair: Repair, sink: Sink) -> None:
-    """Report a token that a repair knows how to mend."""
+    """Report a token that a repair mends."""
     tokens, here = place.tokens, place.here
     found = _shortened(tokens.at(here))
     new = repair.instead.get(here, repair.missing)
@@ -226,7 +226,7 @@ def _mended(item: RawItem, place: Place, repair: Repair, sink: Sink) -> None:
 
 
 def _form(item: RawItem, place: Place) -> str | None:
-    """How the clause is written that a token does not fit into."""
+    """The form of the clause that a token does not fit into."""
     keyword = place.tokens.at(item.first)
     if len(place.opening) < 2:
         return ITEMS[keyword]
@@ -234,7 +234,7 @@ def _form(item: RawItem, place: Place) -> str | None:
 
 
 def _begins(item: RawItem, place: Place) -> bool:
-    """Whether the statement begins with a word that none begins with."""
+    """Whether the error is that no statement begins like this one."""
     tokens, first, block = place.tokens, place.first, place.tokens.at(item.first)
     if len(place.opening) < 2 or block not in FORMS:
         return False
@@ -246,13 +246,13 @@ def _begins(item: RawItem, place: Place) -> bool:
 
 
 def _meant(block: str, word: str, known: Iterable[str]) -> str | None:
-    """The word that is meant at the beginning of a statement."""
+    """The word meant at the start of a statement."""
     meant = MEANT[block].get(word)
     return _near(word, known) if meant is None else meant
 
 
 def _beginning(item: RawItem, place: Place, sink: Sink) -> None:
-    """Report a statement that begins like none; the hint says how all of them begin."""
+    """Report a statement with an unknown beginning; the hint lists the known ones."""
     tokens, block = place.tokens, place.tokens.at(item.first)
     token = tokens.at(place.first)
     word, noun = _shortened(token), _NOUNS.get(block, "clause")
@@ -277,7 +277,7 @@ def _beginning(item: RawItem, place: Place, sink: Sink) -> None:
 
 
 def _unclosed(place: Place) -> int | None:
-    """The ``(`` of the statement that is open at its end."""
+    """The ``(`` that is still open at the end of the statement."""
     tokens, here = place.tokens, place.here
     ends = tokens.at(here) in {";", "}"} or tokens.on_new_line(here)
     if ")" not in place.expected or not ends:
@@ -286,7 +286,7 @@ def _unclosed(place: Place) -> int | None:
 
 
 def _hint(item: RawItem, place: Place, wanted: str) -> str:
-    """What to write instead of a token that nothing mends."""
+    """What to write instead of a token that no repair mends."""
     tokens, here, expected = place.tokens, place.here, place.expected
     word = tokens.at(here)
     close, form = _near(word, expected), _form(item, place)
@@ -305,7 +305,7 @@ def _hint(item: RawItem, place: Place, wanted: str) -> str:
 
 
 def _wrong(item: RawItem, place: Place, sink: Sink) -> None:
-    """Report a token that does not fit and that nothing mends."""
+    """Report a token that does not fit and that no repair mends."""
     tokens, here = place.tokens, place.here
     opened = _unclosed(place)
     if opened is not None:
@@ -317,7 +317,7 @@ def _wrong(item: RawItem, place: Place, sink: Sink) -> None:
 
 
 def explain(item: RawItem, place: Place, repair: Repair | None, sink: Sink) -> None:
-    """Report the token of an item at which one of those expected would have to stand."""
+    """Report the token of an item where one of the expected terminals should stand."""
     tokens, here, expected = place.tokens, place.here, place.expected
     if expected is TOO_DEEP:
         at = tokens.span(min(here, item.stop - 1))

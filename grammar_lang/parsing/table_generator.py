@@ -1,7 +1,7 @@
-"""Compiles ``srg.lark`` with lark into the tables of the parser, at development time.
+"""Compile ``srg.lark`` into the tables of the parser with lark, at development time.
 
-The parser then needs neither lark nor the seconds that building its tables takes.  ``make grammar``
-runs this file; a test compares its result with ``tables.json``.
+At run time the parser then needs neither lark nor the seconds to build its tables.
+``make grammar`` runs this file; a test compares its result with ``tables.json``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Reduction: TypeAlias = dict[str, str | int | bool | list[int] | list[bool]]
 
 
 def parser() -> Lark:
-    """The parser that lark itself makes of the grammar: LALR(1) with a contextual lexer."""
+    """Lark's own parser for the grammar: LALR(1) with a contextual lexer."""
     from lark import Lark
 
     return Lark(
@@ -39,7 +39,7 @@ def _kept(rule: Rule, symbol: Symbol) -> bool:
 
 
 def _reduction(rule: Rule) -> Reduction:
-    """How a rule makes a value of the values of its symbols, as lark's tree builder does it.
+    """How a rule makes its value from the values of its symbols, as in lark's tree builder.
 
     ``keep`` are positions of children, -1 for an absent optional one; a child that is an unnamed
     repetition is spliced in.
@@ -76,9 +76,9 @@ def _name(entry: tuple[object, object]) -> str:
 def tables() -> str:
     """The tables as JSON text.
 
-    A terminal is called by its text, or by its name where it is a pattern.  ``actions`` hold per
-    state and terminal the next state, or ``-1 - k`` for the reduction by rule ``k``; ``gotos`` hold
-    per state and rule name the next state.
+    A terminal is named by its text, or by its name if it is a pattern.  For each state, ``actions``
+    maps a terminal to the next state, or to ``-1 - k`` for the reduction by rule ``k``; ``gotos``
+    maps the name of a rule to the next state.
     """
     from lark.lexer import PatternStr
     from lark.parsers.lalr_analysis import Shift
@@ -94,7 +94,7 @@ def tables() -> str:
     texts = [json.dumps(reduction) for reduction in reductions]
     order = sorted(range(len(texts)), key=lambda k: texts[k])
     numbers = {made.rules[k]: index for index, k in enumerate(order)}
-    # lark numbers states by its sets; numbered in order of discovery the file stays the same.
+    # lark's state numbers vary; numbering in order of discovery keeps the file the same.
     found = {table.start_states["item"]: 0}
     actions: list[Row] = []
     gotos: list[Row] = []
@@ -121,7 +121,7 @@ def tables() -> str:
 
 
 def main() -> None:
-    """Write the tables beside the grammar."""
+    """Write the tables next to the grammar."""
     (FOLDER / "tables.json").write_text(tables(), encoding="utf-8")
 
 

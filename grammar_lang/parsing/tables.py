@@ -17,12 +17,12 @@ RESERVED = ("and", "or", "not", "empty", "this", "world", "start", "accept", "x"
 
 @dataclass(frozen=True, slots=True)
 class Reduction:
-    """A rule: it replaces ``size`` symbols by ``origin`` and its value is built of its parts.
+    """A rule: it replaces ``size`` symbols by ``origin``, and its value is made from its parts.
 
-    ``parts`` are the positions of the symbols kept, -1 for an absent optional one, and whether it
-    is a repetition, whose values are put in its place.  A ``transparent`` rule with one kept value
-    has that value itself; without a ``builder`` the value is the list of what is kept.  A rule that
-    ``passes`` only renames its one symbol.
+    ``parts`` are the positions of the symbols kept (-1 for an absent optional one), each with
+    whether it is a repetition, whose values are spliced in.  A ``transparent`` rule with one kept
+    value has that value; without a ``builder`` the value is the list of the kept values.  A rule
+    that ``passes`` only renames its one symbol.
     """
 
     origin: str
@@ -35,7 +35,7 @@ class Reduction:
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """``actions[s]``: per terminal the next state, or ``-1 - k`` for the reduction ``rules[k]``."""
+    """``actions[s]`` maps terminals to next states, or to ``-1 - k`` for reduction by rule k."""
 
     end: int
     words: frozenset[str]
@@ -44,14 +44,14 @@ class Tables:
     gotos: Sequence[Mapping[str, int]]
 
     def after(self, state: int, terminal: str) -> int | None:
-        """The state to which a state shifts a terminal, if it does."""
+        """The state after shifting a terminal in a state; None if it cannot be shifted."""
         action = self.actions[state].get(terminal, -1)
         return action if action >= 0 else None
 
     def shift(self, states: list[int], terminal: str) -> bool:
-        """Shift a terminal onto a stack of states, after some reductions; False if it does not fit.
+        """Shift a terminal onto a stack of states, after any reductions; False if it does not fit.
 
-        The end is accepted and not shifted.
+        The end is accepted but not shifted.
         """
         while (action := self.actions[states[-1]].get(terminal)) is not None:
             if action >= 0:
@@ -65,7 +65,7 @@ class Tables:
         return False
 
     def accepts(self, states: Sequence[int], terminal: str) -> bool:
-        """Whether a stack of states will shift a terminal, after some reductions."""
+        """Whether a terminal can be shifted onto a stack of states, after any reductions."""
         return self.shift(list(states), terminal)
 
     def expected(self, states: Sequence[int]) -> frozenset[str]:

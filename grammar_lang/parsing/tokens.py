@@ -1,4 +1,4 @@
-"""Tokens of a text, and the stretches of tokens that declarations are parsed from."""
+"""The tokens of a text, and the ranges of tokens that items are parsed from."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from grammar_lang.source import Span
 
 # --- A text as tokens, found in one pass and kept in parallel lists -------------------------------
 #
-# What a word is (a keyword or a name) and whether a unit stands somewhere depends on the place; the
+# Whether a word is a keyword or a name, and whether it is a unit, depends on where it stands; the
 # parser decides it and writes the terminal into ``kinds``.
 
 
@@ -19,7 +19,7 @@ _CLASSES = (None, WORD, NUMBER, NUMBER, None, STRING, BAD, BAD, BAD)
 _PLAIN_NUMBER, _HASH = 2, 7
 _SLIPS = frozenset({_PLAIN_NUMBER, _HASH})
 _ENDS = frozenset({";", "{", "}"})
-"""What stands behind a regular expression, if not its own text."""
+"""Tokens that end a regular expression."""
 
 _TOKEN = re.compile(
     r"""(?:[ \t\r\n\f\v]+|//[^\n]*|/\*(?:[^*]|\*(?!/))*+\*/)*+
@@ -40,9 +40,9 @@ _TOKEN = re.compile(
 class Tokens:
     """The tokens of a text in order; token ``i`` is ``text[starts[i]:ends[i]]``.
 
-    ``kinds[i]`` is a class (WORD, NUMBER, STRING, BAD), the text itself of an operator or bracket,
-    or what the parser has found: a terminal of the grammar, or SKIPPED where an earlier token (a
-    unit) covers this one.  ``slips`` are comments that begin with ``#``, which are no tokens, and
+    ``kinds[i]`` is a class (WORD, NUMBER, STRING, BAD), the text of an operator or bracket, or what
+    the parser has written: a terminal of the grammar, or SKIPPED if an earlier token (a unit)
+    covers this one.  ``slips`` are comments that begin with ``#``, which are not tokens, and
     numbers without a digit before or after the point, which are.
     """
 
@@ -61,12 +61,12 @@ class Tokens:
         return self.text[self.starts[index] : self.ends[index]]
 
     def span(self, first: int, last: int | None = None) -> Span:
-        """From the beginning of one token to the end of another (of itself)."""
+        """The span from the start of one token to the end of another (by default the same)."""
         end = self.ends[first if last is None else last]
         return Span(self.starts[first], end, self.file)
 
     def on_new_line(self, index: int) -> bool:
-        """Whether a line break lies between a token and the one before it."""
+        """Whether a line break lies between a token and the previous one."""
         if index == 0:
             return True
         stop = len(self.text) if index >= len(self) else self.starts[index]
@@ -74,7 +74,7 @@ class Tokens:
 
 
 def tokenise(text: str, file: int = 0) -> Tokens:
-    """The tokens of a text; comments and blanks are none.  An unclosed comment is one BAD token."""
+    """The tokens of a text, without comments and blanks; an unclosed comment is one BAD token."""
     kinds: list[str] = []
     starts: list[int] = []
     ends: list[int] = []
@@ -108,7 +108,7 @@ def tokenise(text: str, file: int = 0) -> Tokens:
 
 
 def unclosed_comment(tokens: Tokens) -> Span | None:
-    """The ``/*`` that no ``*/`` closes."""
+    """The ``/*`` that no ``*/`` closes; None if there is none."""
     last = len(tokens) - 1
     if last < 0 or not tokens.at(last).startswith("/*"):
         return None
@@ -116,11 +116,11 @@ def unclosed_comment(tokens: Tokens) -> Span | None:
     return Span(start, start + 2, tokens.file)
 
 
-# --- Cuts tokens into top-level items, so that an error in one does not hide those in others ------
+# --- Split the tokens into top-level items, so that an error in one does not hide others ----------
 #
-# An item ends with the ``;`` outside all braces or the ``}`` that closes its last brace.  Where a
-# brace or a ``;`` is missing, what only an item looks like starts a new one: ``KEYWORD NAME {``,
-# and ``edge NAME`` or ``include "FILE"`` on a new line.
+# An item ends with a ``;`` outside all braces or with the ``}`` that closes its last brace.  If a
+# brace or a ``;`` is missing, tokens that can only begin an item start a new one:
+# ``KEYWORD NAME {``, and ``edge NAME`` or ``include "FILE"`` on a new line.
 
 
 BLOCK_KEYWORDS = frozenset({"module", "grammar", "semantics", "workspace", "task", "mission"})
@@ -129,7 +129,7 @@ KEYWORDS = BLOCK_KEYWORDS | {"edge", "include"}
 
 @dataclass(frozen=True, slots=True)
 class RawItem:
-    """The tokens ``first <= i < stop`` of one item; ``braces`` are the ``{`` nothing closes."""
+    """The tokens ``first <= i < stop`` of an item; ``braces`` are its unclosed ``{``."""
 
     first: int
     stop: int
@@ -139,7 +139,7 @@ class RawItem:
 def _starts_item(tokens: Tokens, here: int, *, inside: bool) -> bool:
     """Whether an item begins here: ``KEYWORD NAME {``, ``edge NAME`` or ``include "…"``.
 
-    Inside braces only where a statement may begin; ``edge`` and ``include`` on a new line only.
+    Inside braces, only where a statement may begin; ``edge`` and ``include`` only on a new line.
     """
     kinds, word = tokens.kinds, tokens.at(here)
     if word not in KEYWORDS or (inside and kinds[here - 1] not in {";", "{", "}"}):
@@ -156,7 +156,7 @@ def _starts_item(tokens: Tokens, here: int, *, inside: bool) -> bool:
 
 
 def cut(tokens: Tokens) -> Iterator[RawItem]:
-    """The items in order; every token belongs to one."""
+    """The items in order; every token belongs to exactly one."""
     kinds = tokens.kinds
     braces: list[int] = []
     first = 0

@@ -1,4 +1,4 @@
-"""What each rule of ``srg.lark`` makes of the values of its symbols: the abstract syntax."""
+"""Build the abstract syntax: each rule of ``srg.lark`` maps the values of its symbols to a node."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _optional(token: Token | None) -> s.Ident | None:
 
 
 def _literal(text: str) -> Fraction | None:
-    """The exact value of a number; None where its digits or exponent exceed ``MAX_LITERAL``."""
+    """The exact value of a number; None if its length or exponent exceeds ``MAX_LITERAL``."""
     exponent = text.lower().partition("e")[2]
     if len(text) > MAX_LITERAL or (exponent and abs(int(exponent)) > MAX_LITERAL):
         return None
@@ -266,7 +266,7 @@ BUILDERS: Mapping[str, Builder] = (
 
 
 def item_of(value: object) -> t.Item:
-    """The value of a whole item, as what it is."""
+    """The value of a whole item, with its type checked."""
     match value:
         case (
             s.Module()

@@ -1,7 +1,7 @@
-"""The abstract syntax: one frozen node per rule of the grammar.
+"""The abstract syntax: one immutable node class per rule of the grammar.
 
-Here are modules, grammars, semantics and expressions; :mod:`grammar_lang.syntax.tasks` continues
-with workspaces, tasks and whole files, :mod:`grammar_lang.syntax.formulas` with formulas and poses.
+This module has modules, grammars, semantics and expressions; :mod:`grammar_lang.syntax.tasks` has
+workspaces, tasks and whole files, and :mod:`grammar_lang.syntax.formulas` has formulas and poses.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The abstract syntax of expressions, intervals and sets of values.
 
-Numbers are exact rationals with the text of their unit.  Nodes compare without their spans.
+Numbers are exact rationals with the text of their unit.  Comparison of nodes ignores their spans.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ NOWHERE = Span(0, 0)
 
 @node
 class Ident:
-    """A name as written; ``this`` is the owner of a synthesized attribute."""
+    """A name as written; ``this`` denotes the owner of a synthesized attribute."""
 
     text: str
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -28,7 +28,7 @@ Operator: TypeAlias = Literal["+", "-", "*", "/", "^"]
 
 @node
 class Number:
-    """A literal with an optional unit; ``value`` is None where it is too large to represent."""
+    """A literal with an optional unit; ``value`` is None if it is too large to represent."""
 
     value: Fraction | None
     unit: Ident | None
@@ -43,7 +43,7 @@ class Name:
 
     @property
     def span(self) -> Span:
-        """Where it stands."""
+        """The span of the name."""
         return self.ident.span
 
 
@@ -66,14 +66,14 @@ class Member:
 
 @node
 class WorldName:
-    """The fixed frame."""
+    """``world``: the fixed frame."""
 
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @node
 class Text:
-    """``"…"``: the path of a file, in an argument."""
+    """``"…"``: the path of a file, as an argument."""
 
     ident: Ident
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -161,7 +161,7 @@ class Choices:
 
 
 def readings(expressions: Iterable[Expr]) -> Iterator[Name | Member]:
-    """Every ``name`` and every ``owner.name`` in some expressions; walks, never recurses."""
+    """Every ``name`` and every ``owner.name`` in the expressions, found without recursion."""
     stack = list(expressions)
     while stack:
         match stack.pop():

@@ -1,6 +1,6 @@
-"""The abstract syntax of modules, grammars and semantics: one frozen dataclass per rule.
+"""The abstract syntax of modules, grammars and semantics: one node class per rule.
 
-Nothing is resolved here: names are text with a span.  Nodes compare without their spans.
+Nothing is resolved here: names are text with a span.  Comparison of nodes ignores their spans.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ ModuleItem: TypeAlias = Role | Param | Const | Dof | Dynamics | Frame | Port | E
 
 
 def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
-    """The expressions of a statement of a module."""
+    """The expressions in a statement of a module."""
     match item:
         case Param(domain=domain) | Input(domain=domain):
             return bounds(domain)
@@ -182,7 +182,7 @@ class Module:
 
 
 def owns_body(module: Module) -> bool:
-    """Whether a module has frames, ports or bodies of its own."""
+    """Whether a module has frames, ports or emissions of its own."""
     return any(isinstance(item, Frame | Port | Emission) for item in module.items)
 
 
@@ -207,7 +207,7 @@ class StartSymbol:
 
 @node
 class Occurrence:
-    """A symbol of a right side, with the name given to it."""
+    """A symbol on a right side, with its alias if it has one."""
 
     alias: Ident | None
     symbol: Ident
@@ -360,7 +360,7 @@ class Let:
 
 
 def statement_expressions(statement: Rule | Emission | Let) -> tuple[Expr, ...]:
-    """The expressions of a statement of a block."""
+    """The expressions in a statement of a semantic block."""
     match statement:
         case Rule(value=value) | Let(value=value):
             return (value,)

@@ -1,4 +1,4 @@
-"""Syntax nodes of ``satisfy``: linear temporal logic on finite traces; and poses of effectors."""
+"""Syntax nodes of ``satisfy``, in linear temporal logic on finite traces, and of effector poses."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grammar_lang.syntax import NOWHERE, Expr, Ident
 
 @node
 class Aligned:
-    """``aligned axis to (a, b, c) within angle``; ``axis`` is x, y or z, with a sign or without."""
+    """``aligned axis to (a, b, c) within angle``; ``axis`` is x, y or z, possibly with a sign."""
 
     axis: str
     direction: tuple[Expr, ...]
@@ -38,7 +38,7 @@ Pose: TypeAlias = Aligned | Oriented
 
 @node
 class Atom:
-    """``R by effector n``, turned as all ``poses`` say."""
+    """``R by effector n``, with all of ``poses``."""
 
     region: Ident
     effector: Expr | None

@@ -1,4 +1,4 @@
-"""Syntax nodes of missions, and of what tasks and missions minimize."""
+"""Syntax nodes of missions, and of the objectives of tasks and missions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from grammar_lang.syntax import NOWHERE, Comparison, Expr, Ident
 
 @node
 class Objective:
-    """``NAME(NAME) within p %``: what is minimized; an attribute stands in brackets."""
+    """``NAME(NAME) within p %``: an objective; the name in parentheses is an attribute."""
 
     name: Ident
     attribute: Ident | None
@@ -29,7 +29,7 @@ class Minimize:
 
 @node
 class MissionTasks:
-    """``tasks A, B;``: in this order."""
+    """``tasks A, B;``: the tasks, in this order."""
 
     names: tuple[Ident, ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -44,7 +44,7 @@ class OneRobot:
 
 @node
 class Price:
-    """``add 2``: what a change of one module, or of one parameter, costs."""
+    """``add 2``: the price of a change of one module, or of one parameter."""
 
     of: Literal["add", "remove", "change"]
     value: Expr
@@ -61,7 +61,7 @@ class Reconfigure:
 
 @node
 class Freed:
-    """``L.length`` of a ``free``: a parameter of a module."""
+    """``L.length`` in a ``free``: a parameter of a module."""
 
     module: Ident
     name: Ident

@@ -77,7 +77,7 @@ class Hull:
 
 @node
 class Round:
-    """``ball (..) radius r``, ``capsule (..), (..) radius r``, ``cylinder`` likewise."""
+    """``ball (..) radius r``, ``capsule (..), (..) radius r``, or ``cylinder`` like a capsule."""
 
     kind: Literal["ball", "capsule", "cylinder"]
     points: tuple[Point, ...]
@@ -90,7 +90,7 @@ Shape: TypeAlias = Box | Polytope | Hull | Round
 
 @node
 class Region:
-    """``region NAME shape;`` and its like; ``bounds`` has no name."""
+    """``region NAME shape;``, ``obstacle …``, ``target …``, or ``bounds shape;`` without a name."""
 
     kind: Literal["bounds", "region", "obstacle", "target"]
     name: Ident | None
@@ -100,7 +100,7 @@ class Region:
 
 @node
 class ObstaclesFrom:
-    """``obstacles from "path" in UNIT at FRAME;``; None where not written."""
+    """``obstacles from "path" in UNIT at FRAME;``; a part that is not written is None."""
 
     path: Ident
     unit: Ident | None
@@ -138,7 +138,7 @@ class TaskWorkspace:
 
 @node
 class StartIn:
-    """``start in R by effector n at rest held;``, or ``rates <= v``; None where not written."""
+    """``start in R by effector n at rest held;``, or ``rates <= v``; parts not written are None."""
 
     region: Ident
     effector: Expr | None
@@ -311,7 +311,7 @@ class Carry:
 
 @node
 class RobustPercent:
-    """``robust effort 0.5 %;``, ``… % of bound;``, ``robust mass 5 % of M;`` and its like."""
+    """``robust effort 0.5 %;``, ``… % of bound;``, ``robust mass 5 % of M;`` or ``payload``."""
 
     of: Literal["effort", "effort of bound", "mass", "payload"]
     percent: Expr
@@ -355,7 +355,7 @@ class Task:
 
 @node
 class Include:
-    """``include "path";``, or ``include std "path";`` of the library."""
+    """``include "path";``, or ``include std "path";`` for a file of the library."""
 
     path: Ident
     span: Span = field(default=NOWHERE, compare=False, repr=False)
@@ -367,11 +367,11 @@ Item: TypeAlias = Module | Edges | Grammar | Semantics | Workspace | Task | Miss
 
 @node
 class File:
-    """The items of a file in the order written, and what could not be read.
+    """The items of a file in the order written, and what could not be parsed.
 
-    ``broken`` are the spans of items with a syntax error; statements that could be read are in
-    ``items`` all the same.  ``skipped`` are the words that stand in what was left out: whoever
-    misses a name that is one of them says nothing.
+    ``broken`` are the spans of items with a syntax error; those of their statements that could be
+    parsed are still in ``items``.  ``skipped`` are the words in the text that was left out: a name
+    that is one of them is not reported as missing.
     """
 
     items: tuple[Item, ...]
