@@ -50,7 +50,7 @@ class ProofAttempt:
 
 @dataclass(frozen=True, slots=True)
 class MotionProof:
-    """Proves motions of a robot; ``task`` is the task as stated, including unbounded repetition."""
+    """Proves motions of a robot; ``task`` is the task as stated, even if motions go on for ever."""
 
     program: ir.Program
     task: ir.Task
