@@ -18,7 +18,7 @@ class Reporter(Protocol):
     """Receives progress reports; every call must be cheap and must not change the result."""
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """A structure is being tried."""
+        """A structure is being tried; ``number`` counts from 0."""
         ...
 
     def path(self, cells: tuple[str, ...]) -> None:
@@ -38,16 +38,16 @@ class Silent:
     """Reports nothing."""
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def path(self, cells: tuple[str, ...]) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def robustness(self, value: float) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def note(self, text: str) -> None:
-        """Nothing."""
+        """Do nothing."""
 
 
 class Journal(Protocol):
@@ -58,7 +58,7 @@ class Journal(Protocol):
         ...
 
     def record(self, key: str, value: Recorded) -> None:
-        """A step is finished."""
+        """Store the result of a finished step."""
         ...
 
 
@@ -73,7 +73,7 @@ class Memory:
         return self.values.get(key)
 
     def record(self, key: str, value: Recorded) -> None:
-        """A step is finished."""
+        """Store the result of a finished step."""
         self.values[key] = value
 
 
@@ -92,7 +92,8 @@ class RunContext:
     cell was split.  ``evaluations`` is the number of parameter values evaluated for a path.  With
     ``lemmas``, one refutation may cover many structures.  Scripts are given to the solvers in
     ``smt``, all of which must agree; if there are none, to z3 as a library.  ``out_of_time`` is
-    called between steps; loops within a step call ``compiler.time_limits``.
+    called between steps, equally often in every run; loops within a step call
+    ``compiler.time_limits``.
     """
 
     seed: int = 0

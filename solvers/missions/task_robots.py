@@ -64,7 +64,7 @@ class Part:
         return self.journal.recall(f"{self.name}|{key}")
 
     def record(self, key: str, value: Recorded) -> None:
-        """A step is finished."""
+        """Store the result of a finished step."""
         self.journal.record(f"{self.name}|{key}", value)
 
 
@@ -178,7 +178,7 @@ class TaskRobots:
         return known if isinstance(known, str) else ""
 
     def box(self, derivation: Derivation) -> Box:
-        """All parameters of a structure that is a robot."""
+        """The box of all parameters of a structure; empty if it is not a robot."""
         model = self.model(derivation)
         return () if model is None else whole_box(model)
 

@@ -92,7 +92,7 @@ class Recipe:
     settings: dict[str, object]
 
     def path_problem(self) -> PathProblem:
-        """The path problem."""
+        """Build the path problem."""
         gravity = getattr(self.settings["task"], "gravity", ())
         numeric = _numeric(self.model, gravity)
         return PathProblem(numeric=numeric, **self.settings)  # type: ignore[arg-type]
@@ -267,7 +267,7 @@ class Evaluator:
         ahead: list[ControlOutcome] = []
         for _ in thetas:
             if not counts:
-                # The seeds are counted on the way to the next outcome.
+                # Drawing the next outcome fills ``counts``.
                 ahead += islice(outcomes, 1)
             missing = counts.popleft() - len(ahead)
             if missing < 0:

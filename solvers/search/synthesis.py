@@ -1,6 +1,6 @@
 """Algorithm 1: structures, paths, parameters and controls, until a verdict can be proved.
 
-    S.Synthesis -> P.Planning -> P.Synthesis -> certificate, counterexamples flowing back.
+    S.Synthesis -> P.Planning -> P.Synthesis -> certificate, with counterexamples passed back.
 
 ``found`` is claimed only for a motion that the verifier's own proof accepts; ``impossible`` only if
 every structure up to an explicit bound is refuted: by a script that a solver answered ``unsat``,

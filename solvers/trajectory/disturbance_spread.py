@@ -35,11 +35,11 @@ class DisturbanceSpread:
     """Half-widths of the disturbed motions.
 
     Attributes:
-        points: (k + 1, m) of the positions of all points at the samples, in metres.
-        states: (k + 1, n, 2) of coordinates and rates at the samples, in SI units.
-        inputs: (k, m) of what feedback commands in the steps, in SI units.
-        final: of any rate at the samples where the task binds final rates, in SI units.
-        accelerations: (k, n) of accelerations in the steps; zero where none is bound.
+        points: (k + 1, m), for the positions of all points at the samples, in metres.
+        states: (k + 1, n, 2), for coordinates and rates at the samples, in SI units.
+        inputs: (k, m), for the inputs that feedback commands in the steps, in SI units.
+        final: the largest for rates at the samples at which final rates are bound, in SI units.
+        accelerations: (k, n), for accelerations in the steps; 0 if none is bounded.
     """
 
     points: Array
@@ -50,7 +50,7 @@ class DisturbanceSpread:
 
     @property
     def widest(self) -> float:
-        """The largest of the positions, in metres."""
+        """The largest half-width of a position, in metres."""
         return float(np.max(self.points, initial=0.0))
 
     @property
