@@ -102,7 +102,7 @@ def _nearest(
 
 
 def _fewer(language: Language, most: int) -> str:
-    """How to reduce the structures to a number that can be compared, in words."""
+    """Advice on how to reduce the structures to a number that can be compared."""
     bound = left = 0
     for modules in range(1, most):
         count = len(_first(language, modules))

@@ -49,7 +49,7 @@ class CutRobot:
 
 @dataclass(frozen=True, slots=True)
 class TaskEvidence:
-    """What is refuted in a task for all values of the parameters."""
+    """The structures refuted in a task for all values of their parameters."""
 
     records: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]

@@ -128,7 +128,7 @@ def counts_of(tasks: Sequence[TaskRobots], robots: int) -> dict[str, int]:
 
 @dataclass(frozen=True, slots=True)
 class _Known:
-    """What is refuted in a task, by coverings only or by solvers too."""
+    """The refutations in a task, by coverings only or by solvers too."""
 
     records: tuple[StructureRecord, ...]
     lemmas: tuple[Lemma, ...]
@@ -146,7 +146,7 @@ class _Known:
 
 
 def _known(robots: TaskRobots, *, covered: bool) -> _Known:
-    """What is refuted in a task; with ``covered``, only by coverings."""
+    """The refutations in a task; with ``covered``, only those by coverings."""
     records, lemmas = robots.evidence(), list(robots.lemmas)
     if covered:
         kept = [i for i, each in enumerate(records) if each.boxes is not None]

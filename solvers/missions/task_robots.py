@@ -368,7 +368,7 @@ class TaskRobots:
     # --- evidence -------------------------------------------------------------------------------
 
     def evidence(self) -> list[StructureRecord]:
-        """What was refuted; coverings are added to solvers' answers if they are found."""
+        """The refutations; coverings are added to solvers' answers if they are found."""
         part = Part(self.context.journal, f"{self.task.name}|covered")
         context = replace(self.context, journal=part)
         found, late = covered(list(self.records.values()), self.family, self.task, context)

@@ -53,7 +53,7 @@ boxes; parameters that disagree; no bound on modules."""
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """What ended a search without an answer; ``try_first`` suggests a remedy."""
+    """The limit that ended a search without an answer; ``try_first`` suggests a remedy."""
 
     by: EndedBy
     try_first: str

@@ -97,7 +97,7 @@ def without_chain(
 
 
 def _open(search: RebuiltSearch, open_robots: Sequence[UndecidedRobots]) -> list[str]:
-    """What a search left open, in words."""
+    """The questions that a search left open, in words."""
     parts = [search.stopped] if search.stopped else []
     if open_robots:
         count = sum(each.robots for each in open_robots)
@@ -120,7 +120,7 @@ def _first(open_robots: Sequence[UndecidedRobots], tasks: Sequence[TaskRobots]) 
 
 
 def _ended(search: RebuiltSearch, open_robots: Sequence[UndecidedRobots]) -> Ended | None:
-    """What ended a search for rebuilt robots, or kept it from an answer."""
+    """The limit that ended a search for rebuilt robots, or kept it from an answer."""
     if search.stopped:
         return MANY_MOTIONS
     named = ", ".join(f"`{name}`" for name in cut_parameters(search))

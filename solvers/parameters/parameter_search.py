@@ -28,7 +28,7 @@ from grammar_lang.ir.constants import to_float
 
 
 BITS = 52
-"""As many digits are used as fit into an exact double together."""
+"""The total bits of the digits used, so that their sum is an exact double."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ from solvers.verifier.claims.further_claims import ControllerClaim, LoopClaim
 
 
 def needs_feedback(path_problem: PathProblem) -> bool:
-    """Whether a motion gets feedback regardless of what it looks like.
+    """Whether a motion gets feedback in any case.
 
     This is so if the task asks for it or names measurement errors.  It is also so for loops,
     because only feedback brings a motion back into the set of its loop.
@@ -84,7 +84,7 @@ def unbearable_noise(path_problem: PathProblem, trajectory: Trajectory) -> str |
 
 
 def _noisy_clearance(path_problem: PathProblem, trajectory: Trajectory, gains: Array) -> str | None:
-    """Where measurement errors alone deviate a point most, if they cause most of the spread."""
+    """How far measurement errors alone deviate points, in words, if that is most of the spread."""
     task, numeric = path_problem.task, path_problem.numeric
     if task.robust is None:
         return None

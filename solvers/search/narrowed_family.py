@@ -45,7 +45,7 @@ MOST_STRUCTURES = 200
 
 
 class Narrowing(Protocol):
-    """How the resources of a task are reduced."""
+    """A way to reduce the resources of a task step by step."""
 
     @property
     def most(self) -> int:
@@ -92,7 +92,7 @@ class NoBoundError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What the search of a family has found: its structures so far, and its lemmas."""
+    """The results of the search of a family so far: its structures and its lemmas."""
 
     records: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]

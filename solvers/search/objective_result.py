@@ -114,7 +114,7 @@ class Optimality:
 
     @property
     def text(self) -> str:
-        """What is known of the objectives, in words."""
+        """The results for all objectives, in words."""
         known = "; then ".join(each.text for each in self.objectives)
         bound = f", of robots with up to {self.modules} modules" if self.by_default else ""
         return known + bound

@@ -104,7 +104,7 @@ class _Open:
 
 @dataclass(slots=True)
 class _Judgement:
-    """What follows from the structures that may have less."""
+    """Derives the bounds from the structures that may have less."""
 
     family: RobotFamily
     task: ir.Task

@@ -33,7 +33,7 @@ from solvers.trajectory.trajectory import Trajectory
 TRIAL = IterationBudget(20, 2e-3, 1e-6, 2)
 """The budget for finding a motion through some of the cells."""
 ROUNDS = 3
-"""How often the samples of visits are chosen anew for a decisive trial."""
+"""The number of times that the samples of visits are chosen in a decisive trial."""
 CLEAR = 0.1
 """A violation smaller than this, in units of the effort bound, is no clear failure."""
 FEW, GRID = 2, 6

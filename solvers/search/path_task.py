@@ -77,7 +77,7 @@ class PathTask:
         )
 
     def on_samples(self, recorded: int) -> SampledFormula | None:
-        """What a motion in which effector ``recorded`` reaches must satisfy at the samples."""
+        """The formula on the samples if effector ``recorded`` reaches; None if there is none."""
         staying = path_formulas(self.task, recorded)[len(self.task.satisfy) :]
         parts = [sampled(formula, self.task.step, self.task.steps) for formula in staying]
         parts += carried_on_samples(self.task)
@@ -157,7 +157,7 @@ def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
 def nearest_text(
     path_problem: PathProblem, found: Configuration, sample: int, names: Sequence[str]
 ) -> str:
-    """Where the most robust motion along the cells ``names`` gets stuck, in words.
+    """A description of where the most robust motion along the cells ``names`` gets stuck.
 
     ``sample`` is the first sample that it does not reach.
     """
@@ -182,7 +182,7 @@ def exhausted_text(ended: Exhausted, task: ir.Task) -> str:
 
 
 def stuck_text(sample: int, task: ir.Task) -> str:
-    """Where a motion gets stuck, in words; ``sample`` is the first that it does not reach."""
+    """A description of where a motion gets stuck; ``sample`` is the first it does not reach."""
     what = "cannot go on at" if sample < task.steps else "does not get there by"
     return f"the motion {what} {float(sample * task.step):.4g} s"
 

@@ -1,6 +1,6 @@
 """The search for an upper bound on the share of their bounds that a design's inputs leave free.
 
-A design whose inputs keep the share s also does the task with bounds reduced by s.  If all
+A design whose inputs leave the share s free also does the task with bounds reduced by s.  If all
 structures are refuted in that task, there is no such design.  Shares are multiples of 1 / ``GRID``.
 """
 
@@ -24,7 +24,7 @@ FINER = DriveEffort((1024,), 16)
 
 @dataclass(frozen=True, slots=True)
 class RobustnessBound:
-    """No robot keeps more than ``share``; ``evidence`` is about the task with reduced bounds."""
+    """No robot leaves more than ``share`` free; ``evidence`` is about the reduced bounds."""
 
     share: Fraction
     evidence: NarrowedFamily

@@ -1,4 +1,4 @@
-"""Where an effector can be, for sampled parameters and poses of a robot.
+"""The cells that an effector can be in, for sampled parameters and poses of a robot.
 
 This yields the cells to start in, the cells within reach, and those in which a robot that cannot
 move stands as its task asks.  Sampling can miss cells: this guides a search and proves nothing.

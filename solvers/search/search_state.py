@@ -1,4 +1,4 @@
-"""What is known of a structure during its search: attempts at paths, each found or blocked.
+"""The state of the search of a structure: attempts at paths, each found or blocked.
 
 A state is immutable: every attempt makes a new one.  Everything that a result reports about a
 structure (its counts, counterexamples, nearest motion) is derived from its attempts.
@@ -23,7 +23,7 @@ from solvers.trajectory.trajectory import Trajectory
 
 
 class Cause(Enum):
-    """What prevented a design along a path."""
+    """The reason why there is no design along a path."""
 
     NOT_FINITE = "the equations of motion have no finite value"
     UNSOLVED = "a convex program was not solved"

@@ -87,7 +87,7 @@ class StructureSearch:
 
 @dataclass(frozen=True, slots=True)
 class Lessons:
-    """What is known of the cells of a workspace: counterexamples, and paths with a motion.
+    """The lessons about the cells of a workspace: counterexamples, and paths with a motion.
 
     Both number effectors from 0.  A path along which a motion was found is never excluded.
     """
@@ -102,7 +102,7 @@ class Lessons:
         )
 
     def after(self, attempt: PathAttempt, path: EffectorPath) -> Lessons:
-        """What is known after an attempt at a path of its leader."""
+        """The lessons after an attempt at a path of its leader."""
         if attempt.excluded is not None:
             spared = self._sparing(attempt.excluded, path.cells)
             return self if spared is None else replace(self, blocked=(*self.blocked, spared))
@@ -366,7 +366,7 @@ class _Plans:
 
 
 def deferred_text(cells: Abstraction, known: CounterExample, length: int, count: int) -> str:
-    """What a counterexample defers, in words, with the number of paths.
+    """A description of what a counterexample defers, with the number of paths.
 
     ``length`` is the number of cells of the path that it comes from.
     """

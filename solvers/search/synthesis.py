@@ -177,7 +177,7 @@ def _optimality(run: FamilySearch) -> Optimality:
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:
-    """What the time limit interrupted, in words appended to its name."""
+    """A description of what the time limit interrupted, to follow its name."""
     if structure is None or structure.state.is_over:
         return ""
     word = " ".join(structure.derivation.word)

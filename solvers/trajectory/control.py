@@ -339,7 +339,7 @@ def _regulated(problem: ControlProblem, at: MeasuredMotion) -> Trajectory:
 
 
 def shortfall(problem: ControlProblem, outcome: ControlOutcome, *, posed: bool = False) -> str:
-    """What an infeasible outcome lacks other than drive force, to follow "the motion found".
+    """A phrase for what an infeasible outcome lacks besides force, to follow "the motion found".
 
     For a ``posed`` task it may be a pose.
     """

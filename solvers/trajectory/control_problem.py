@@ -104,7 +104,7 @@ SURVEY = IterationBudget(8, 2e-3, 1e-6, 2)
 
 
 class Ending(StrEnum):
-    """How an iteration of convex steps ended."""
+    """The ways in which an iteration of convex steps can end."""
 
     FIXPOINT = "fixpoint"
     LIMIT = "iteration limit"
@@ -290,7 +290,7 @@ JUDGED = 1e-3
 
 
 def _accelerated(problem: ControlProblem, trajectory: Trajectory) -> tuple[Array | None, float]:
-    """How much rates may rise and fall in each step, (2, k, n), and the excess (SI).
+    """The rise and fall that rates may have in each step, (2, k, n), and the excess (SI).
 
     The accelerations at the ends of a step are assumed to differ from its mean as they do in the
     trajectory.  Without bounds on accelerations the answer is None and 0.

@@ -257,5 +257,5 @@ class MotionConstraints:
 
 
 def _planned_start(effector: int, region: ConvexSet) -> Dwell:
-    """Where the planned motion starts; disturbed motions may start next to it."""
+    """The dwell at the start of the planned motion; disturbed motions may start next to it."""
     return Dwell(effector, 0, 0, region, spreads=np.zeros(len(region.offsets)))

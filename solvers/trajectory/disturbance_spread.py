@@ -1,4 +1,4 @@
-"""How far disturbed motions deviate from the planned one, by which a search tightens constraints.
+"""The deviation of disturbed motions from the planned one, which tightens the search's constraints.
 
 The spread of the start and of the inputs is propagated along the linearised motion, D[i + 1] = A[i]
 D[i] + B[i] d[i], and summed by absolute values, so that every corner counts.  With feedback,

@@ -109,7 +109,7 @@ def growth(path_problem: PathProblem, trajectory: Trajectory) -> float:
 
 
 def _gaps(path_problem: PathProblem, trajectory: Trajectory, substeps: int) -> Array:
-    """How far points (m) and states (SI) move when the number of substeps is doubled, (2,)."""
+    """The change of points (m) and states (SI) if the number of substeps is doubled, (2,)."""
     numeric, n = path_problem.numeric, path_problem.numeric.n
     dt, theta, u = float(path_problem.task.step), trajectory.theta, trajectory.u
     with np.errstate(all="ignore"):

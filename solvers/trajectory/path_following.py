@@ -191,7 +191,7 @@ class PathProblem:
         return self.formula is None or holds(self.formula, self.word(entries))
 
     def obligations(self, entries: Entries) -> tuple[Obligation, ...]:
-        """What the formula requires of the motion; empty if it does not hold."""
+        """The obligations of the motion by the formula; empty if it does not hold."""
         formula = self.formula
         return () if formula is None else obligations(formula, self.word(entries)) or ()
 

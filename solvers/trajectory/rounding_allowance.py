@@ -1,4 +1,4 @@
-"""How far rounding errors of a computer may take inputs from the law of a controller."""
+"""Allowances for rounding errors of a computer that evaluates the law of a controller."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def rounding_allowance(
     task: ir.Task,
     turning: Array | None = None,
 ) -> Array:
-    """For each input (m,) how far rounding may change it: usually enough for single precision.
+    """For each input (m,) the allowed rounding error: usually enough for single precision.
 
     Without disturbances it is enough only for doubles: the tube is narrow then, and a wide one
-    takes several times as long.  ``gains`` are (k, m, 2n).  Rounded measurements and references are
-    multiplied by the gain, the other errors by the deviation.  The angles of ``turning`` joints
-    (n,), None for none, may be measured in any one turn, and whole turns are then subtracted.  Load
-    inputs are not rounded.
+    takes several times as long.  ``gains`` are (k, m, 2n).  Rounding errors of measurements and
+    references grow with their sizes, those of the other operations with the deviation; the gain
+    multiplies both.  The angles of ``turning`` joints (n,), None for none, may be measured in any
+    one turn, and whole turns are then subtracted.  Load inputs are not rounded.
     """
     size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
     sizes = 2 * np.abs(motion.x[:-1, :size]) + DEVIATION

@@ -149,7 +149,7 @@ class _RubbingRobot:
         return self._rates(x, u, self._next_signs(x, u))[0]
 
     def _next_signs(self, x: Array, u: Array) -> Signs:
-        """What joints do next, as signs."""
+        """The signs of the joints' motion from here on."""
         rates = x[self._n : 2 * self._n]
         choices = [
             (0,) if not size else (int(np.sign(v)),) if abs(v) > STILL else (0, 1, -1)

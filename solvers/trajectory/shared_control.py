@@ -47,9 +47,9 @@ NEAR_RADIUS, NEAR_PROXIMAL = 0.1, 1e-2
 GROWTH = 1.5
 """The growth factor of trust regions after steps with small defects."""
 ROUNDS = 8
-"""How often all motions are solved together and then separately, at most."""
+"""The most rounds in which all motions are solved together and then separately."""
 WORTHWHILE = 1e-3
-"""The least gain of the share for which another round is run."""
+"""The least gain of the share by which a round counts as progress."""
 Box = tuple[Array, Array]
 """Lower and upper bounds (p,) of parameters, in SI units."""
 

@@ -309,7 +309,7 @@ def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:
 
 
 def rate_steps(limits: MotionLimits, model: Model) -> list[Array]:
-    """How much more rates may rise in a step than about a trajectory, and how much less, (s,).
+    """The further rise of rates allowed in a step, relative to a trajectory, and the fall, (s,).
 
     Only joints with bounded accelerations are included; empty if there are none.
     """
