@@ -24,7 +24,7 @@ EDGE = 0.25
 SMALL = 1e-3
 """A simplex is abandoned if all vertices are this close to its best one."""
 FLAT = 1e-9
-"""Or if its values differ by no more than this, relative to the largest."""
+"""A simplex is also abandoned if its values differ by no more, relative to the largest."""
 
 Steps = Generator[list[Array], list[float], None]
 """Yields points and is sent their values."""

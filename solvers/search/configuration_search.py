@@ -48,7 +48,7 @@ BASINS = 4
 APART = 0.1
 """Basins differ by this much in some coordinate of the unit cube."""
 BENT = 0.35
-"""Or halfway through their motions in some coordinate: sin of half an angle, or metres."""
+"""Basins also differ if poses halfway differ by this: sin of half an angle, or metres."""
 POLISH = IterationBudget(30, 1e-4, 1e-8, 2)
 NARROWINGS = 3
 FARTHEST = 10.0

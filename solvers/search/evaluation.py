@@ -43,7 +43,7 @@ RADIUS = 0.5
 NEAR = 0.1
 """Units of length by which a seed may always leave the path."""
 FARTHER = 2.0
-"""Or this factor times the distance by which the best seed leaves it."""
+"""Otherwise it may leave the path by this multiple of the distance of the best seed."""
 ARRAY = "float64"
 TRAJECTORY = "trajectory"
 

@@ -19,7 +19,7 @@ from solvers.search.path_task import Design
 from solvers.search.search_state import NearestMotion, StructureState
 
 LATER = 3
-"""The number of rounds by which it is postponed."""
+"""The rounds by which a structure without a promising path is postponed."""
 
 
 def most_robust(designs: Sequence[Design]) -> Design:

@@ -66,7 +66,7 @@ ABSORBED = 0.05
 LIMIT_MARGIN = 1e-3
 """The distance kept from joint and rate limits, in rad or m (/s), so that proofs succeed."""
 OVERSHOOT = 4.0
-"""A wider position margin widens it by this factor more, as motions overshoot within steps."""
+"""Widening the position margin widens that distance by this factor: motions overshoot."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,9 +19,9 @@ LEAST_MARGIN = 2e-4
 DISTURBED_MARGIN = 2e-3
 """The initial margin if many motions are proved at once: widening it costs another long proof."""
 SHARE = 0.1
-"""It is at most this share of the least radius of a region or pose to be reached."""
+"""The margin is at most this share of the least radius of a region or pose to be reached."""
 SMALLEST = 1e-6
-"""It is at least this, in units of length."""
+"""The margin is at least this, in units of length."""
 ROUNDED = 0.1
 """Sizes slightly below a power of ten count as that power."""
 
