@@ -1,1 +1,1 @@
-"""Search and check.  Empty on purpose: importing the verifier must load no searcher."""
+"""Search and check.  Empty on purpose: importing the verifier must not load any search code."""

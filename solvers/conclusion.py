@@ -1,7 +1,8 @@
-"""What became of each structure, and what follows for the family when none of them was proved.
+"""The verdict on each structure, and on the family when no structure yields a proved design.
 
-Section 6 of the design: ``impossible`` only if every structure up to an explicit bound, or of a
-finite language, was refuted; everything else is ``unknown``, with what was tried.
+Section 6 of the design: the verdict is ``impossible`` only if every structure up to an explicit
+bound, or every structure of a finite language, was refuted.  Otherwise it is ``unknown``, with a
+list of what was tried.
 """
 
 from __future__ import annotations
@@ -19,25 +20,25 @@ from solvers.verdict import NotFound
 
 DEFAULT_MODULES = 12
 MOTION_SEARCHES = 10
-"""Robots that are searched for a motion without success before the synthesis gives up."""
+"""The synthesis stops after this many robots for which no motion was found."""
 DEFAULT_ROBOTS = 1000
-"""Robots that are tried where neither the task nor the language bounds their number."""
+"""The number of robots tried if neither the task nor the language bounds it."""
 
 DEFAULT_DESIGNS = 20
-"""Robots that are designed where all are asked for and nothing bounds their number."""
+"""The number of designs made if all are asked for and nothing bounds their number."""
 
 LEMMAS_NAMED = 2
-"""So many lemmas are named in a reason."""
+"""The number of lemmas named in a reason."""
 
 StructureVerdict = Literal["found", "refuted", "inadmissible", "unresolved", "same"]
 
 
 @dataclass(frozen=True, slots=True)
 class StructureRecord:
-    """What became of one structure.
+    """The verdict on one structure, with its evidence.
 
-    ``script`` is its refutation in SMT-LIB 2, ``boxes`` one by a covering; ``lemma`` is the number,
-    from 0, of one that its word satisfies.
+    ``script`` is a refutation in SMT-LIB 2, ``boxes`` a refutation by a covering.  ``lemma`` is the
+    number, from 0, of a lemma whose condition the word satisfies.
     """
 
     word: tuple[str, ...]
@@ -53,9 +54,10 @@ class StructureRecord:
 def with_lemmas(
     records: Sequence[StructureRecord], lemmas: Sequence[Lemma]
 ) -> tuple[StructureRecord, ...]:
-    """The records, of which those that lemmas are about rest on these and on nothing else.
+    """The records, with every structure that a lemma covers refuted by that lemma alone.
 
-    Where they are the same robot as others, the first of those has the evidence.
+    If other records refer to such a structure as the same robot, the first of them that no lemma
+    covers gets its evidence.
     """
     found: list[StructureRecord] = []
     heirs: dict[int, int] = {}
@@ -78,7 +80,7 @@ def with_lemmas(
 
 
 def _under(record: StructureRecord, number: int, lemmas: Sequence[Lemma]) -> StructureRecord:
-    """A record that rests on a lemma; a robot whose variants one is about keeps its evidence."""
+    """A record refuted by a lemma; the base structure of a variant lemma keeps its own evidence."""
     reason = lemmas[number].text
     about = replace(record, verdict="refuted", reason=reason, lemma=number, same_robot_as=None)
     bases = [lemma.labels for lemma in lemmas if isinstance(lemma, VariantLemma)]
@@ -88,7 +90,8 @@ def _under(record: StructureRecord, number: int, lemmas: Sequence[Lemma]) -> Str
 def module_bound(family: RobotFamily, task: ir.Task) -> int:
     """The number of modules up to which structures are tried.
 
-    That of the task; all robots of a finite language; else the default.
+    This is the bound of the task, or else the longest word of a finite language, or else the
+    default.
     """
     if task.modules is not None:
         return task.modules
@@ -96,7 +99,7 @@ def module_bound(family: RobotFamily, task: ir.Task) -> int:
 
 
 def robot_limit(family: RobotFamily, task: ir.Task) -> int | None:
-    """How many different robots are tried; None where the task or the language bounds them."""
+    """The number of different robots to try; None if the task or the language bounds it."""
     bounded = task.modules is not None or _longest(family) is not None
     return None if bounded else DEFAULT_ROBOTS
 
@@ -104,9 +107,10 @@ def robot_limit(family: RobotFamily, task: ir.Task) -> int | None:
 def conclude(
     records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task, stopped: str | None
 ) -> tuple[NotFound, str]:
-    """The verdict without a design; ``stopped`` is the limit that ended the search, if one did.
+    """The verdict when there is no design.
 
-    ``family`` has the robots that no lemma is about.
+    ``stopped`` names the limit that ended the search, if one did.  ``family`` contains the robots
+    that no lemma covers.
     """
     tried = len(records)
     open_ones = [r for r in records if r.verdict in ("unresolved", "inadmissible")]
@@ -127,7 +131,7 @@ def conclude(
 def _all_refuted(
     records: Sequence[StructureRecord], family: RobotFamily, task: ir.Task
 ) -> tuple[NotFound, str]:
-    """Every structure that was tried is refuted: the verdict depends on what bounds them."""
+    """The verdict when every structure tried is refuted; it depends on what bounds their number."""
     if task.modules is not None:
         within = f"of at most {task.modules} modules"
         if not records:
@@ -149,7 +153,7 @@ def _all_refuted(
 
 
 def _refuted(records: Sequence[StructureRecord], which: str) -> str:
-    """That all structures of a kind are refuted, and by which lemmas."""
+    """The statement that all structures of a kind are refuted, and by which lemmas."""
     learnt = list(dict.fromkeys(r.reason for r in records if r.lemma is not None))
     if not learnt:
         count = len(records)
@@ -164,9 +168,9 @@ def _refuted(records: Sequence[StructureRecord], which: str) -> str:
 
 
 def _longest(family: RobotFamily) -> int | None:
-    """The length of the longest word, which has no more modules; None where there is no bound.
+    """The length of the longest word, which bounds its modules; None if there is no bound.
 
-    None, too, where words are longer than those that are listed.
+    Also None if words are too long to be listed.
     """
     try:
         return family.language.longest()

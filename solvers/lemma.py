@@ -1,4 +1,4 @@
-"""What one refutation says of many structures: a condition on words, and why it refutes them."""
+"""Lemmas: a condition on words, and why it refutes every structure whose word satisfies it."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from solvers.verifier.claims.lemma_claims import (
 
 @dataclass(frozen=True, slots=True)
 class Lemma(ABC):
-    """No robot of a word of the family with this ``condition`` does the task."""
+    """No robot of the family whose word satisfies ``condition`` can do the task."""
 
     condition: ir.Accept
     automaton: Dfa
 
     @abstractmethod
     def claim(self) -> LemmaClaim:
-        """The lemma as a certificate states it, but for the names of files."""
+        """The lemma as a certificate states it, without file names."""
 
     @property
     def text(self) -> str:
@@ -45,14 +45,14 @@ class Lemma(ABC):
         return self.automaton.accepts(word)
 
     def covers(self, other: Lemma) -> bool:
-        """Whether this one is about all words that another one is about."""
+        """Whether this lemma applies to every word that the other one applies to."""
         left = intersection(other.automaton, complement(self.automaton))
         return left.longest() == -1
 
 
 @dataclass(frozen=True, slots=True)
 class DistanceLemma(Lemma):
-    """No effector of these robots gets into ``region``."""
+    """No effector of these robots can reach ``region``."""
 
     region: str
     bound: EffectorBound
@@ -71,20 +71,20 @@ class DistanceLemma(Lemma):
 
 @dataclass(frozen=True, slots=True)
 class VariantLemma(Lemma):
-    """All these robots are variants of a refuted one, given by its ``word`` and derivation."""
+    """All these robots are variants of a refuted robot, given by its ``word`` and derivation."""
 
     word: tuple[str, ...]
     labels: tuple[str, ...]
 
     def claim(self, script: str | None = None, boxes: str | None = None) -> VariantClaim:
-        """The lemma as a certificate states it, with the files that refute the one robot."""
+        """The lemma as a certificate states it, with the files that refute the base robot."""
         condition = condition_text(self.condition)
         return VariantClaim(VARIANTS, condition, self.word, self.labels, script, boxes)
 
 
 @dataclass(frozen=True, slots=True)
 class WeightsLemma(Lemma):
-    """All these robots are one with weights, whose drives ``boxes`` show to be too weak."""
+    """These robots are one robot plus weights; ``boxes`` shows that its drives are too weak."""
 
     word: tuple[str, ...]
     labels: tuple[str, ...]

@@ -1,8 +1,8 @@
-"""P.Planning: paths through the cells by SAT, fewest changes of cell first.
+"""P.Planning: paths through the cells, found by SAT in ascending order of changes of cell.
 
 Source: Algorithm 1 and Section 4.2 (Problem 3).  A path is a sequence of cells, each adjacent to
-the next; without a formula no cell comes twice.  Where a task is not timed, the control synthesis
-decides when each cell is entered.  Paths that visit the cells of a counterexample are left out.
+the next; without a formula no cell occurs twice.  If a task is not timed, the control synthesis
+decides when each cell is entered.  Paths that visit the cells of a counterexample are excluded.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ SOLVED = "a SAT problem was solved"
 
 @dataclass(frozen=True, slots=True)
 class EffectorPath:
-    """The cells of one effector (from 0), in the order they are entered.
+    """The cells of one effector (numbered from 0), in the order in which they are entered.
 
-    Consecutive ones differ and are adjacent.  ``entries`` are the samples at which they are
-    entered, the first 0; None where the task does not care when.
+    Consecutive cells differ and are adjacent.  ``entries`` are the samples at which they are
+    entered, the first 0; None if the task does not depend on them.
     """
 
     effector: int
@@ -37,23 +37,23 @@ class EffectorPath:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The paths of the planned effectors, by ascending number."""
+    """The paths of the planned effectors, in ascending order of effector number."""
 
     paths: tuple[EffectorPath, ...]
 
     @property
     def changes(self) -> int:
-        """The number of changes of cell, of all effectors together."""
+        """The number of changes of cell, summed over all effectors."""
         return sum(len(path.cells) - 1 for path in self.paths)
 
 
 @dataclass(frozen=True, slots=True)
 class CounterExample:
-    """No motion was found for a plan in which that effector (from 0) visits these cells in turn.
+    """No motion was found for a plan in which ``effector`` (from 0) visits ``cells`` in this order.
 
-    Other cells may lie between; no cell at all stands for every plan.  Where they are not
-    ``ordered``, none was found that visits them in another order either.  ``reason`` and ``robot``
-    (its key) say why, and of which robot this is known.
+    Other cells may lie in between; an empty tuple stands for every plan.  If not ``ordered``, no
+    motion was found that visits the cells in any order.  ``reason`` says why, and ``robot`` is the
+    key of the robot for which this is known.
     """
 
     effector: int
@@ -63,7 +63,7 @@ class CounterExample:
     ordered: bool = True
 
     def meets(self, effector: int, path: Sequence[int]) -> bool:
-        """Whether that effector visits these cells on a path."""
+        """Whether the path of this effector visits the cells of the counterexample."""
         if effector != self.effector:
             return False
         if not self.ordered:
@@ -83,11 +83,11 @@ class Exhaustion(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Exhausted:
-    """Proved, by graph distance and by the SAT solver: no plan is left.
+    """Proof, by graph distance and by the SAT solver, that no plan is left.
 
-    ``changes`` is the bound up to which this is so; ``complete`` tells that it was no restriction:
-    there is none with more changes either (with an entry per sample, where the task is timed).
-    ``plans`` counts those given out; they and the counterexamples are what the claim rests on.
+    ``changes`` is the bound on changes of cell up to which this holds.  ``complete`` says that
+    there is no plan with more changes either (with one entry per sample, if the task is timed).
+    ``plans`` counts the plans returned; the claim rests on these and on the counterexamples.
     """
 
     changes: int
@@ -101,21 +101,21 @@ PlanAnswer: TypeAlias = Answer[Plan, Exhausted]
 
 
 class Planner:
-    """Enumerates plans in order of their changes of cell, none twice.
+    """Enumerates plans in ascending order of changes of cell, without repetition.
 
-    Plans that differ only in the samples at which cells are entered count as one, until nothing
-    else is left: then the others follow, fewest changes first again.
+    Plans that differ only in the samples at which cells are entered count as one until no other
+    plan is left.  Then the remaining ones follow, again in ascending order of changes.
     """
 
     def __init__(self, problem: PlanningProblem, *, conflicts: int = CONFLICTS) -> None:
-        """Measure distances; nothing is solved yet.
+        """Compute the distances; nothing is solved yet.
 
         Args:
-            problem: what is asked.
-            conflicts: the budget of each call of the SAT solver.
+            problem: the planning problem.
+            conflicts: the conflict budget of each call of the SAT solver.
 
         Raises:
-            ValueError: the bound on changes is negative.
+            ValueError: if the bound on changes is negative.
         """
         if problem.changes < 0:
             raise ValueError("the number of changes is at least 0")
@@ -131,7 +131,7 @@ class Planner:
 
     @property
     def blocked(self) -> tuple[CounterExample, ...]:
-        """The counterexamples, in the order they were given."""
+        """The counterexamples, in the order in which they were given."""
         return tuple(self._blocked)
 
     @property
@@ -140,9 +140,9 @@ class Planner:
         return self._encoding.complete or self._encoding.least is None or self._unbounded
 
     def next_plan(self) -> PlanAnswer:
-        """The next plan, never one given before; or the proof that none is left.
+        """The next plan, or a proof that none is left.
 
-        ``Unknown`` leaves everything as it was: another call goes on with the same bound.
+        ``Unknown`` leaves the state unchanged: the next call continues with the same bound.
         """
         while self._bound is not None and self._bound <= self._encoding.limit:
             self._encoding.extend(self._bound)
@@ -170,12 +170,12 @@ class Planner:
         )
 
     def block(self, counterexample: CounterExample) -> None:
-        """Leave out every plan in which that effector visits the cells of a counterexample.
+        """Exclude every plan in which the effector visits the cells of a counterexample.
 
-        One about an effector that is not planned leaves out nothing, and is not kept.
+        A counterexample about an effector that is not planned excludes nothing and is not stored.
 
         Raises:
-            ValueError: an index that is no cell's.
+            ValueError: if an index is not that of a cell.
         """
         cells, count = counterexample.cells, len(self.problem.neighbours)
         if not all(0 <= cell < count for cell in cells):
@@ -190,7 +190,7 @@ class Planner:
             self._solver.add(clauses)
 
     def _advance(self, *, bounded: bool) -> None:
-        """Go on to the next bound, unless the clauses say that none will do."""
+        """Go on to the next bound, or stop if the clauses rule out every bound."""
         if self._bound is None:
             return
         if bounded:

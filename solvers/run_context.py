@@ -1,4 +1,4 @@
-"""What a synthesis tells while it runs, and how it is told to stop."""
+"""What a synthesis reports while it runs, and how it is configured and stopped."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from solvers.execution.workers import InProcess, Workers
 from solvers.verifier.refutations.solver_process import SmtSolver
 
 Recorded: TypeAlias = "bool | int | float | str | list[Recorded] | dict[str, Recorded] | None"
-"""A value of JSON."""
+"""A JSON value."""
 
 
 class Reporter(Protocol):
-    """Receives progress; every call is cheap and none may change the result."""
+    """Receives progress reports; every call must be cheap and must not change the result."""
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """A structure is being tried."""
+        """A structure is being tried; ``number`` counts from 0."""
         ...
 
     def path(self, cells: tuple[str, ...]) -> None:
@@ -26,11 +26,11 @@ class Reporter(Protocol):
         ...
 
     def robustness(self, value: float) -> None:
-        """The best robustness so far for this path."""
+        """The best robustness so far for the current path."""
         ...
 
     def note(self, text: str) -> None:
-        """A finding worth a line."""
+        """A message worth printing as one line."""
         ...
 
 
@@ -38,61 +38,62 @@ class Silent:
     """Reports nothing."""
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def path(self, cells: tuple[str, ...]) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def robustness(self, value: float) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def note(self, text: str) -> None:
-        """Nothing."""
+        """Do nothing."""
 
 
 class Journal(Protocol):
-    """Remembers the results of finished steps, so that an interrupted run can go on."""
+    """Stores the results of finished steps, so that an interrupted run can be resumed."""
 
     def recall(self, key: str) -> Recorded:
-        """The result of a step finished before, or None."""
+        """The result of a step finished earlier, or None."""
         ...
 
     def record(self, key: str, value: Recorded) -> None:
-        """A step is finished."""
+        """Store the result of a finished step."""
         ...
 
 
 @dataclass(slots=True)
 class Memory:
-    """A journal that lives as long as the process."""
+    """A journal kept in memory only."""
 
     values: dict[str, Recorded] = field(default_factory=dict[str, Recorded])
 
     def recall(self, key: str) -> Recorded:
-        """The result of a step finished before, or None."""
+        """The result of a step finished earlier, or None."""
         return self.values.get(key)
 
     def record(self, key: str, value: Recorded) -> None:
-        """A step is finished."""
+        """Store the result of a finished step."""
         self.values[key] = value
 
 
 PATHS = 6
 EVALUATIONS = 12
-"""What is tried for a structure, and for a path, unless a run says otherwise."""
+"""The default numbers of paths tried for a structure, and of evaluations made for a path."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunContext:
     """How a synthesis is run.
 
-    Nothing here may change its result but the seed, the parameter ``search``, the limit of time,
-    the budgets and the ``solver`` of convex programs, by its name in cvxpy (None: our own).  For a
-    structure at most so many ``paths`` are tried, and half as many after a cell was cut; for a path
-    so many ``evaluations`` of parameters are made.  With ``lemmas`` one refutation may be about
-    many structures.  Scripts are given to the solvers ``smt``, all of which have to agree; without
-    any, to z3 as a library.  ``out_of_time`` is asked between steps, as
-    often each time; loops within them ask ``compiler.time_limits``.
+    Only the following settings may change its result: the seed, the parameter ``search``, the time
+    limit, the budgets, and the ``solver`` of convex programs, by its name in cvxpy (None: the
+    built-in solver).  At most ``paths`` paths are tried for a structure, and half as many after a
+    cell was split.  ``evaluations`` is the number of parameter values evaluated for a path.  With
+    ``lemmas``, one refutation may cover many structures.  Scripts are given to the solvers in
+    ``smt``, all of which must agree; if there are none, to z3 as a library.  ``out_of_time`` is
+    called between steps, equally often in every run; loops within a step call
+    ``compiler.time_limits``.
     """
 
     seed: int = 0

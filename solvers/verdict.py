@@ -1,7 +1,8 @@
-"""The verdict on a task, and the answers with three values that lead to one.
+"""The verdict on a task, and the three-valued answers that lead to one.
 
-The one module of ``solvers`` that search and verifier share.  No answer is a bool: callers match
-it, so that "gave up" is never read as "no" (as in unified-planning, ``engines/results.py``).
+This is the only module of ``solvers`` that search and verifier share.  Answers cannot be used as
+bools: callers match them, so that "gave up" is never read as "no" (as in unified-planning,
+``engines/results.py``).
 """
 
 from __future__ import annotations
@@ -14,17 +15,17 @@ Claimed: TypeAlias = Literal["found", "impossible"]
 """The verdicts that come with a certificate."""
 NotFound: TypeAlias = Literal["impossible", "unknown"]
 Verdict: TypeAlias = Literal["found", "impossible", "unknown"]
-"""What is said of a task (docs/explanation/guarantees.md): only the first two are proved."""
+"""The verdicts on a task (docs/explanation/guarantees.md); only the first two are proved."""
 
 MISSION = "mission.json"
-"""The file in which a result folder claims something of a mission."""
+"""The file in which a result folder states its claims about a mission."""
 
 W_co = TypeVar("W_co", covariant=True)
 C_co = TypeVar("C_co", covariant=True)
 
 
 class Reason(Enum):
-    """Why there is no answer."""
+    """Why a solver returned no answer."""
 
     CONFLICT_LIMIT = "conflict limit reached"
     RESOURCE_LIMIT = "resource limit reached"
@@ -58,7 +59,7 @@ class Fails(Generic[C_co]):
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """No answer; never to be read as one."""
+    """The solver gave no answer; this must not be read as yes or no."""
 
     reason: Reason
     detail: str = ""

@@ -1,1 +1,1 @@
-"""Missions: one robot for several tasks, or robots that are rebuilt from task to task."""
+"""Missions: one robot for several tasks, or robots that are rebuilt between tasks."""

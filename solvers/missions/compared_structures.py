@@ -1,4 +1,4 @@
-"""The structures that are compared with each other where robots are rebuilt."""
+"""The structures that are compared with each other if robots are rebuilt."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from solvers.missions.task_robots import TaskRobots
 from solvers.missions.undecided_robots import Ended
 
 MOST_ROBOTS = 1000
-"""So many structures are compared with each other."""
+"""The most structures that are compared with each other."""
 
 
 MOST_PRICE = 2**40
-"""Prices of so many units and more are added up as numbers of any size."""
+"""From this price on, sums use integers of arbitrary size."""
 MOST_LISTED = 20_000
-"""So many are looked through for those that are nearest to the existing robot."""
+"""The most structures searched for those nearest to the existing robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """Why some structures are not compared, and what makes them fewer."""
+    """Why some structures are not compared, and how to reduce their number."""
 
     reason: str
     ended: Ended
@@ -36,9 +36,9 @@ class LeftOut:
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """Structures of at most so many ``modules``; ``by_default``: nobody asked for that bound.
+    """Structures of at most ``modules`` modules; ``by_default`` says that this is a default bound.
 
-    Where others are ``left_out``, nothing is known of all robots.
+    If some are ``left_out``, nothing is known about all robots.
     """
 
     structures: list[Derivation]
@@ -52,12 +52,12 @@ def compared_structures(
 ) -> Compared:
     """The structures of the family of some tasks.
 
-    Of too many those with the shortest words are compared, or those that take the least to be made
-    of the existing robot.
+    If there are too many, those with the shortest words are compared, or those that are cheapest to
+    build from the existing robot.
 
     Args:
         tasks: the tasks.
-        prices: what changes cost.
+        prices: the prices of changes.
         existing: the robot before the first task, if there is one.
     """
     family = tasks[0].family
@@ -83,14 +83,14 @@ def compared_structures(
 
 
 def _first(language: Language, modules: int) -> list[Derivation]:
-    """All structures, or one more than are compared."""
+    """All structures, or one more than can be compared."""
     return list(islice(structures(language, modules), MOST_ROBOTS + 1))
 
 
 def _nearest(
     listed: Sequence[Derivation], modules: Collection[str], prices: ir.Prices, existing: Existing
 ) -> list[Derivation]:
-    """The structures that cost least to be made of a robot by their words, in their order."""
+    """The structures cheapest to build from a robot, judged by their words, in order."""
     costs = ChainCosts(prices, frozenset())
     add, remove = costs.whole(prices.add), costs.whole(prices.remove)
     old = tuple(module.name for module in existing.robot)
@@ -102,7 +102,7 @@ def _nearest(
 
 
 def _fewer(language: Language, most: int) -> str:
-    """What would make the structures so few that all are compared, in words."""
+    """Advice on how to reduce the structures to a number that can be compared."""
     bound = left = 0
     for modules in range(1, most):
         count = len(_first(language, modules))

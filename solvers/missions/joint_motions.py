@@ -1,7 +1,7 @@
-"""Values that robots of several tasks have in common, chosen by one program for all motions.
+"""Common parameter values for the robots of several tasks, chosen by one program for all motions.
 
-The motions of the designs that are known are where it begins.  What it gives are values alone: the
-designs with them are sought, and proved, like any others.
+It starts from the motions of the known designs.  Only the values are used: designs with these
+values are then searched for and proved like any others.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ def joint_values(
     groups: Sequence[Group],
     fixed: Mapping[Group, Fraction],
 ) -> dict[tuple[int, int], Fraction] | None:
-    """Common values with which the least robust of all motions is as robust as it can be, locally.
+    """Common values for which the least robust of all motions is locally as robust as possible.
 
-    None where no value is to be chosen, where a task has motions for ever or disturbances, of which
-    convex programs know too little, and where no motions were found.
+    None if no value is to be chosen, if a task has unending motions or disturbances, which convex
+    programs do not model sufficiently, or if no motions were found.
 
     Args:
         tasks: the tasks.
-        boxes: for each task, where the parameters of its robot are.
-        designs: its design.
-        groups: the parameters that have one value, by numbers of tasks and of parameters.
+        boxes: for each task, the box of its robot's parameters.
+        designs: for each task, its design.
+        groups: the parameters that have one value, by indices of tasks and of parameters.
         fixed: the groups whose value is given.
     """
     chosen = [group for group in groups if group not in fixed and len(group) > 1]
@@ -68,7 +68,7 @@ def joint_values(
     values: dict[tuple[int, int], Fraction] = {}
     for group in groups:
         task, number = group[0]
-        # A design may have been sought with one value, and its parameter no other one.
+        # A design's parameter may have been pinned to one value, so use the domain of the box.
         parameter = replace(designs[task].model.parameters[number], domain=boxes[task][number])
         value = nearest_value(parameter, float(found.trajectories[task].theta[number]))
         if value is None:
@@ -84,7 +84,7 @@ def _limits(
     box: Box,
     given: Mapping[tuple[int, int], float],
 ) -> tuple[Array, Array]:
-    """Bounds (p,) of the parameters of a task, those that are given at their values."""
+    """Bounds (p,) on the parameters of a task, with given ones fixed to their values."""
     motion = design.configuration.outcome.trajectory
     free = free_parameters(path_problem, motion)
     low, high = (motion.theta.copy(), motion.theta.copy()) if free is None else map(np.copy, free)
@@ -99,7 +99,7 @@ def _limits(
 
 
 def least_share(tasks: Sequence[TaskRobots], designs: Sequence[Design]) -> float:
-    """The least share of their bounds that inputs keep; 1 where none has a choice."""
+    """The least share of their bounds that inputs leave free; 1 if no input has any range."""
     pairs = zip(designs, tasks, strict=True)
     shares = (
         robustness_share(design, each.task.lasting(len(design.inputs))) for design, each in pairs

@@ -1,4 +1,4 @@
-"""What a search for a mission comes to, and what that rests on."""
+"""The result of the search for a mission, with its evidence."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Labels: TypeAlias = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class BoxEvidence:
-    """The covering that refutes the robots of a box in a task, given by its number."""
+    """The covering that refutes the robots of a box in a task, given by its index."""
 
     task: int
     boxes: str
@@ -30,9 +30,9 @@ class BoxEvidence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CutRobot:
-    """A structure whose box of parameters was cut, and what refutes some of its leaves.
+    """A structure whose box of parameters was cut, and the refutations of some of the leaves.
 
-    ``task`` is the number of the one task that it is about; None: it is to do all of them.
+    ``task`` is the index of the task that it is about; None if it is to do all of them.
     """
 
     task: int | None
@@ -40,16 +40,16 @@ class CutRobot:
     labels: Labels
     tree: BoxTree
     evidence: dict[int, BoxEvidence] = field(default_factory=dict[int, BoxEvidence])
-    """By the identity of a leaf."""
+    """Maps the id of a leaf to its refutation."""
 
     def of(self, leaf: BoxTree) -> BoxEvidence | None:
-        """What refutes a leaf."""
+        """The refutation of a leaf, or None."""
         return self.evidence.get(id(leaf))
 
 
 @dataclass(frozen=True, slots=True)
 class TaskEvidence:
-    """What is refuted in a task, whatever its parameters are."""
+    """The structures refuted in a task for all values of their parameters."""
 
     records: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]
@@ -58,7 +58,7 @@ class TaskEvidence:
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveValue:
-    """What robots have of an objective; ``least``: none that does the mission has less."""
+    """The value of an objective; no robot that does the mission has less than ``least``."""
 
     objective: ir.Objective
     text: str
@@ -69,7 +69,7 @@ class ObjectiveValue:
 
 @dataclass(frozen=True, slots=True)
 class Existing:
-    """The robot that there is before the first task."""
+    """The robot that exists before the first task."""
 
     word: tuple[str, ...]
     robot: Built
@@ -77,13 +77,13 @@ class Existing:
 
 @dataclass(frozen=True, slots=True)
 class MissionResult:
-    """The verdict of a mission with what it rests on.
+    """The verdict on a mission with its evidence.
 
-    ``designs`` are those of the tasks in their order, ``steps`` what is changed before each of
-    them, of the first one only where there is a robot already.  ``modules`` is the bound within
-    which robots were tried; ``by_default``: nobody asked for it.  ``undecided`` robots are neither
-    found nor refuted; ``open_robots`` says which, and why.  ``ended`` is what ended the search
-    without an answer, where something did.
+    ``designs`` are those of the tasks in order, ``steps`` the changes before each task; the first
+    is None unless a robot exists already.  ``modules`` is the bound up to which robots were tried;
+    ``by_default`` says that it is a default.  ``undecided`` robots are neither found nor refuted;
+    ``open_robots`` says which, and why.  ``ended`` says what ended the search without an answer, if
+    anything did.
     """
 
     mission: ir.Mission

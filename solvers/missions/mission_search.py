@@ -1,4 +1,4 @@
-"""A mission from its text to a verdict: found, impossible or unknown, with what that rests on."""
+"""From a mission to its verdict: found, impossible or unknown, with the evidence."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from solvers.search.design_values import design_values
 from solvers.search.least_search import searched_modules
 
 MOTIONS = ("time", "energy", "effort")
-"""Objectives that are about a motion, not about a robot."""
+"""Objectives about a motion rather than a robot."""
 
 
 def solve(
@@ -59,10 +59,10 @@ def solve(
         program: the spec.
         mission: one of its missions.
         context: how to search.
-        existing: the existing robot before the first task; without one, that of its `from`.
+        existing: the robot before the first task; None for that of its `from`, if any.
 
     Raises:
-        MapFault: a map of obstacles cannot be used.
+        MapFault: if a map of obstacles cannot be used.
     """
     try:
         tasks = [_task_robots(program, mission, name, context) for name in mission.tasks]
@@ -86,7 +86,7 @@ def solve(
 def _task_robots(
     program: ir.Program, mission: ir.Mission, name: str, context: RunContext
 ) -> TaskRobots:
-    """The robots of a task, whose motions are sought by the objectives of the mission, if any."""
+    """The robots of a task; their motions are optimised for the mission's objectives, if any."""
     task = program.tasks[name]
     asked = tuple(each for each in mission.minimize if each.kind in MOTIONS)
     if asked:
@@ -95,7 +95,7 @@ def _task_robots(
 
 
 def _existing(program: ir.Program, origin: ir.Origin) -> Existing:
-    """The robot of a `from`, of whose parameters those are known that it fixes."""
+    """The robot of a `from`, with the parameter values that it fixes."""
     values = {
         (fixed.symbol, fixed.name): (Range(*rational_bounds(fixed.value)),)
         for fixed in origin.fixed
@@ -106,7 +106,7 @@ def _existing(program: ir.Program, origin: ir.Origin) -> Existing:
 def _separated(
     mission: ir.Mission, tasks: Sequence[TaskRobots], existing: Existing | None
 ) -> MissionResult:
-    """A mission with a task that no robot whatever does."""
+    """The result for a mission with a task that no robot can do."""
     evidence = tuple(TaskEvidence((), (), each.separation) for each in tasks)
     first = next(each for each in tasks if each.separation is not None)
     reason = f"no robot does `{first.task.name}`: {first.separated}"
@@ -114,7 +114,7 @@ def _separated(
 
 
 def counts_of(tasks: Sequence[TaskRobots], robots: int) -> dict[str, int]:
-    """What was tried: ``robots`` is how many there are in all layers together."""
+    """The counts of what was tried; ``robots`` is their number in all layers together."""
     return {
         "robots": robots,
         "examined": sum(len(each.examined) for each in tasks),
@@ -123,30 +123,30 @@ def counts_of(tasks: Sequence[TaskRobots], robots: int) -> dict[str, int]:
     }
 
 
-# --- What is refuted, and by what -----------------------------------------------------------------
+# --- Refutations and their evidence ---------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class _Known:
-    """What is refuted in a task, with coverings alone or with what solvers have said, too."""
+    """The refutations in a task, by coverings only or by solvers too."""
 
     records: tuple[StructureRecord, ...]
     lemmas: tuple[Lemma, ...]
 
     def refutes(self, derivation: Derivation) -> bool:
-        """Whether a structure is refuted, whatever its parameters are."""
+        """Whether a structure is refuted for all values of its parameters."""
         if any(lemma.is_about(derivation.word) for lemma in self.lemmas):
             return True
         return any(each.derivation == derivation.labels for each in self.records)
 
     @property
     def evidence(self) -> TaskEvidence:
-        """The same for a result."""
+        """These refutations as part of a result."""
         return TaskEvidence(self.records, self.lemmas)
 
 
 def _known(robots: TaskRobots, *, covered: bool) -> _Known:
-    """What is refuted in a task; with ``covered`` only what coverings show."""
+    """The refutations in a task; with ``covered``, only those by coverings."""
     records, lemmas = robots.evidence(), list(robots.lemmas)
     if covered:
         kept = [i for i, each in enumerate(records) if each.boxes is not None]
@@ -205,7 +205,7 @@ def _one_robot(mission: ir.Mission, tasks: Sequence[TaskRobots]) -> MissionResul
 def _values(
     search: OneRobotSearch, known: Sequence[_Known], parts: RefutedParts
 ) -> tuple[ObjectiveValue, ...]:
-    """What the robot has of the objectives, and what no other one has less of."""
+    """The values of the robot in the objectives, with lower bounds over all robots."""
     task, limits, found = search.task, list[Limit](), list[ObjectiveValue]()
     family = search.tasks[0].family
     refuted = {labels for labels, cut in search.cut.items() if cut.tree.is_refuted}
@@ -232,7 +232,7 @@ def _least(
     value: Fraction,
     bound: int | None,
 ) -> Fraction:
-    """What no robot within limits has less of: the weight of the first word that is not refuted."""
+    """A lower bound over robots within the limits: the value of the first word not refuted."""
     language = search.tasks[0].family.language
     for word in words_below(amount, search.tasks[0].family, bound, limits, value):
         for derivation in structures_of(language, [word]):
@@ -295,7 +295,7 @@ def _rebuilt(
 def _ranked(
     structures: Sequence[Derivation], mission: ir.Mission, tasks: Sequence[TaskRobots]
 ) -> list[Derivation]:
-    """The structures, the most wanted first: by the objectives after `changes`, then in order."""
+    """The structures by preference: by the objectives about robots, then in the given order."""
     first = tasks[0]
     asked = tuple(o for o in mission.minimize if o.kind != "changes" and o.kind not in MOTIONS)
     weights = amounts(first.program, replace(first.task, minimize=asked))
@@ -305,10 +305,10 @@ def _ranked(
 def _least_cost(
     search: RebuiltSearch, known: Sequence[_Known], parts: RefutedParts
 ) -> Fraction | None:
-    """What no chain of robots that are not refuted costs less than; None: there is none.
+    """A lower bound on the cost of a chain of robots that are not refuted; None if there is none.
 
-    Where that is less than the cost of the chain that was found, structures of the cheapest chain
-    that solvers alone refute are looked at part by part.
+    If it is below the cost of the chain that was found, structures on the cheapest chain that only
+    solvers refute are refuted part by part, if possible.
     """
     while True:
         layers = _open_layers(search, known, parts)

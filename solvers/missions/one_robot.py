@@ -1,9 +1,9 @@
 """One robot for all tasks of a mission: the same word, and one value of every parameter.
 
-Structures come in the order of what is to be least.  Each is asked about in one task after another,
-those first in which most were refuted so far; the first task that refutes a structure ends it.
-Where every task has a motion, though with other parameters, the box of parameters is cut between
-their values, and the parts are asked about in the same way.
+Structures are tried in the order of the objective.  For each, one task after another is tried,
+beginning with those in which most structures were refuted so far; the first task that refutes a
+structure ends it.  If every task has a motion, but with different parameters, the box of parameters
+is cut between their values, and the parts are tried in the same way.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from solvers.search.path_task import Design
 from solvers.search.structures_left import StructuresLeft
 
 MOST_LEAVES = 24
-"""So many boxes of one structure are asked about."""
+"""The most boxes tried for one structure."""
 MANY_LEAVES = f"no common parameters were found in {MOST_LEAVES} boxes"
 UNSUITED = "its parameters do not suit all tasks at once"
 
@@ -54,7 +54,7 @@ class OneRobotSearch:
     undecided: dict[Labels, Undecided] = field(default_factory=dict[Labels, Undecided])
     """Structures that are neither found nor refuted, and why."""
     words: dict[Labels, tuple[str, ...]] = field(default_factory=dict[Labels, tuple[str, ...]])
-    """All structures that were asked about."""
+    """All structures that were tried."""
     left: StructuresLeft = field(init=False)
     amounts: tuple[Amount, ...] = field(init=False)
     lemmas: list[Lemma] = field(default_factory=list[Lemma])
@@ -69,11 +69,11 @@ class OneRobotSearch:
 
     @property
     def task(self) -> ir.Task:
-        """The first task, with the objectives of the mission and the least bound on modules."""
+        """The first task, with the mission's objectives and the smallest bound on modules."""
         return _bounded(self.tasks, self.mission)
 
     def search(self) -> None:
-        """Ask about structures until one does all tasks, and no other one may have less."""
+        """Try structures until one does all tasks and no other one may have less."""
         first, tried = self.tasks[0], set[Labels]()
         for place in range(max(1, len(self.amounts))):
             self._place = place
@@ -89,7 +89,7 @@ class OneRobotSearch:
                 return
 
     def _may_stop(self) -> bool:
-        """Whether what follows has no less than the robot that was found, or a limit is reached."""
+        """Whether no remaining structure has less than the robot found, or a limit is reached."""
         following = self.left.following
         if self._best is not None and following is not None:
             if not self.amounts:
@@ -105,7 +105,7 @@ class OneRobotSearch:
         return self.stopped is not None
 
     def _order(self, family: RobotFamily) -> Iterator[Structure]:
-        """The structures within the limits so far, in the order of the present objective."""
+        """The structures within the limits so far, in the order of the current objective."""
         limits: list[Limit] = []
         if self._best is not None:
             for amount in self.amounts[: self._place]:
@@ -153,7 +153,7 @@ class OneRobotSearch:
         return any(robots.is_known(derivation) for robots in self.tasks)
 
     def _learn(self, robots: TaskRobots, derivation: Derivation) -> None:
-        """Narrow what is left by what a refuted structure teaches."""
+        """Narrow the remaining family by what the refutation of a structure implies."""
         lemma = robots.teaches(derivation)
         if lemma is not None and self.left.following is not None:
             self.left.add(lemma, derivation.word)
@@ -162,7 +162,7 @@ class OneRobotSearch:
             each.lemmas[:] = [known for known in each.lemmas if id(known) in kept]
 
     def _boxes(self, structure: Structure, cut: CutRobot) -> Undecided | None:
-        """Ask about the boxes of a structure; why some are left open, None where none is."""
+        """Try the boxes of a structure; return why some remain open, or None if none does."""
         waiting, asked = [cut.tree], 0
         open_ones: Undecided | None = None
         known: list[Candidate] = []
@@ -196,9 +196,9 @@ class OneRobotSearch:
     def _candidates(
         self, structure: Structure, box: BoxTree, cut: CutRobot, known: Sequence[Candidate]
     ) -> list[Candidate] | Undecided | None:
-        """A motion for each task with parameters in a box; None: it is refuted; else why not.
+        """A motion for each task with parameters in a box; None if it is refuted; else why not.
 
-        Those that are ``known`` are not sought again.
+        Motions in ``known`` are not searched for again.
         """
         found: dict[int, Candidate] = {}
         for each in known:
@@ -218,7 +218,7 @@ class OneRobotSearch:
         return [found[k] for k in range(len(self.tasks))]
 
     def _screened(self, k: int, structure: Structure, box: BoxTree, cut: CutRobot) -> str | None:
-        """Whether a task refutes a box: None if so; else why no motion is sought, if none is."""
+        """None if a task refutes a box; else why no motion is sought, or an empty text."""
         robots, derivation = self.tasks[k], structure.derivation
         screening = robots.answer(derivation, box.box)
         if not screening.refutation.refuted:
@@ -232,7 +232,7 @@ class OneRobotSearch:
     def _moving(
         self, k: int, structure: Structure, box: BoxTree, cut: CutRobot
     ) -> Candidate | Undecided | None:
-        """A motion for a task with parameters in a box; None: it is refuted; else why not."""
+        """A motion for a task with parameters in a box; None if it is refuted; else why not."""
         robots, derivation = self.tasks[k], structure.derivation
         sought = robots.motions(derivation, box.box, structure.number)
         design = sought.first()
@@ -247,13 +247,13 @@ class OneRobotSearch:
         return None
 
     def _groups(self, candidates: Sequence[Candidate]) -> list[Group]:
-        """Every parameter has one value in all tasks."""
+        """Groups of equal parameters: every parameter has one value in all tasks."""
         count = len(candidates[0].design.parameters)
         return [tuple((k, p) for k in range(len(candidates))) for p in range(count)]
 
 
 def _bounded(tasks: Sequence[TaskRobots], mission: ir.Mission) -> ir.Task:
-    """The first task with the objectives of a mission, and the least bound on modules of all."""
+    """The first task, with a mission's objectives and the smallest bound on modules."""
     bounds = [each.task.modules for each in tasks if each.task.modules is not None]
     task = tasks[0].task
     return replace(task, minimize=mission.minimize, modules=min(bounds, default=None), origin=None)
@@ -262,7 +262,7 @@ def _bounded(tasks: Sequence[TaskRobots], mission: ir.Mission) -> ir.Task:
 def _cut(
     candidates: Sequence[Candidate], groups: Sequence[Group], box: BoxTree, cut: CutRobot
 ) -> tuple[BoxTree, ...]:
-    """The parts of a box whose robots do not agree; none where it is not cut."""
+    """The parts of a box between whose values robots disagree; empty if it cannot be cut."""
     whole = [cut.tree.box] * len(candidates)
     widest = widest_disagreement(candidates, groups, whole)
     if widest is None:

@@ -1,9 +1,9 @@
-"""A robot for each task of a mission, rebuilt between them with as few changes as can be.
+"""A robot for each task of a mission, rebuilt between tasks at the lowest cost.
 
-The robots of all tasks are layers of a graph whose steps cost what rebuilding takes; a mission is a
-path through it.  Only robots on a cheapest path are asked about: first whether they are refuted,
-then for motions.  Where all robots of a path have motions, though with other parameters than those
-that kept modules have in common, boxes of parameters are cut, and the search for a path goes on.
+The robots of all tasks are layers of a graph whose edges are weighted by the costs of rebuilding; a
+mission is a path through it.  Only robots on a cheapest path are tried: first whether they are
+refuted, then for motions.  If all robots of a path have motions, but with parameters that kept
+modules cannot share, boxes of parameters are cut, and the search for a path continues.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from solvers.missions.undecided_robots import Undecided
 from solvers.search.path_task import Design
 
 MOST_CUTS = 40
-"""So many boxes are cut; what then does not agree is left undecided."""
+"""The most boxes that are cut; robots that still disagree then are left undecided."""
 UNSUITED = "its parameters do not suit the existing robot"
 
 
@@ -52,7 +52,7 @@ class Node:
     undecided: Undecided | None = None
     design: Design | None = None
     narrow: bool = False
-    """Whether its parameters are known closer than their domains."""
+    """Whether its parameters are known more closely than by their domains."""
 
 
 @dataclass(slots=True)
@@ -64,18 +64,18 @@ class RebuiltSearch:
     prices: ir.Prices
     existing: Existing | None = None
     ranked: Sequence[Derivation] = ()
-    """All structures, the most wanted first."""
+    """All structures, in order of preference."""
     found: tuple[Design, ...] = ()
     stopped: str | None = None
     failed: int = 0
-    """How many searches of motions had no result."""
+    """The number of searches for motions without a result."""
     cuts: int = 0
     wanted: bool = False
-    """Whether more boxes would have been cut than are."""
+    """Whether the limit kept further boxes from being cut."""
     cut: dict[tuple[int, Labels], CutRobot] = field(
         default_factory=dict[tuple[int, Labels], CutRobot]
     )
-    """The robots whose boxes were cut, by the number of the task and the derivation."""
+    """Robots whose boxes were cut, by index of the task and derivation."""
     costs: ChainCosts = field(init=False)
     layers: list[list[Node]] = field(init=False)
     _modules: frozenset[str] = field(init=False)
@@ -111,13 +111,13 @@ class RebuiltSearch:
         return node
 
     def is_narrow(self, layer: int) -> bool:
-        """Whether parameters decide on the costs of a step to a robot that is not cut yet."""
+        """Whether parameters affect the cost of a step to a robot whose box is not cut yet."""
         return (not layer and self.existing is not None) or fixes(self.tasks[layer].task)
 
     # --- the search -----------------------------------------------------------------------------
 
     def search(self) -> None:
-        """Go on until the robots of a cheapest path do the tasks, or none is left."""
+        """Continue until the robots of a cheapest path do the tasks, or no path is left."""
         while not self.found:
             self.tasks[0].context.check_time()
             if self.failed >= MOTION_SEARCHES * len(self.tasks):
@@ -132,7 +132,7 @@ class RebuiltSearch:
             self._advance(nodes)
 
     def _advance(self, nodes: Sequence[Node]) -> None:
-        """Ask about the robots of a path: the next of them, or whether they agree."""
+        """Try the next robot of a path, or whether all of them agree in their parameters."""
         order = sorted(nodes, key=lambda node: -self.tasks[node.layer].success)
         for node in order:
             if not node.screened:
@@ -145,7 +145,7 @@ class RebuiltSearch:
         self._agree(nodes)
 
     def _cheapest(self) -> list[Node] | None:
-        """The cheapest path of robots that are not given up; None where it costs too much."""
+        """The cheapest path of robots that are not undecided; None if it costs too much."""
         layers = [[node for node in layer if not node.undecided] for layer in self._left()]
         places = {id(node): i for layer in layers for i, node in enumerate(layer)}
         blocked = [
@@ -161,7 +161,7 @@ class RebuiltSearch:
         return [layer[i] for layer, i in zip(layers, chain.robots, strict=True)]
 
     def _left(self) -> list[list[Node]]:
-        """The robots that are not refuted; those that are go."""
+        """The layers after removing refuted robots."""
         for layer, robots in zip(self.layers, self.tasks, strict=True):
             layer[:] = [
                 node
@@ -178,7 +178,7 @@ class RebuiltSearch:
         return known[1]
 
     def _built(self, node: Node) -> Built:
-        """The robots of a node as modules, with where their parameters are."""
+        """The robots of a node as modules, with the ranges of their parameters."""
         model = self.tasks[node.layer].model(node.derivation)
         values: dict[tuple[int, str], Ranges] = {}
         if model is not None:
@@ -206,7 +206,7 @@ class RebuiltSearch:
             node.undecided = Undecided(screening.inadmissible, node.layer)
 
     def _find(self, node: Node) -> None:
-        """Look for a motion of a robot."""
+        """Search for a motion of a robot."""
         robots = self.tasks[node.layer]
         sought = robots.motions(node.derivation, node.leaf.box, node.rank)
         design = sought.first()
@@ -224,7 +224,7 @@ class RebuiltSearch:
             self._refute(node, BoxEvidence(node.layer, late))
 
     def _refute(self, node: Node, evidence: BoxEvidence) -> None:
-        """A part of the parameters of a robot is refuted; what shares an end with it loses that."""
+        """Record a refuted part of a robot's parameters; recompute the links of its other parts."""
         node.leaf.refuted = True
         node.cut.evidence[id(node.leaf)] = evidence
         for other in self.layers[node.layer]:
@@ -234,7 +234,7 @@ class RebuiltSearch:
     # --- the robots of a path together ----------------------------------------------------------
 
     def _agree(self, nodes: Sequence[Node]) -> None:
-        """Look for common values of what kept modules have in common; else cut, or give up."""
+        """Search for common parameter values of kept modules; otherwise cut boxes, or give up."""
         candidates = [
             Candidate(self.tasks[k], node.derivation, node.leaf.box, node.design)
             for k, node in enumerate(nodes)
@@ -246,7 +246,7 @@ class RebuiltSearch:
             self.found = result.designs
             if self.mission.most is None or self.cost <= self.mission.most:
                 return
-            self.found = ()  # values that are no rationals may be taken for equal, and are not
+            self.found = ()  # irrational values may compare as equal although they are not
         whole = [node.cut.tree.box for node in nodes]
         widest = widest_disagreement(candidates, groups, whole, fixed)
         parted = widest is not None and self._part(nodes, *widest)
@@ -254,7 +254,7 @@ class RebuiltSearch:
             self._block(nodes)
 
     def _part(self, nodes: Sequence[Node], group: Group, low: Fraction, high: Fraction) -> bool:
-        """Cut the boxes of the robots of a group between two values; whether one was cut."""
+        """Cut the boxes of the robots of a group between two values; return whether one was cut."""
         parted = False
         for layer, parameter in group:
             node = nodes[layer]
@@ -266,7 +266,7 @@ class RebuiltSearch:
         return parted
 
     def _choose(self, node: Node) -> bool:
-        """Cut the choices of a robot, of which some may be refuted or do the task; whether so."""
+        """Cut the choices of a robot, as some may be refuted or succeed; whether it was cut."""
         cut = choices_halved(node.leaf.box)
         if cut is None or not self._may_cut():
             return False
@@ -279,7 +279,7 @@ class RebuiltSearch:
         return self.cuts < MOST_CUTS
 
     def _split(self, node: Node, cut: Cut) -> None:
-        """Two nodes in the place of one."""
+        """Replace a node by one for each part of its box."""
         self.cuts += 1
         self.cut[node.layer, node.derivation.labels] = node.cut
         parts = [
@@ -287,7 +287,7 @@ class RebuiltSearch:
             for leaf in node.leaf.split(cut)
         ]
         if node.design is not None:
-            # The design is in one of the parts, which is not asked about again.
+            # The part that contains the design inherits it and is not tried again.
             own = next((part for part in parts if is_within(node.design, part.leaf.box)), None)
             if own is not None:
                 own.screened, own.design = True, node.design
@@ -295,7 +295,7 @@ class RebuiltSearch:
         self.layers[node.layer][place : place + 1] = parts
 
     def _block(self, nodes: Sequence[Node]) -> None:
-        """The robots of a path do not agree, and nothing shows that they cannot."""
+        """Exclude the steps of a path whose robots disagree, though this proves nothing."""
         if len(nodes) == 1:
             nodes[0].undecided = Undecided(UNSUITED, 0, apart=True)
         self._blocked += pairwise(nodes)
@@ -303,7 +303,7 @@ class RebuiltSearch:
     def _groups(
         self, nodes: Sequence[Node], candidates: Sequence[Candidate]
     ) -> tuple[list[Group], dict[Group, Fraction]]:
-        """The parameters that have one value along a path, and those whose value is given."""
+        """The parameters that must be equal along a path, and the groups whose value is given."""
         joined = _Joined()
         given: dict[tuple[int, int], Fraction] = {}
         before: Built | None = None if self.existing is None else self.existing.robot
@@ -323,7 +323,7 @@ class RebuiltSearch:
         return groups, fixed
 
     def _common(self, old: Built, new: Built) -> Iterator[tuple[int, int, str, Fraction | None]]:
-        """The parameters that kept modules keep: numbers of modules, the name, the old value."""
+        """The parameters that kept modules retain: indices of modules, the name, the old value."""
         way = changes(old, new, self.prices, self.mission.free)
         for i, j in way.kept:
             for name, ranges in old[i].values.items():
@@ -336,7 +336,7 @@ class RebuiltSearch:
                 yield i, j, name, value
 
     def _place(self, candidate: Candidate, node: Node, module: int, name: str) -> tuple[int, int]:
-        """A task, and the number of a parameter of its robot."""
+        """A task, and the index of a parameter of its robot."""
         symbols = [
             index for index, each in enumerate(node.derivation.word) if each in self._modules
         ]
@@ -347,12 +347,12 @@ class RebuiltSearch:
 
     @property
     def cost(self) -> Fraction:
-        """What all changes cost, by the values of the designs that were found."""
+        """The cost of all changes, by the values of the designs found."""
         return sum((step.cost for step in self.steps if step is not None), Fraction(0))
 
     @property
     def steps(self) -> tuple[Changes | None, ...]:
-        """What is changed before each task, by the values of the designs that were found."""
+        """The changes before each task, by the values of the designs found."""
         found: list[Changes | None] = []
         before = None if self.existing is None else self.existing.robot
         for design in self.found:
@@ -366,17 +366,17 @@ class RebuiltSearch:
 
 
 class _Joined:
-    """Sets of places that are joined pair by pair."""
+    """Disjoint sets of places, joined pair by pair."""
 
     def __init__(self) -> None:
         self._of: dict[tuple[int, int], set[tuple[int, int]]] = {}
 
     def join(self, one: tuple[int, int], other: tuple[int, int]) -> None:
-        """Two places are in one set from now on."""
+        """Join the sets of two places."""
         both = self._of.get(one, {one}) | self._of.get(other, {other})
         for place in both:
             self._of[place] = both
 
     def groups(self) -> list[Group]:
-        """The sets, in the order of their places."""
+        """The sets, in order of their places."""
         return sorted({tuple(sorted(each)) for each in self._of.values()})

@@ -1,7 +1,7 @@
-"""Coverings of the parts of a structure that as a whole a solver alone refutes.
+"""Coverings of the parts of a structure that only a solver refutes as a whole.
 
 A covering is about all values between the least and the greatest choice of a parameter, a solver
-about the choices.  So a structure may have a covering only where its choices are parted.
+only about the choices.  A structure may therefore have a covering only after its choices are split.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from solvers.missions.mission_result import BoxEvidence, CutRobot
 from solvers.missions.task_robots import Labels, TaskRobots
 
 MOST_PARTS = 32
-"""So many coverings are sought for one structure."""
+"""The most coverings sought for one structure."""
 MOST_FAILED = 8
-"""After so many structures without one no other is tried."""
+"""After this many structures without coverings no further ones are tried."""
 
 
 @dataclass(slots=True)
 class RefutedParts:
-    """Structures refuted part by part, by the number of the task and the derivation.
+    """Structures refuted part by part, by the index of the task and the derivation.
 
-    ``shared``: the robot is that of all tasks, and a structure is refuted once it is in one task.
+    ``shared`` says that one robot does all tasks, so that a structure is refuted if it is in one.
     """
 
     tasks: Sequence[TaskRobots]

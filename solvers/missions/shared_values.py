@@ -1,8 +1,8 @@
-"""Parameters that robots of several tasks have in common, and motions with one value of each.
+"""Parameters that robots of several tasks share, and motions with a single value of each.
 
-Robots are found one by one first, each with the parameters that suit its own task.  Then the values
-of one of them are given to the others, of each in turn, until motions are found for all.  From
-there one program for all motions (:mod:`joint_motions`) looks for values that suit them better.
+Robots are first found one by one, each with parameters that suit its own task.  Then the values of
+each of them in turn are given to the others, until motions are found for all.  From there, one
+program for all motions (:mod:`joint_motions`) looks for better values.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from solvers.missions.task_robots import MotionsSought, TaskRobots
 from solvers.search.path_task import Design
 
 Place: TypeAlias = tuple[int, int]
-"""A task of a mission and the number of a parameter of its robot."""
+"""A task of a mission and the index of a parameter of its robot."""
 Group: TypeAlias = tuple[Place, ...]
-"""Parameters that have one value."""
+"""Parameters that must be equal."""
 Values: TypeAlias = dict[Place, Fraction]
 _NOTHING: Mapping[Group, Fraction] = {}
 
@@ -38,13 +38,13 @@ class Candidate:
     design: Design
 
     def value(self, parameter: int) -> Fraction:
-        """The value that the design has of a parameter."""
+        """The value of a parameter in the design."""
         return self.design.parameters[parameter].stated
 
 
 @dataclass(frozen=True, slots=True)
 class Agreed:
-    """A design for every task, with one value for all parameters of each group."""
+    """A design for every task, with equal parameters in each group."""
 
     designs: tuple[Design, ...]
 
@@ -55,13 +55,13 @@ def agreed(
     fixed: Mapping[Group, Fraction],
     number: int,
 ) -> Agreed | None:
-    """Designs with common values; None where none were found.
+    """Designs with common values, or None if none were found.
 
     Args:
         candidates: for every task a structure that does it.
-        groups: the parameters that are to have one value.
+        groups: the parameters that must be equal.
         fixed: the groups whose value is given.
-        number: what reports call the structures.
+        number: the number of the structures in reports.
     """
     tried: list[Values] = []
     found: tuple[Design, ...] | None = None
@@ -87,7 +87,7 @@ def agreed(
 def _assignments(
     candidates: Sequence[Candidate], groups: Sequence[Group], fixed: Mapping[Group, Fraction]
 ) -> Iterator[Values]:
-    """Values for all groups: what is fixed, else those of one design after another."""
+    """Values for all groups: the fixed ones, with those of one design after another."""
     for leader in range(len(candidates)):
         values: Values = {}
         for group in groups:
@@ -106,7 +106,7 @@ def _allows(candidate: Candidate, parameter: int, value: Fraction) -> bool:
 def _designs(
     candidates: Sequence[Candidate], values: Values, number: int
 ) -> tuple[Design, ...] | None:
-    """Designs with given values; robots that have them already stay as they are."""
+    """Designs with given values; robots that already have them stay as they are."""
     sought: list[tuple[Candidate, MotionsSought | None]] = []
     for k, candidate in enumerate(candidates):
         own = {parameter: v for (task, parameter), v in values.items() if task == k}
@@ -129,7 +129,7 @@ def _designs(
 
 
 def pinned(candidate: Candidate, values: Mapping[int, Fraction]) -> Box:
-    """The box of a candidate with some parameters at one value."""
+    """The box of a candidate with some parameters fixed to one value."""
     found = list(candidate.box)
     for parameter, value in values.items():
         design = candidate.design.parameters[parameter]
@@ -141,7 +141,7 @@ def pinned(candidate: Candidate, values: Mapping[int, Fraction]) -> Box:
 
 
 def _choice(domain: ir.Interval | ir.Choices, value: Fraction, exact: ir.Expr) -> ir.Expr:
-    """The value of a domain that a rational states."""
+    """The value of a domain that a rational number stands for."""
     if isinstance(domain, ir.Choices):
         meant = [
             each for each in domain.values if meet(single(value), ranges_of(ir.Choices((each,))))
@@ -156,7 +156,7 @@ def is_within(design: Design, box: Box) -> bool:
     return all(meet(single(value.stated), ranges_of(domain)) for value, domain in pairs)
 
 
-# --- Where to cut boxes whose robots do not agree -------------------------------------------------
+# --- Where to cut boxes whose robots disagree -----------------------------------------------------
 
 
 def widest_disagreement(
@@ -167,14 +167,14 @@ def widest_disagreement(
 ) -> tuple[Group, Fraction, Fraction] | None:
     """The group whose values differ most, relative to their range, and its extreme values.
 
-    ``whole`` has for every task all parameters of its structure.
+    ``whole`` contains for every task the full box of its structure.
     """
     best: tuple[Fraction, Group, Fraction, Fraction] | None = None
     for group in groups:
         values = [candidates[task].value(parameter) for task, parameter in group]
         values += [fixed[group]] if group in fixed else []
         low, high = min(values), max(values)
-        # Where `from` fixes a parameter, it has one value in the first task and others in the rest.
+        # A parameter fixed by `from` has one value in the first task and may vary in the others.
         width = max(_width(whole[task][parameter]) for task, parameter in group) or Fraction(1)
         if low < high and (best is None or (high - low) / width > best[0]):
             best = (high - low) / width, group, low, high
@@ -182,19 +182,19 @@ def widest_disagreement(
 
 
 def _width(domain: ir.Interval | ir.Choices) -> Fraction:
-    """How far the values of a domain are apart."""
+    """The distance between the least and the greatest value of a domain."""
     ranges = ranges_of(domain)
     return max(r.high for r in ranges) - min(r.low for r in ranges)
 
 
 def _index(domain: ir.Choices, value: Fraction) -> int:
-    """The number of the choice that a rational states; -1 if it is none."""
+    """The index of the choice that a rational number stands for; -1 if there is none."""
     found = (ranges_of(ir.Choices((choice,))) for choice in domain.values)
     return next((i for i, ranges in enumerate(found) if meet(single(value), ranges)), -1)
 
 
 def cut_between(box: Box, parameter: int, low: Fraction, high: Fraction) -> Cut | None:
-    """A cut of a box that parts two values of a parameter; None where it has none."""
+    """A cut of a box that separates two values of a parameter; None if there is none."""
     domain = box[parameter]
     if isinstance(domain, ir.Choices):
         first, second = sorted((_index(domain, low), _index(domain, high)))

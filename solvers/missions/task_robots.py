@@ -1,7 +1,8 @@
-"""The robots of a family in one task of a mission: what is refuted, what is found, what is open.
+"""The robots of a family in one task of a mission: refuted, found or open.
 
-A robot is examined in a box of its parameters, the whole of it first.  What refutes it there may
-teach a lemma about many others; what is found is a design that the verifier's own proof accepts.
+A robot is examined in a box of its parameters, beginning with the whole box.  A refutation of the
+whole box may yield a lemma about many other robots; a found robot has a design that the verifier's
+own proof accepts.
 """
 
 from __future__ import annotations
@@ -53,39 +54,39 @@ NO_COVERING = "what a solver refutes has no covering by boxes"
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of a journal: keys of different tasks, robots and boxes do not meet."""
+    """A section of a journal, so that keys of different tasks, robots and boxes cannot clash."""
 
     journal: Journal
     name: str
 
     def recall(self, key: str) -> Recorded:
-        """The result of a step finished before, or None."""
+        """The result of a step finished earlier, or None."""
         return self.journal.recall(f"{self.name}|{key}")
 
     def record(self, key: str, value: Recorded) -> None:
-        """A step is finished."""
+        """Store the result of a finished step."""
         self.journal.record(f"{self.name}|{key}", value)
 
 
 @dataclass(slots=True)
 class Listener:
-    """What a search of motions tells before it ends."""
+    """Collects the results of a search for motions before it ends."""
 
     designs: list[Design] = field(default_factory=list[Design])
     nearest: NearestMotion | None = None
 
     def keep(self, design: Design) -> None:
-        """A design was proved."""
+        """Store a proved design."""
         self.designs.append(design)
 
     def see(self, motion: NearestMotion) -> None:
-        """A motion was found that may become a design yet."""
+        """Store a motion that may still become a design."""
         self.nearest = motion
 
 
 @dataclass(slots=True, eq=False)
 class MotionsSought:
-    """The search of motions of a robot in a box, attempt by attempt."""
+    """The search for motions of a robot in a box, attempt by attempt."""
 
     states: Iterator[StructureState]
     listener: Listener
@@ -93,17 +94,17 @@ class MotionsSought:
     state: StructureState = field(default_factory=StructureState)
 
     def first(self) -> Design | None:
-        """A design, once one is proved; None where nothing is left to try."""
+        """The first proved design; None if nothing is left to try."""
         while self.state.design is None and not self.state.is_over:
             self.state = next(self.states)
         return self.state.design
 
     def undecided(self, task: int) -> Undecided:
-        """Why there is none, for the task of that number."""
+        """Why there is no design, for the task of this index."""
         return Undecided(f"{self.state.reason}{self.state.obstacle}", task, self.state.cause)
 
     def best(self) -> Design | None:
-        """The best design of all attempts, by what the task is to have little of."""
+        """The best design of all attempts, by the objectives of the task."""
         while not self.state.is_over:
             self.state = next(self.states)
         found = self.listener.designs
@@ -112,7 +113,7 @@ class MotionsSought:
 
 @dataclass(slots=True, eq=False)
 class TaskRobots:
-    """The robots of a family in one task; ``task`` is one of ``program``, both without maps."""
+    """The robots of a family in one task; ``task`` belongs to ``program``, both without maps."""
 
     program: ir.Program
     task: ir.Task
@@ -121,15 +122,15 @@ class TaskRobots:
     cells: Abstraction = field(init=False)
     separation: SeparationClaim | None = field(init=False)
     records: dict[Labels, StructureRecord] = field(default_factory=dict[Labels, StructureRecord])
-    """What is refuted on its own, whatever its parameters are, in the order of the refutations."""
+    """Structures refuted individually for all parameter values, in order of refutation."""
     lemmas: list[Lemma] = field(default_factory=list[Lemma])
     examined: set[Labels] = field(default_factory=set[Labels])
     screened: int = 0
-    """How many robots were asked about, the boxes of one counted each."""
+    """The number of screenings, counting the boxes of a robot separately."""
     refuted: int = 0
-    """How many of them were refuted."""
+    """The number of screenings that were refutations."""
     searched: int = 0
-    """For how many a motion was sought."""
+    """The number of searches for motions."""
     _asked: set[str] = field(default_factory=set[str])
     _keys: dict[str, Labels] = field(default_factory=dict[str, Labels])
     _models: dict[Labels, RobotModel | str] = field(default_factory=dict[Labels, RobotModel | str])
@@ -143,25 +144,25 @@ class TaskRobots:
 
     @property
     def separated(self) -> str:
-        """Why no robot does the task; empty where its places are not cut off from each other."""
+        """Why no robot does the task; empty if its places are not separated from each other."""
         if self.separation is None:
             return ""
         return separation_text(self.program, self.task, self.separation)
 
     @property
     def success(self) -> float:
-        """The part of the refutations tried that succeeded, half where none was."""
+        """The share of refutations that succeeded, smoothed: one half if none was tried."""
         return (self.refuted + 1) / (self.screened + 2)
 
     @property
     def minimizes(self) -> bool:
-        """Whether motions are worth improving: by objectives, or by taking less time."""
+        """Whether motions are worth improving: for objectives, or to take less time."""
         return self.task.at_most or bool(self.task.minimize)
 
     # --- robots ---------------------------------------------------------------------------------
 
     def model(self, derivation: Derivation) -> RobotModel | None:
-        """The robot of a structure in the task; None where it is none."""
+        """The robot of a structure in the task, or None if it is not a robot."""
         known = self._models.get(derivation.labels)
         if known is None:
             try:
@@ -172,12 +173,12 @@ class TaskRobots:
         return None if isinstance(known, str) else known
 
     def fault(self, derivation: Derivation) -> str:
-        """Why a structure is no robot."""
+        """Why a structure is not a robot."""
         known = self._models.get(derivation.labels)
         return known if isinstance(known, str) else ""
 
     def box(self, derivation: Derivation) -> Box:
-        """All parameters of a structure that is a robot."""
+        """The box of all parameters of a structure; empty if it is not a robot."""
         model = self.model(derivation)
         return () if model is None else whole_box(model)
 
@@ -191,7 +192,7 @@ class TaskRobots:
         return any(lemma.is_about(derivation.word) for lemma in self.lemmas)
 
     def refutes(self, derivation: Derivation) -> bool:
-        """Try to refute a structure, whatever its parameters are."""
+        """Try to refute a structure for all parameter values; return whether it is refuted."""
         if self.is_known(derivation):
             return True
         model = self.model(derivation)
@@ -225,10 +226,7 @@ class TaskRobots:
         self.context.reporter.note(f"{self.task.name}: {' '.join(derivation.word)}: {own.reason}")
 
     def answer(self, derivation: Derivation, box: Box) -> Screening:
-        """What is found out of a structure with parameters in a box before any motion is sought.
-
-        The journal is asked first.
-        """
+        """The screening of a structure with parameters in a box; the journal is consulted first."""
         model = self.model(derivation)
         if model is None:
             raise ValueError(f"{' '.join(derivation.word)} is no robot")
@@ -248,7 +246,7 @@ class TaskRobots:
         return found
 
     def covering(self, derivation: Derivation, box: Box) -> str | None:
-        """A covering of a structure that is refuted in a box; None: none was found."""
+        """A covering of a structure that is refuted in a box, or None if none is found."""
         found = self.answer(derivation, box).refutation.boxes
         if found is not None:
             return found
@@ -268,12 +266,12 @@ class TaskRobots:
         return self.program.workspaces[self.task.workspace]
 
     def journal(self, derivation: Derivation, box: Box) -> Part:
-        """What is remembered of a structure in a box."""
+        """The section of the journal about a structure in a box."""
         name = f"{self.task.name}|{' '.join(derivation.labels)}|{box_key(box)}"
         return Part(self.context.journal, name)
 
     def teaches(self, derivation: Derivation) -> Lemma | None:
-        """A lemma from a refuted structure, if there is one that none before it covers."""
+        """A lemma from a refuted structure; None if there is none or an earlier one covers it."""
         record = self.records.get(derivation.labels)
         known = any(lemma.is_about(derivation.word) for lemma in self.lemmas)
         if record is None or known or not self.context.lemmas:
@@ -292,7 +290,7 @@ class TaskRobots:
     # --- motions --------------------------------------------------------------------------------
 
     def motions(self, derivation: Derivation, box: Box, number: int) -> MotionsSought:
-        """The search of motions of a structure with parameters in a box."""
+        """The search for motions of a structure with parameters in a box."""
         model = self.model(derivation)
         if model is None:
             raise ValueError(f"{' '.join(derivation.word)} is no robot")
@@ -307,7 +305,7 @@ class TaskRobots:
     def _given(
         self, derivation: Derivation, box: Box, model: RobotModel, number: int, listener: Listener
     ) -> StructureTask:
-        """What is asked of a structure whose robot has its parameters in a box."""
+        """The search task for a structure whose robot has its parameters in a box."""
         return StructureTask(
             program=self.program,
             task=self.task,
@@ -322,7 +320,7 @@ class TaskRobots:
     def path_problem(self, design: Design, box: Box) -> PathProblem | None:
         """The problem of motions along the cells of a design, with parameters in a box.
 
-        None where what the task says of samples does not allow one.
+        None if the task's formulas do not allow it.
         """
         model, steps = self.model(design.derivation), len(design.inputs)
         if model is None:
@@ -334,7 +332,7 @@ class TaskRobots:
         return problem_along(paths, design.abstraction, design, steps)
 
     def best_of(self, designs: Sequence[Design]) -> Design:
-        """The best of some designs by the objectives of the task; of equal ones the most robust."""
+        """The best of some designs by the task's objectives; the most robust of equal ones."""
         asked = amounts(self.program, self.task)
         ranked = sorted(designs, key=lambda design: -design.robustness)
         values = [design_values(design, asked, self.task) for design in ranked]
@@ -342,7 +340,7 @@ class TaskRobots:
         return ranked[first or 0]
 
     def effectors(self, derivation: Derivation, model: RobotModel, box: Box) -> list[int]:
-        """The effectors that may start and reach, the one of the poses that were found first."""
+        """The effectors that may start and reach, beginning with the one in the poses found."""
         bound = recorded_effector(self.task)
         if bound is not None:
             return [bound] if bound < len(model.effectors) else []
@@ -370,7 +368,7 @@ class TaskRobots:
     # --- evidence -------------------------------------------------------------------------------
 
     def evidence(self) -> list[StructureRecord]:
-        """What was refuted, with coverings where they are found beside what a solver has said."""
+        """The refutations; coverings are added to solvers' answers if they are found."""
         part = Part(self.context.journal, f"{self.task.name}|covered")
         context = replace(self.context, journal=part)
         found, late = covered(list(self.records.values()), self.family, self.task, context)

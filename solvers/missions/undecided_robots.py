@@ -15,9 +15,9 @@ Word: TypeAlias = tuple[str, ...]
 class Undecided:
     """Why a robot is neither found nor refuted.
 
-    ``task`` is the number of the task whose search says so; None: all tasks together.  ``cause``
-    is what blocked its motion, None where that is not known.  ``apart``: the parameters that were
-    found do not suit everything that they have to.
+    ``task`` is the index of the task in whose search this happened; None for all tasks together.
+    ``cause`` is what blocked its motion, None if that is not known.  ``apart`` says that the
+    parameters found do not satisfy all requirements at once.
     """
 
     reason: str
@@ -28,7 +28,7 @@ class Undecided:
 
 @dataclass(frozen=True, slots=True)
 class UndecidedRobots:
-    """The robots that are undecided for one reason: how many, and their words, each once."""
+    """The robots that are undecided for one reason: their number, and their distinct words."""
 
     why: Undecided
     robots: int
@@ -36,7 +36,7 @@ class UndecidedRobots:
 
 
 def grouped(robots: Iterable[tuple[Word, Undecided]]) -> tuple[UndecidedRobots, ...]:
-    """Robots by why they are undecided, in the order in which the reasons come first."""
+    """Robots grouped by the reason why they are undecided, in order of first occurrence."""
     found: dict[Undecided, list[Word]] = {}
     for word, why in robots:
         found.setdefault(why, []).append(word)
@@ -47,13 +47,13 @@ def grouped(robots: Iterable[tuple[Word, Undecided]]) -> tuple[UndecidedRobots, 
 
 
 EndedBy: TypeAlias = Literal["time", "motions", "structures", "cuts", "parameters", "modules"]
-"""The time limit; robots without a motion; structures, boxes cut: there are or would be too many;
-parameters that do not agree; no bound on modules."""
+"""Respectively: the time limit; too many robots without a motion; too many structures; too many cut
+boxes; parameters that disagree; no bound on modules."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """What ended a search without an answer; ``try_first`` says what to do about it."""
+    """The limit that ended a search without an answer; ``try_first`` suggests a remedy."""
 
     by: EndedBy
     try_first: str

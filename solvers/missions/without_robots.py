@@ -1,4 +1,4 @@
-"""The verdict on a mission without a design, why it is that, and what ended the search."""
+"""The verdict on a mission without a design, its reason, and what ended the search."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DISAGREE = "the robots of no chain agree in their parameters"
 
 @dataclass(frozen=True, slots=True)
 class Conclusion:
-    """A verdict without a design; ``ended`` is None where the search went through all robots."""
+    """A verdict without a design; ``ended`` is None if the search went through all robots."""
 
     verdict: NotFound
     reason: str
@@ -41,7 +41,7 @@ TOO_LATE = Conclusion("unknown", TIME, OUT_OF_TIME)
 def without_one_robot(
     search: OneRobotSearch, open_robots: Sequence[UndecidedRobots], *, late: bool
 ) -> Conclusion:
-    """The conclusion where no robot was found that does all tasks; ``late``: time ran out."""
+    """The conclusion if no robot was found that does all tasks; ``late`` says that time ran out."""
     if late:
         return TOO_LATE
     tried, family, bound = len(search.words), search.tasks[0].family, search.task.modules
@@ -71,13 +71,13 @@ def without_chain(
     *,
     late: bool,
 ) -> Conclusion:
-    """The conclusion where no robots were found that are rebuilt from task to task.
+    """The conclusion if no chain of rebuilt robots was found.
 
     Args:
         search: the search.
-        least: what no robots that are left cost less than; None: none are left.
+        least: a lower bound on the cost of the remaining robots; None if there are none.
         open_robots: those that are neither found nor refuted.
-        compared: the structures that it was about.
+        compared: the structures that were compared.
         late: whether time ran out.
     """
     if late:
@@ -97,7 +97,7 @@ def without_chain(
 
 
 def _open(search: RebuiltSearch, open_robots: Sequence[UndecidedRobots]) -> list[str]:
-    """What is left open of a search, in words."""
+    """The questions that a search left open, in words."""
     parts = [search.stopped] if search.stopped else []
     if open_robots:
         count = sum(each.robots for each in open_robots)
@@ -113,14 +113,14 @@ def _open(search: RebuiltSearch, open_robots: Sequence[UndecidedRobots]) -> list
 
 
 def _first(open_robots: Sequence[UndecidedRobots], tasks: Sequence[TaskRobots]) -> str:
-    """The first robot that is undecided, and why."""
+    """The first undecided robot, and why it is undecided."""
     first = open_robots[0]
     named = "" if first.why.task is None else f" in `{tasks[first.why.task].task.name}`"
     return f"{' '.join(first.words[0])}{named}: {first.why.reason}"
 
 
 def _ended(search: RebuiltSearch, open_robots: Sequence[UndecidedRobots]) -> Ended | None:
-    """What ended a search for robots that are rebuilt, or kept it from an answer."""
+    """The limit that ended a search for rebuilt robots, or kept it from an answer."""
     if search.stopped:
         return MANY_MOTIONS
     named = ", ".join(f"`{name}`" for name in cut_parameters(search))
@@ -155,7 +155,7 @@ def _cut_numbers(tree: BoxTree) -> Iterator[int]:
 
 
 def all_undecided(search: RebuiltSearch) -> Iterator[tuple[tuple[str, ...], Undecided]]:
-    """The words of the robots that are given up, and why, task by task."""
+    """The words of the undecided robots, and why they are undecided, task by task."""
     for layer in search.layers:
         for node in layer:
             if node.undecided is not None:

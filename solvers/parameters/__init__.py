@@ -1,1 +1,1 @@
-"""The search of parameters for a path."""
+"""The search for the parameters of a path."""

@@ -1,4 +1,4 @@
-"""GP-ACB: a Gaussian process of the robustness, and the parameters that it proposes next."""
+"""GP-ACB: a Gaussian process model of the robustness, and the parameters that it proposes next."""
 
 from __future__ import annotations
 
@@ -20,19 +20,21 @@ from solvers.parameters.parameter_search import Cube, Halton, Record
 # .. math:: k(x, x') = a \exp\bigl(-\tfrac12 \sum_j (x_j - x'_j)^2 / l_j^2\bigr).
 #
 # The length scales l and the ratio r of noise to amplitude are fitted by maximum likelihood: a grid
-# of equal length scales, then a compass search in the logarithms from the best of it.  The
+# of equal length scales, then a compass search in the logarithms from the best grid point.  The
 # amplitude with the greatest likelihood for given l and r has a closed form.
 #
-# Values as the process sees them are compressed where they are low, then standardised.  A value of
-# 0 or more is a robustness, a value below 0 minus a violation.  At the boundary of the feasible the
-# values jump, and there are huge violations; a process that has to explain these has little left
-# for the differences at the top.  So, with m the median of the feasible values (of all, where none
-# is feasible) and s the distance of the largest value from it, a value v below m becomes
+# Low values are compressed, then all are standardised, before they are given to the process.  A
+# value of 0 or more is a robustness, a negative value is minus a violation.  At the boundary of
+# the feasible set the values jump, and violations can be huge; a process that has to explain these
+# cannot resolve the differences at the top.  So, with m the median of the feasible values (of all
+# values if none is feasible) and s the distance of the largest value from it, a value v below m
+# becomes
 #
 # .. math:: m - s \bigl(\tfrac12 (1 - e^{-2l}) + \tfrac1{10} \ln(1 + l)\bigr), \qquad l = (m - v)/s.
 #
-# This is strictly monotone, so that violations still lead to the feasible, and free of units.  It
-# was chosen by measurement, see docs/decisions/0030-parameter-searches.md.
+# This is strictly monotone, so that violations still lead towards the feasible set, and it is
+# independent of units.  It was chosen by experiment, see
+# docs/decisions/0030-parameter-searches.md.
 
 
 LENGTHS = (0.05, 3.0)
@@ -40,17 +42,17 @@ LENGTHS = (0.05, 3.0)
 NOISES = (1e-6, 0.3)
 """Bounds of the ratio of the variance of the noise to the amplitude."""
 GRID = (7, 4)
-"""So many length scales and ratios are tried first."""
+"""The numbers of length scales and ratios that are tried first."""
 STEP = 0.5
 LAST_STEP = 0.01
 """Steps of the compass search, in natural logarithms: the first, and the one that ends it."""
 DEFAULT = (0.3, 1e-4)
-"""Length scale and ratio where all values are equal and nothing can be fitted."""
+"""Length scale and ratio if all values are equal and nothing can be fitted."""
 
 BEND = 0.5
 TAIL = 0.1
 LARGEST = 1e150
-"""Larger values are taken for this, so that no sum of squares overflows."""
+"""Values are clipped to this size, so that no sum of squares overflows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +60,8 @@ class GaussianProcess:
     """The process given values at points (m, p) of the cube.
 
     ``lengths`` (p,) are the length scales, ``amplitude`` and ``noise`` are variances, ``inverse``
-    (m, m) is that of the Cholesky factor, ``weights`` (m,) are the inverse covariance times the
-    values (Rasmussen & Williams 2006, Algorithm 2.1).
+    (m, m) is the inverse of the Cholesky factor, ``weights`` (m,) are the inverse covariance times
+    the values (Rasmussen & Williams 2006, Algorithm 2.1).
     """
 
     points: Array
@@ -80,7 +82,7 @@ class GaussianProcess:
 def conditioned(
     points: Array, values: Array, lengths: Array, amplitude: float, noise: float
 ) -> GaussianProcess:
-    """The process with those variances (noise is one, too), given values (m,) at points (m, p)."""
+    """The process with these variances (noise is one too), given values (m,) at points (m, p)."""
     kernel = amplitude * correlation(points, points, lengths) + noise * np.eye(len(points))
     inverse = np.linalg.inv(np.linalg.cholesky(kernel))
     weights = inverse.T @ (inverse @ values)
@@ -109,7 +111,7 @@ def fitted(points: Array, values: Array) -> GaussianProcess:
 
 
 def log_likelihood(points: Array, values: Array, process: GaussianProcess) -> float:
-    """The logarithm of the density of values (m,) under a process given them."""
+    """The log-density of values (m,) under a process conditioned on them."""
     half_determinant = -np.sum(np.log(np.diag(process.inverse)))
     return float(
         -0.5 * values @ process.weights - half_determinant - 0.5 * len(points) * np.log(2 * np.pi)
@@ -143,7 +145,7 @@ def _compass(squares: Array, values: Array) -> Array:
     compass = np.concatenate([np.eye(p + 1), -np.eye(p + 1)])
     along = np.zeros(p + 1)
     while step > LAST_STEP:
-        # Also once and twice as far as the last time, for ridges that no axis runs along.
+        # Also try the last move, once and twice as far, for ridges not along an axis.
         moves = np.concatenate([step * compass, [along, 2 * along]])
         around = np.clip(best + moves, lower, upper)
         worth = _profile(squares, values, around)[0]
@@ -151,7 +153,7 @@ def _compass(squares: Array, values: Array) -> Array:
         if np.max(gains) <= 1e-9:
             step, along = step / 2, np.zeros(p + 1)
             continue
-        # All moves that help at once, where that helps more.
+        # All improving moves are combined if that improves more.
         joint = np.clip(best + (gains / np.max(gains)) @ moves, lower, upper)
         (together,) = _profile(squares, values, joint[None])[0]
         top = int(np.argmax(worth))
@@ -161,7 +163,7 @@ def _compass(squares: Array, values: Array) -> Array:
 
 
 def compressed(values: Array) -> Array:
-    """The values (m,), those below the middle of the feasible ones compressed."""
+    """The values (m,), with those below the median of the feasible ones compressed."""
     values = np.clip(values, -LARGEST, LARGEST)
     feasible = values[values >= 0]
     middle = float(np.median(feasible if len(feasible) else values))
@@ -176,35 +178,35 @@ def compressed(values: Array) -> Array:
 
 
 def standardised(values: Array) -> Array:
-    """The compressed values (m,) with mean 0 and deviation 1; 0 where all are equal."""
+    """The compressed values (m,) with mean 0 and deviation 1; 0 if all are equal."""
     level = compressed(values)
     largest = float(np.max(np.abs(level)))
     level = level / (largest if largest > 0 else 1.0)
     level = level - level.mean()
     deviation = float(level.std())
-    # Where all values are equal, what is left is rounding.
+    # If all values are equal, the deviation is only rounding error.
     return level / deviation if deviation > 1e-12 else np.zeros_like(level)
 
 
 # --------------------------------------------------------------------------------------------------
-# Bayesian optimisation: a Gaussian process of the values, and a rule for where to look next.
+# Bayesian optimisation: a Gaussian process of the values, and a rule for the next points.
 #
 # The rule is GP-ACB (Eqn. 8 of the paper, with correction 4.12) over a finite set of candidates:
 #
 # .. math:: m + \sqrt{\eta \beta_t}\, \sigma, \qquad
 #     \beta_t = 2 \ln\bigl(|D| \pi^2 t^2 / (6 \delta)\bigr), \qquad \delta = e^{-3}.
 #
-# Several points at once: the mean is kept and the deviation is computed as if the points waited for
-# had been seen (T. Desautels, A. Krause, J. W. Burdick, "Parallelizing exploration-exploitation
-# tradeoffs in Gaussian process bandit optimization", 2014).
+# Several points at once: the mean is kept and the deviation is computed as if the pending points
+# had been evaluated (T. Desautels, A. Krause, J. W. Burdick, "Parallelizing
+# exploration-exploitation tradeoffs in Gaussian process bandit optimization", 2014).
 
 
 DESIGN = 8
-"""Initial points, unless told otherwise."""
+"""The default number of initial points."""
 EVERYWHERE = 512
-"""Candidates that fill the cube."""
+"""The number of candidates that fill the cube."""
 NEARBY = 64
-"""Candidates about the best point, for each of the ranges."""
+"""The number of candidates about the best point, for each of the ranges."""
 RANGES = (0.1, 0.03, 0.01, 0.003)
 """Standard deviations of candidates about the best point, in units of the cube."""
 
@@ -212,7 +214,7 @@ RANGES = (0.1, 0.03, 0.01, 0.003)
 DELTA = float(np.exp(-3.0))
 
 Acquisition: TypeAlias = Callable[[Array, Array, int], Array]
-"""Mean (c,), standard deviation (c,) and step t from 1 to the values (c,) to be maximised."""
+"""Maps mean (c,), standard deviation (c,) and step t (from 1) to the values (c,) to maximise."""
 
 
 def exploration(candidates: int, t: int) -> float:
@@ -223,7 +225,7 @@ def exploration(candidates: int, t: int) -> float:
 def gp_acb(mean: Array, deviation: Array, t: int) -> Array:
     """The rule m + sqrt(eta beta) sigma (GP-ACB, Eqn. 8), (c,), for mean and deviation (c,).
 
-    ``t`` counts the steps from 1; eta is the mean scaled to [0, 1], 1 where it is flat.
+    ``t`` counts the steps from 1; eta is the mean scaled to [0, 1], or 1 if the mean is constant.
     """
     spread = float(mean.max() - mean.min())
     eta = (mean - mean.min()) / spread if spread > 0 else np.ones_like(mean)
@@ -232,7 +234,7 @@ def gp_acb(mean: Array, deviation: Array, t: int) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class BayesianSearch:
-    """Asks for the candidates that the rule likes best.
+    """Proposes the candidates with the largest values of the rule.
 
     No candidate is ever discarded on a confidence bound (GP-ACB has none, correction 4.12).
     """
@@ -241,7 +243,7 @@ class BayesianSearch:
     acquisition: Acquisition = gp_acb
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """The best candidates (p,) that are neither known nor waited for, one after the other."""
+        """The best candidates (p,) that are neither known nor pending, one after the other."""
         known, values = np.array(record.points), standardised(np.array(record.values))
         process = fitted(known, values)
         waited = list(record.pending)
@@ -258,10 +260,10 @@ class BayesianSearch:
         return new
 
     def learn(self, point: Array, value: float) -> None:
-        """Nothing beyond what is on record: the value of a point (p,)."""
+        """Nothing is stored beyond the record of the search."""
 
     def _candidates(self, record: Record) -> Array:
-        """Distinct points of the cube (c, p), neither known nor waited for."""
+        """Distinct points of the cube (c, p), neither known nor pending."""
         taken = [*record.points, *record.pending]
         rng = np.random.default_rng([self.seed, len(taken)])
         best, p = record.points[record.best()], record.cube.dimension
@@ -280,7 +282,7 @@ class BayesianSearch:
 
 @lru_cache(maxsize=8)
 def _everywhere(cube: Cube, seed: int) -> Array:
-    """Points that fill the cube (c, p); all of it where they are so few."""
+    """Points that fill the cube (c, p); all of its points if there are few."""
     if cube.size is not None and cube.size <= EVERYWHERE:
         levels = [level or 1 for level in cube.levels]
         numbers = np.indices(levels).reshape(cube.dimension, -1).T
@@ -289,7 +291,7 @@ def _everywhere(cube: Cube, seed: int) -> Array:
 
 
 def _as_if_seen(process: GaussianProcess, values: Array, others: list[Array]) -> GaussianProcess:
-    """The process as if its own mean had been observed at other points, too."""
+    """The process as if its own mean had also been observed at other points."""
     if not others:
         return process
     points = np.array(others)

@@ -1,12 +1,12 @@
 r"""The simplex method of Nelder and Mead (1965) in the unit cube, with restarts.
 
-Coefficients for p axes as Gao and Han ("Implementing the Nelder-Mead simplex algorithm with
-adaptive parameters", 2012), p at least 2:
+The coefficients for p axes are those of Gao and Han ("Implementing the Nelder-Mead simplex
+algorithm with adaptive parameters", 2012), p at least 2:
 
 .. math:: \rho = 1, \quad \chi = 1 + 2/p, \quad \gamma = 3/4 - 1/(2p), \quad \sigma = 1 - 1/p.
 
-Steps that leave the cube end at its boundary.  A simplex that has become small, or flat, is given
-up; the next one is as large as the first, about a new random point.
+Steps that leave the cube end at its boundary.  A simplex that has become small or flat is
+abandoned; the next one is as large as the first, about a new random point.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from compiler.arrays import Array
 from solvers.parameters.parameter_search import Record
 
 EDGE = 0.25
-"""The first edges of a simplex, in units of the cube, towards its inside."""
+"""The initial edge length of a simplex, in units of the cube, pointing inwards."""
 SMALL = 1e-3
-"""A simplex whose vertices are all so near its best one is given up."""
+"""A simplex is abandoned if all vertices are this close to its best one."""
 FLAT = 1e-9
-"""So is one whose values differ by no more, relative to the largest."""
+"""A simplex is also abandoned if its values differ by no more, relative to the largest."""
 
 Steps = Generator[list[Array], list[float], None]
 """Yields points and is sent their values."""
@@ -32,7 +32,7 @@ Steps = Generator[list[Array], list[float], None]
 
 @dataclass(slots=True)
 class NelderMead:
-    """Begins at the best initial point; asks for one point at a time but for new simplices."""
+    """Starts at the best initial point; proposes single points, except for new simplices."""
 
     seed: int
     small: float = SMALL
@@ -42,7 +42,7 @@ class NelderMead:
     _values: list[float] = field(default_factory=list[float])
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """The next points (p,) of the simplex method, of the cube."""
+        """The next points (p,) of the simplex method in the cube."""
         if self._steps is None:
             best = record.best()
             self._steps = self._search(record.points[best], record.values[best])
@@ -51,7 +51,7 @@ class NelderMead:
         return taken
 
     def learn(self, point: Array, value: float) -> None:
-        """Take the value of a point (p,); go on once all values of a step are there."""
+        """Store the value of a point (p,); continue once all values of a step are known."""
         self._values.append(value)
         if self._steps is not None and len(self._values) == self._waiting:
             self._expect(self._steps.send(self._values))
@@ -60,7 +60,7 @@ class NelderMead:
         self._queue, self._waiting, self._values = list(points), len(points), []
 
     def _search(self, point: Array, value: float | None) -> Steps:
-        """Simplices about one start after the other."""
+        """Run simplices from one start after another."""
         rng = np.random.default_rng(self.seed)
         while True:
             if value is None:
@@ -70,12 +70,12 @@ class NelderMead:
 
 
 def _descent(start: Array, value: float, small: float) -> Steps:
-    """One simplex until it is small or flat; ``values`` (p + 1,) fall."""
+    """One simplex until it is small or flat; ``values`` (p + 1,) are kept in descending order."""
     p = len(start)
     edges = EDGE * np.diag(np.where(start <= 0.5, 1.0, -1.0))
     simplex = np.concatenate([start[None], start + edges])
     values = np.array([value, *(yield list(simplex[1:]))])
-    # With one axis the formulas would make a point of the simplex when it shrinks.
+    # With one axis the formulas would shrink the simplex to a point.
     axes = max(p, 2)
     grow, shorten, shrink = 1 + 2 / axes, 0.75 - 1 / (2 * axes), 1 - 1 / axes
     while True:

@@ -1,4 +1,4 @@
-"""The search of parameters: its space, and what proposes points of it."""
+"""The search for parameters: the search space, and the interface to the search methods."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from grammar_lang.ir.constants import to_float
 # --------------------------------------------------------------------------------------------------
 # The parameters of a robot as a search space: a box and lists of values, mapped to the unit cube.
 #
-# Everywhere in a search, parameters are one array theta of doubles (p,), in SI units and in the
-# order of ``RobotModel.parameters``; what is claimed of them is exact, as
-# :mod:`compiler.robots.parameter_values` has it.
+# Throughout a search, parameters are one array theta of doubles (p,), in SI units and in the order
+# of ``RobotModel.parameters``; certificates state exact values, see
+# :mod:`compiler.robots.parameter_values`.
 #
 # The points that fill the cube evenly are Halton's sequence, scrambled by a seed: J. H. Halton,
 # "Algorithm 247: radical-inverse quasi-random point sequence" (1964); each digit of each axis goes
-# through a random permutation of its own, A. B. Owen, "A randomized Halton algorithm in R" (2017).
+# through its own random permutation, A. B. Owen, "A randomized Halton algorithm in R" (2017).
 # Every single point is then uniformly distributed in the cube.
 
 
 BITS = 52
-"""Digits are used as long as all of them together are an exact double."""
+"""The total bits of the digits used, so that their sum is an exact double."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cube:
-    """The unit cube, by axis the number of values that can be told apart; None: all of [0, 1].
+    """The unit cube, with the number of distinct values on each axis; None for all of [0, 1].
 
-    An axis with n values is cut into n equal intervals; its points are their middles.
+    An axis with n values is divided into n equal intervals; its points are their midpoints.
     """
 
     levels: tuple[int | None, ...]
@@ -51,12 +51,12 @@ class Cube:
 
     @property
     def size(self) -> int | None:
-        """The number of distinct points; None where an axis is continuous."""
+        """The number of distinct points; None if an axis is continuous."""
         known = [level for level in self.levels if level is not None]
         return prod(known) if len(known) == self.dimension else None
 
     def nearest(self, points: Array) -> Array:
-        """The points of the cube that stand for points (..., p) of any kind, same shape."""
+        """The points of the cube nearest to arbitrary points (..., p), same shape."""
         found: Array = np.clip(np.asarray(points, dtype=float), 0.0, 1.0)
         for axis, level in enumerate(self.levels):
             if level is not None:
@@ -67,9 +67,9 @@ class Cube:
 
 @dataclass(frozen=True, slots=True)
 class Halton:
-    """Halton's sequence in ``dimension`` axes, from point 0 on, its digits permuted by the seed.
+    """Halton's sequence in ``dimension`` axes, from point 0 on, with digits permuted by the seed.
 
-    Without a seed it is Halton's own (1964), else each axis is scrambled as by Owen (2017).
+    Without a seed it is Halton's own (1964), otherwise each axis is scrambled as by Owen (2017).
     """
 
     dimension: int
@@ -81,7 +81,7 @@ class Halton:
         bases = islice((n for n in count(2) if _is_prime(n)), self.dimension)
         for axis, base in enumerate(bases):
             left = np.arange(first, last)
-            # Each axis has a generator of its own, so that no axis depends on how many there are.
+            # Each axis has its own generator, so that it does not depend on the number of axes.
             rng = None if self.seed is None else np.random.default_rng([self.seed, axis])
             weight = 1.0
             for _ in range(int(BITS / np.log2(base))):
@@ -109,12 +109,12 @@ class ParameterSpace:
 
     @property
     def is_point(self) -> bool:
-        """Whether there is nothing to choose."""
+        """Whether there is only one choice."""
         return bool(np.all(self.lower == self.upper))
 
     @property
     def cube(self) -> Cube:
-        """The unit cube with as many levels by axis as there are values."""
+        """The unit cube with one level per value on discrete axes."""
         ends = zip(self.lower, self.upper, self.choices, strict=True)
         return Cube(
             tuple(
@@ -125,7 +125,7 @@ class ParameterSpace:
 
     def from_cube(self, point: Array) -> Array:
         """Parameters (p,) of a point of the unit cube (p,)."""
-        # The rounding of the sum must not leave the box.
+        # Rounding of the sum must not leave the box.
         theta = np.minimum(self.lower + point * (self.upper - self.lower), self.upper)
         for index, values in enumerate(self.choices):
             if values is not None:
@@ -133,7 +133,7 @@ class ParameterSpace:
         return np.asarray(theta)
 
     def to_cube(self, theta: Array) -> Array:
-        """The point of the unit cube (p,) that stands for some parameters (p,)."""
+        """The point of the unit cube (p,) that represents parameters (p,)."""
         width = self.upper - self.lower
         point = (theta - self.lower) / np.where(width > 0, width, 1.0)
         for index, values in enumerate(self.choices):
@@ -143,14 +143,14 @@ class ParameterSpace:
         return self.cube.nearest(point)
 
     def samples(self, power: int, seed: int) -> list[Array]:
-        """A sequence of 2**power parameters (p,) that fill the space; one where nothing is free."""
+        """A sequence of 2**power parameters (p,) that fill the space; one if it is a point."""
         if self.is_point:
             return [self.lower]
         points = Halton(len(self.lower), seed).points(0, 2**power)
         return [self.from_cube(point) for point in points]
 
     def drawn(self, rng: np.random.Generator) -> Array:
-        """Parameters (p,) drawn at random, uniformly in the box and among the lists."""
+        """Random parameters (p,), uniform in the box and among the discrete values."""
         return np.array(
             [
                 rng.uniform(low, high) if values is None else values[int(rng.integers(len(values)))]
@@ -159,11 +159,11 @@ class ParameterSpace:
         )
 
     def uniform(self, rng: np.random.Generator, count: int) -> Array:
-        """``count`` rows (count, p) drawn between the least and the largest values."""
+        """``count`` rows (count, p) drawn between the least and the greatest values."""
         return rng.uniform(self.lower, self.upper, (count, len(self.lower)))
 
     def free_box(self, theta: Array) -> tuple[Array, Array] | None:
-        """Bounds (p,) of theta as unknowns: discrete parameters stay; None where all are fixed."""
+        """Bounds (p,) on theta as unknowns, with discrete parameters fixed; None if all are."""
         if self.is_point:
             return None
         fixed = np.array([values is not None for values in self.choices], dtype=bool)
@@ -188,19 +188,19 @@ def parameter_space(model: RobotModel) -> ParameterSpace:
 
 
 # --------------------------------------------------------------------------------------------------
-# Ask and tell: one interface to every method that looks for the largest value in the unit cube.
+# Ask and tell: one interface to all methods that search for the largest value in the unit cube.
 #
-# A search asks for points, is told their values in any order, and goes on from there.  A method
-# only proposes points and learns values; the bookkeeping that all methods share is here.
+# The caller asks a search for points and tells it their values in any order.  A method only
+# proposes points and learns values; the bookkeeping that all methods share is here.
 
 
 TRIES = 200
-"""So many proposals in a row may be points that are known before others are taken."""
+"""After this many rounds of proposals without enough new points, other points are taken."""
 
 
 @dataclass(slots=True)
 class Record:
-    """What a search knows: points (p,) with their values, and points that it waits for."""
+    """The state of a search: points (p,) with their values, and points that are pending."""
 
     cube: Cube
     points: list[Array] = field(default_factory=list[Array])
@@ -213,24 +213,24 @@ class Record:
 
 
 class Method(Protocol):
-    """A way to search.  It begins when the initial points have values."""
+    """A search method; it starts once the initial points have values."""
 
     def propose(self, count: int, record: Record) -> list[Array]:
-        """At most ``count`` points (p,) of the cube; none while it has to wait for pending ones."""
+        """At most ``count`` points (p,) of the cube; none if it has to wait for pending ones."""
         ...
 
     def learn(self, point: Array, value: float) -> None:
-        """The value of a proposed point (p,); values come in the order of the proposals."""
+        """Receive the value of a proposed point (p,), in the order of the proposals."""
         ...
 
 
 @dataclass(slots=True)
 class ParameterSearch:
-    """Asks for points of the unit cube and is told their values; maximises.
+    """A search for the maximum on the unit cube that asks for points and is told their values.
 
-    The first ``initial`` points fill the cube evenly, the others are the method's.  A point is
-    never asked for twice: where the method comes back to one, it is told the value that is known.
-    What is asked depends on the seed and on what was told, on nothing else.
+    The first ``initial`` points fill the cube evenly, the others come from the method.  No point is
+    asked for twice: if the method proposes a known point, it is told the known value.  The points
+    depend only on the seed and on the values told.
     """
 
     cube: Cube
@@ -256,17 +256,17 @@ class ParameterSearch:
 
     @property
     def values(self) -> list[float]:
-        """Their values."""
+        """The values of these points."""
         return self.record.values
 
     def ask(self, count: int) -> list[Array]:
         """At most ``count`` new points (p,) of the cube, all different.
 
-        Fewer where the method has to know the values of those first; none where it waits for values
-        of points that were asked before, or where all points are known.
+        There are fewer if the method needs their values first, and none if it waits for the values
+        of pending points or if all points are known.
 
         Raises:
-            ValueError: ``count`` is not positive.
+            ValueError: if ``count`` is not positive.
         """
         if count < 1:
             raise ValueError("at least one point is to be asked for")
@@ -280,11 +280,11 @@ class ParameterSearch:
         return self.record.pending[before:]
 
     def tell(self, point: Array, value: float) -> None:
-        """The value at a point (p,) of the cube, asked for or not.
+        """Receive the value at a point (p,) of the cube, asked for or not.
 
         Raises:
-            ValueError: the value is not finite (whoever evaluates has to grade what is infeasible),
-                the point is not one of the cube, or it has another value already.
+            ValueError: if the value is not finite (the caller must grade infeasible points), the
+                point is not in the cube, or it already has another value.
         """
         point = np.array(point, dtype=float)
         if not np.isfinite(value):
@@ -306,7 +306,7 @@ class ParameterSearch:
     # --- what to ask for ------------------------------------------------------------------------
 
     def _advance(self, wanted: int) -> bool:
-        """Take points of the initial design, then of the method; False while that has to wait."""
+        """Take points of the initial design, then of the method; False if it has to wait."""
         record = self.record
         if self._drawn < self.initial:
             self._new(self._draw())
@@ -333,26 +333,26 @@ class ParameterSearch:
         return np.asarray(sequence.points(self._drawn - 1, self._drawn)[0])
 
     def _fill(self, total: int) -> None:
-        """Points of the sequence instead of a method that keeps coming back to known ones."""
+        """Ask for points of the sequence, because the method keeps returning to known ones."""
         for _ in range(TRIES):
             if len(self.record.pending) >= total or self._exhausted():
                 break
             self._new(self._draw())
 
     def _new(self, raw: Array) -> None:
-        """Ask for a point, unless it is asked for already or known."""
+        """Ask for a point, unless it is already pending or known."""
         point = self.cube.nearest(raw)
         key = point.tobytes()
         if key not in self._known and all(p.tobytes() != key for p in self.record.pending):
             self.record.pending.append(point)
 
     def _exhausted(self) -> bool:
-        """Whether every point is known or asked for."""
+        """Whether every point is known or pending."""
         size = self.cube.size
         return size is not None and len(self._known) + len(self.record.pending) >= size
 
     def _learn(self) -> None:
-        """Tell the method the values of its proposals, in their order, as far as all are known."""
+        """Tell the method the values of its proposals, in order, as far as they are known."""
         while self._proposed:
             key = self.cube.nearest(self._proposed[0]).tobytes()
             if key not in self._known:

@@ -1,8 +1,8 @@
-"""When a motion enters the cells of its path, and what these cells do to it.
+"""When a motion enters the cells of its path, and how the cells constrain the motion.
 
-The search of a configuration leaves the timing along a path free.  Then the cells that such a
-motion visits, and when, become the path by which it is improved.  They guide it and do not bind;
-only those of tours do, which have to close.
+The search of a configuration leaves the timing along a path free.  The cells that the resulting
+motion visits, and when, then become the path along which it is improved.  They guide the motion
+without binding it, except for tours, which have to close.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from solvers.trajectory.path_timing import (
 from solvers.trajectory.visited_cells import depth_in_cells, visited_cells
 
 BOUND_RADIUS = 0.1
-"""The trust region of a motion that is nearly there."""
+"""The trust region for a motion that is almost feasible."""
 RELEASES = 3
 RELEASE_RADIUS = 0.3
 SHIFTS = (4, 1, -1)
 LONGEST_RUN = 6
 GAIN = 1e-4
-"""A gain of robustness that is worth moving an entry for, relative to the effort bound."""
+"""The least gain of robustness for which an entry is moved, relative to the effort bound."""
 RETIMING = IterationBudget(8, 1e-4, 1e-7, 1)
 
 
 def timed(path_problem: PathProblem, planned: tuple[int, ...] | None) -> PathProblem:
-    """The path problem with entries that its formula allows, as gentle as can be."""
+    """The path problem with entries that its formula allows, spread for the gentlest motion."""
     if path_problem.formula is None:
         return path_problem
     line, steps = polyline(path_problem.abstraction, path_problem.cells), path_problem.task.steps
@@ -50,7 +50,7 @@ def timed(path_problem: PathProblem, planned: tuple[int, ...] | None) -> PathPro
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """A motion along the cells of a path problem, entered at some steps."""
+    """A motion along the cells of a path problem, with the steps at which they are entered."""
 
     path_problem: PathProblem
     outcome: ControlOutcome
@@ -62,14 +62,14 @@ class Timed:
         return self.path_problem.problem(self.entries).scale
 
     def gains(self, before: Timed) -> bool:
-        """Whether it is more robust than another one, by more than is worth its time."""
+        """Whether this motion is more robust than ``before`` by more than the minimum gain."""
         return self.outcome.robustness > before.outcome.robustness + GAIN * self.scale
 
 
 def settled(
     path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
 ) -> Timed | None:
-    """The best motion from one whose timing was free; None: it cannot be bound where it has to."""
+    """The best motion from one with free timing; None if it has to be bound to cells and cannot."""
     if path_problem.loop is not None:
         return bound_to_cells(path_problem, free, entries, context)
     best = Timed(replace(path_problem, bound=False), free, entries)
@@ -89,9 +89,9 @@ def settled(
 
 
 def _off_facets(path_problem: PathProblem, found: Timed, context: RunContext) -> Timed:
-    """The motion, bound to its cells where a sample is so near a facet that no proof sees its side.
+    """Bind the motion to its cells if a sample is too close to a facet to prove its side.
 
-    It stays free where that costs it anything.
+    It stays free if binding costs any robustness.
     """
     if depth_in_cells(path_problem, found.outcome.trajectory) >= path_problem.margin:
         return found
@@ -103,10 +103,10 @@ def _off_facets(path_problem: PathProblem, found: Timed, context: RunContext) ->
 def bound_to_cells(
     path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
 ) -> Timed | None:
-    """The motion that keeps to its cells next to one whose timing was free; None if none is found.
+    """The motion bound to its cells near one with free timing; None if none is found.
 
-    From the motion that they bind, timing is freed again as long as that gains; what the cells cost
-    in the end is won back by moving their entries.
+    From the bound motion, the timing is freed again as long as that gains robustness.  Robustness
+    that binding still costs is recovered by moving the entries.
     """
     best = _bound(path_problem, free, entries, context)
     for _ in range(RELEASES):
@@ -125,10 +125,11 @@ def bound_to_cells(
 def _bound(
     path_problem: PathProblem, free: ControlOutcome, entries: Entries, context: RunContext
 ) -> Timed | None:
-    """The cells that a free motion visits made to bind.
+    """The motion bound to the cells that a free motion visits.
 
-    The half-planes have kept it on its side of every obstacle, so it visits the path's cells or
-    others next to them.  Where that is no path of the task, the planned one binds.
+    The half-planes have kept the free motion on its side of every obstacle, so it visits the path's
+    cells or neighbouring ones.  If the visited cells are not a path of the task, the planned path
+    is used.
     """
     visited = visited_cells(path_problem, free.trajectory)
     paths = [(path_problem, entries)]
@@ -144,7 +145,7 @@ def _bound(
 
 
 def _freed(timed: Timed, context: RunContext) -> ControlOutcome:
-    """The motion with its timing free again."""
+    """The motion after its timing has been freed again."""
     context.check_time()
     start = timed.outcome.trajectory
     return timed.path_problem.released(
@@ -153,7 +154,7 @@ def _freed(timed: Timed, context: RunContext) -> ControlOutcome:
 
 
 def _moved_on(timed: Timed, context: RunContext) -> Timed:
-    """Move entry steps, one at a time and on in the same direction, while the robustness grows."""
+    """Move entry steps one at a time, each further in the same direction while robustness grows."""
     shifts = [(cell, shift) for shift in SHIFTS for cell in range(1, len(timed.entries))]
     for cell, shift in shifts:
         for _ in range(LONGEST_RUN):
@@ -173,7 +174,7 @@ def _moved_on(timed: Timed, context: RunContext) -> Timed:
 def _solved(
     path_problem: PathProblem, start: ControlOutcome, entries: Entries, budget: IterationBudget
 ) -> ControlOutcome | None:
-    """The outcome with these entries, where that is feasible."""
+    """The outcome with these entries; None if it is infeasible."""
     box = free_parameters(path_problem, start.trajectory)
     trial = path_problem.solve(start.trajectory, entries, box, budget, BOUND_RADIUS)
     return trial if trial.feasible else None

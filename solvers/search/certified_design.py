@@ -1,4 +1,4 @@
-"""A motion that was found, stated in decimals and proved; or what stood in the way."""
+"""From a motion to a proved design: round it to decimals and prove it, or say what failed."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def certified_design(
 
     Args:
         program: the spec.
-        task: what is proved.
-        derivation: that of the robot.
-        path_problem: what was asked of the motion.
+        task: the task to prove.
+        derivation: the derivation of the robot.
+        path_problem: the problem that the motion solves.
         found: the motion.
-        watch: what the proof calls as it goes on.
-        last: no other motion is tried, so that doubts do not end this one.
-        roughly: no more digits are tried where the fewest decide nothing.
+        watch: the callbacks of the proof.
+        last: no other motion will be tried, so this one is proved even if it is doubtful.
+        roughly: use only the lowest precision, even if it decides nothing.
     """
     trajectory, model = found.outcome.trajectory, path_problem.model
     parameters = nearest_values(model.parameters, trajectory.theta)
@@ -110,10 +110,10 @@ def certified_design(
 def _against_friction(
     path_problem: PathProblem, trajectory: Trajectory, gains: Array | None
 ) -> Array:
-    """The inputs (k, m) of a motion with dry friction; the same without.
+    """The inputs (k, m) with dry friction compensated; unchanged if there is none.
 
-    In an open loop they are those that feedback would command from sample to sample: where a joint
-    turns back within a step, the mean of its friction alone carries a robot away.
+    In an open loop they are the inputs that feedback would command from sample to sample.  If a
+    joint reverses within a step, compensating its mean friction alone lets the robot drift away.
     """
     numeric = path_problem.numeric
     added = friction_inputs(numeric, trajectory)
@@ -127,7 +127,7 @@ def _against_friction(
 
 
 def _beyond_bounds(design: Design, task: ir.Task) -> Blocked | None:
-    """That inputs of an open loop leave their bounds; what a controller commands is proved."""
+    """Why open-loop inputs violate their bounds, or None; for a controller this is proved later."""
     if design.controller is not None:
         return None
     held = held_bounds(design.model, task, motion_of(design).inputs)
@@ -149,7 +149,7 @@ def _outcome(
     outcome = replace(design.configuration.outcome, trajectory=trajectory)
     if gains is None and not rubs:
         return outcome
-    # The search's bounds were tightened by what feedback adds, and inputs against friction.
+    # The bounds in the search were tightened by the shares of feedback and of friction.
     exact = motion_of(design).inputs if gains is None else None
     margins = input_margins(model, task, exact, design.conditions)
     peaks = (float(m.bound.upper) - m.least for m in margins if m.bound.effort)
@@ -158,16 +158,17 @@ def _outcome(
 
 
 def _decimals(u: Array) -> tuple[tuple[str, ...], ...]:
-    """Inputs (k, m) as they are stated."""
+    """The inputs (k, m) as decimals."""
     return tuple(tuple(decimal(value) for value in row) for row in u)
 
 
 def seen_broken(
     scene: Scene, design: Design, path_problem: PathProblem, *, last: bool
 ) -> Blocked | None:
-    """What a simulated motion breaks for certain, and why no proof is spent on it; else None.
+    """Why no proof is attempted: a condition that the simulated motion certainly violates, or None.
 
-    That a formula seems to fail is not certain: the ``last`` motion is proved for all that.
+    A formula that seems to fail is not certain to fail, so the ``last`` motion is proved
+    nevertheless.
     """
     motion, task = motion_of(design), path_problem.task
     seen = simulated_motion(path_problem.numeric, motion, float(task.step), path_problem.substeps)

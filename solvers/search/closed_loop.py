@@ -1,4 +1,4 @@
-"""Whether a motion gets a controller, the controller that it gets, and the set of its loop."""
+"""Whether a motion gets a controller, the controller itself, and the invariant set of its loop."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from solvers.verifier.claims.further_claims import ControllerClaim, LoopClaim
 
 
 def needs_feedback(path_problem: PathProblem) -> bool:
-    """Whether a motion gets feedback whatever it is.
+    """Whether a motion gets feedback in any case.
 
-    The task says so, or what it measures; and nothing else brings a motion back into the set of its
-    loop.
+    This is so if the task asks for it or names measurement errors.  It is also so for loops,
+    because only feedback brings a motion back into the set of its loop.
     """
     task = path_problem.task
     measured = task.robust is not None and task.robust.measured != ir.Radii()
@@ -37,9 +37,9 @@ def needs_feedback(path_problem: PathProblem) -> bool:
 
 
 def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tuple[bool, ...]:
-    """Whether the motion of an outcome gets feedback: what is tried, in turn.
+    """Whether the motion of an outcome gets feedback: the choices to try, in order.
 
-    Open loop first, if neither the motion is unstable nor disturbances carry it away.
+    Open loop comes first, unless the motion is unstable or disturbances carry it away.
     """
     task = path_problem.task
     if needs_feedback(path_problem) or task.control == "open loop":
@@ -47,7 +47,7 @@ def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tupl
     if outcome.regulated:
         return (True,)
     if task.robust is None:
-        # What inputs add against dry friction is off where joints turn back.
+        # Friction compensation is wrong around the samples at which joints reverse.
         return (False, True) if dry_friction(path_problem.model) else (False,)
     spread = path_problem.spreading(outcome.trajectory, 1.0).spread
     fits = spread is not None and spread.widest < WIDEST
@@ -55,10 +55,11 @@ def feedback_choices(path_problem: PathProblem, outcome: ControlOutcome) -> tupl
 
 
 def unbearable_noise(path_problem: PathProblem, trajectory: Trajectory) -> str | None:
-    """Where errors of measurements alone are more than a motion bears, in words; else None.
+    """Why measurement errors alone are more than a motion tolerates, in words; else None.
 
-    They command more than a bound allows, or most of the clearance that was not found is theirs.
-    Both is by the gains about this motion.  It is no proof: other gains may bear more.
+    Either they command more than a bound allows, or they account for most of the clearance that was
+    not found.  Both are computed with the gains about this motion.  This is no proof: other gains
+    may tolerate more.
     """
     model, task = path_problem.model, path_problem.task
     noise = np.array([float(radius) for radius in measurement_radii(task, model)])
@@ -83,7 +84,7 @@ def unbearable_noise(path_problem: PathProblem, trajectory: Trajectory) -> str |
 
 
 def _noisy_clearance(path_problem: PathProblem, trajectory: Trajectory, gains: Array) -> str | None:
-    """Where errors of measurements alone carry a point farthest, if that is most of all spread."""
+    """How far measurement errors alone deviate points, in words, if that is most of the spread."""
     task, numeric = path_problem.task, path_problem.numeric
     if task.robust is None:
         return None
@@ -104,7 +105,7 @@ def _noisy_clearance(path_problem: PathProblem, trajectory: Trajectory, gains: A
 
 
 def effort_unit(model: RobotModel, place: int) -> str:
-    """The unit of an input, after a blank; empty for one that a module declares."""
+    """The unit of an input, preceded by a space; empty for an input that a module declares."""
     dof = robot_inputs(model)[place].dof
     if dof is None:
         return ""
@@ -114,9 +115,9 @@ def effort_unit(model: RobotModel, place: int) -> str:
 def controlled(
     path_problem: PathProblem, trajectory: Trajectory
 ) -> tuple[Trajectory, Array, ControllerClaim] | None:
-    """The motion that a controller makes of a trajectory, its gains (k, m, N), the controller.
+    """The closed-loop motion of a trajectory, its gains (k, m, N), and the controller.
 
-    None where the motion diverges.
+    None if the motion diverges.
     """
     numeric, task = path_problem.numeric, path_problem.task
     gains = path_problem.gains(trajectory)
@@ -139,16 +140,16 @@ def controlled(
 
 
 DIGITS = 8
-"""Significant digits of the generators of a set."""
+"""Significant digits in the generators of a set."""
 
 
 def loop_claim(
     path_problem: PathProblem, motion: Trajectory, gains: Array | None
 ) -> LoopClaim | None:
-    """The loop of a motion, which begins and ends with one state, but for a drift and whole turns.
+    """The claim about a motion whose first and last states agree up to a drift and whole turns.
 
-    ``gains`` (k, m, N) are those of its feedback.  None where no set of states is found that every
-    round returns into.
+    ``gains`` (k, m, N) are those of its feedback.  None if no set of states is found into which
+    every round returns.
     """
     found = path_problem.round_set(motion, gains)
     if path_problem.loop is None or found is None:

@@ -1,8 +1,8 @@
 """P.Synthesis for one structure and one path: parameters, then polishing, then timing.
 
 A parameter search finds basins: it evaluates parameters by motions whose timing along the path is
-free.  The convex programs with the parameters as unknowns find the bottoms of the best ones.  Then
-the cells that such a motion visits are made to bind (``cell_timing.py``).
+free.  Convex programs with the parameters as unknowns then find the minima of the best basins.
+Finally the motion is tied to the cells that it visits (``cell_timing.py``).
 """
 
 from __future__ import annotations
@@ -33,34 +33,34 @@ from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.task_limits import effort_scale
 
 SEARCHES = ("gp-acb", "nelder-mead")
-"""The searches of parameters by name, the usual one first."""
+"""The names of the parameter searches, the default first."""
 FURTHER = 5
-"""So many times as many parameters are evaluated where disturbed motions were not proved."""
+"""The factor by which evaluations are increased if disturbed motions were not proved."""
 BATCH = 2
 HARD = 0.5
-"""Where so many of the first motions do not get feasible, some with a price on rates are tried."""
+"""If at most this share of the first motions is feasible, some with a price on rates are tried."""
 NEAR = 0.01
-"""Units of length by which positions may be missed by motions that only lack dynamics."""
+"""Units of length by which positions may be off if a motion lacks only its dynamics."""
 CALM_LABEL = "|calm"
-"""The label of these in the journal."""
+"""The label of searches with a price on rates in the journal."""
 BASINS = 4
-"""How many of the best evaluations are polished."""
+"""The number of best evaluations that are polished."""
 APART = 0.1
-"""Basins differ by this in some coordinate of the unit cube."""
+"""Basins differ by this much in some coordinate of the unit cube."""
 BENT = 0.35
-"""Or their motions, half way, in some coordinate: sin of half an angle, or metres."""
+"""Basins also differ if poses halfway differ by this: sin of half an angle, or metres."""
 POLISH = IterationBudget(30, 1e-4, 1e-8, 2)
 NARROWINGS = 3
 FARTHEST = 10.0
-"""rad or m; how much farther disturbed motions get makes no difference."""
+"""rad or m; deviations of disturbed motions are capped at this in comparisons."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """One evaluation: ``theta`` (p,) in SI units, as the robot orders its parameters.
+    """One evaluation: ``theta`` (p,) in SI units, in the robot's order of parameters.
 
-    ``robustness`` is rho (Definition 7); where the motion is not ``feasible`` it is negative, by
-    how much the constraints are violated.
+    ``robustness`` is rho (Definition 7).  If the motion is not ``feasible``, it is negative and
+    measures the constraint violation.
     """
 
     theta: Array
@@ -72,8 +72,8 @@ class Sample:
 class PathSamples:
     """All samples of one cell path: the ``path``-th (from 0) that was tried for a structure.
 
-    ``structure`` is the number of the structure in order, ``names`` are its parameters as
-    ``symbol.name``, the symbol being an index into its word.
+    ``structure`` is the number of the structure.  ``names`` are its parameters as ``symbol.name``,
+    where the symbol is an index into its word.
     """
 
     structure: int
@@ -84,11 +84,11 @@ class PathSamples:
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """The best outcome for a path: its entry steps and its cells.
+    """The best outcome for a path, with its entry steps and its cells.
 
-    ``samples`` are all parameters that were evaluated, in order.  Where it is not ``bound`` to its
-    cells, the motion keeps to those at its ends alone.  ``calm`` says that rates had a
-    price; ``calmed``, that such a motion was looked for, whether or not there is one.
+    ``samples`` are all parameters evaluated, in order.  If not ``bound``, the motion keeps only to
+    the cells at its ends.  ``calm`` says that rates had a price, ``calmed`` that a motion with such
+    a price was searched for, whether or not one was found.
     """
 
     outcome: ControlOutcome
@@ -101,13 +101,13 @@ class Configuration:
 
 
 class MotionListener(Protocol):
-    """Is told of outcomes as they are evaluated."""
+    """Receives outcomes as they are evaluated."""
 
     def see(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
-        """Told of an outcome, and of the problem that it is one of."""
+        """Receive an outcome and the problem that it belongs to."""
 
     def prove(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
-        """Told of one that is worth a proof at once."""
+        """Receive an outcome that is worth proving at once."""
 
 
 def search_configuration(
@@ -119,10 +119,10 @@ def search_configuration(
 ) -> Configuration:
     """The best configuration found for a path; it may be infeasible.
 
-    ``label`` names the structure and path in the journal; ``listener`` is told of outcomes as
-    they are evaluated.  Where there are only motions that their inputs alone do not cause, and
-    the task does not ask for an open loop, a calm one is preferred, and looked for at once.
-    With a ``start`` (p,), parameters in SI units, others are looked for from these alone.
+    ``label`` names the structure and path in the journal; ``listener`` receives outcomes as they
+    are evaluated.  If the only motions found need feedback, and the task does not ask for an open
+    loop, a calm motion is preferred and searched for at once.  ``start`` (p,) restricts the
+    evaluations to these parameters, in SI units.
     """
     search = _Survey(path_problem, label, context, listener)
     calm, slower = path_problem.rates > 0, None
@@ -130,7 +130,7 @@ def search_configuration(
     plain = may_calm and listener is not None and not path_problem.in_joints
     first = first_motion(path_problem, context.seed, context.check_time) if plain else None
     if first is not None and listener is not None:
-        # Without parameters the search itself takes no longer than such a proof.
+        # Without parameters the search takes no longer than an early proof.
         (listener.see if search.space.is_point else listener.prove)(path_problem, first)
     if start is not None and not search.space.is_point:
         search.evaluate([start], SURVEY)
@@ -148,7 +148,7 @@ def search_configuration(
     samples = tuple(search.samples)
     with_price = search.calm_samples if slower is None else slower.samples
     if not path_problem.in_joints and not any(each.feasible for each in ranked):
-        # Tracking a line through cells may lead nowhere, where a way in joint space does.
+        # A way in joint space may succeed where tracking a line through cells fails.
         other = replace(path_problem, in_joints=True)
         again = search_configuration(other, f"{label}|joints", context, listener, start)
         if again.outcome.robustness > ranked[0].robustness:
@@ -172,7 +172,7 @@ def search_configuration(
 
 
 def only_for_feedback(path_problem: PathProblem, outcomes: Sequence[ControlOutcome]) -> bool:
-    """Whether there are motions, all of which need feedback, and that may be had."""
+    """Whether motions were found, all of them need feedback, and the task allows feedback."""
     found = [each for each in outcomes if each.feasible]
     regulated = [each.regulated or outgrows(path_problem, each.trajectory) for each in found]
     return path_problem.task.control != "open loop" and bool(regulated) and all(regulated)
@@ -191,9 +191,9 @@ def calmed(
 def searched_further(
     path_problem: PathProblem, label: str, context: RunContext
 ) -> Configuration | None:
-    """The best of more parameters than ``calmed`` evaluates, with the samples of those alone.
+    """The best of more parameters than ``calmed`` evaluates, with the samples of these alone.
 
-    None where there are no parameters, or the spread of disturbed motions does not decide on them.
+    None if there are no parameters, or if they are not chosen by the spread of disturbed motions.
     """
     space = parameter_space(path_problem.model)
     closed = path_problem.task.control != "open loop"
@@ -207,7 +207,7 @@ def searched_further(
 def _best(
     ranked: list[ControlOutcome], path_problem: PathProblem, entries: Entries, context: RunContext
 ) -> Timed:
-    """The first of ranked outcomes that can be settled in its cells."""
+    """The first of the ranked outcomes that can be settled in its cells."""
     for outcome in ranked:
         if outcome.feasible:
             timed = settled(path_problem, outcome, entries, context)
@@ -218,14 +218,14 @@ def _best(
 
 
 def parameter_search(cube: Cube, seed: int, name: str | None = None) -> ParameterSearch:
-    """The search of a cube by its name; None: the usual one."""
+    """The parameter search of this name on a cube; None gives the default."""
     if name == "nelder-mead":
         return ParameterSearch(cube, seed, 1, NelderMead(seed))
     return ParameterSearch(cube, seed, DESIGN, BayesianSearch(seed))
 
 
 class _Survey:
-    """The evaluations of a path's parameters, with the motions that were found."""
+    """The parameters evaluated for a path, with the motions found."""
 
     def __init__(
         self,
@@ -236,9 +236,9 @@ class _Survey:
     ) -> None:
         self.space = parameter_space(path_problem.model)
         self.attempts: list[ControlOutcome] = []
-        """The outcome of every seed at all parameters."""
+        """The outcomes from all seeds at all parameters."""
         self.valued: list[tuple[float, ControlOutcome]] = []
-        """The best outcome at each of the parameters, with its worth."""
+        """The best outcome at each parameter vector, with its worth."""
         self.samples: list[Sample] = []
         self._path_problem = path_problem
         self._label = label
@@ -248,10 +248,10 @@ class _Survey:
         self._search = parameter_search(self.space.cube, context.seed, context.search)
         self._harder: bool | None = None
         self.calm_samples: tuple[Sample, ...] = ()
-        """What was evaluated with a price on rates, to compare."""
+        """Samples with a price on rates, evaluated for comparison."""
 
     def run(self, until: Callable[[], bool] | None = None) -> None:
-        """Evaluate what the search asks for, or go on with that, until that holds."""
+        """Evaluate the points that the search proposes, or continue, until ``until`` holds."""
         if self.space.is_point:
             if not self.samples:
                 self.evaluate([self.space.lower], FULL)
@@ -269,24 +269,24 @@ class _Survey:
 
     @property
     def share(self) -> float:
-        """The part of all attempts that were feasible."""
+        """The share of all attempts that were feasible."""
         return sum(each.feasible for each in self.attempts) / max(len(self.attempts), 1)
 
     def _lacks_dynamics(self) -> bool:
-        """Whether many motions are in place, and few of these obey the equations of motion."""
+        """Whether many motions have good positions but few satisfy the equations of motion."""
         near = NEAR * self._path_problem.unit
         placed = [each for each in self.attempts if each.excess <= near]
         feasible = sum(each.feasible for each in placed)
         return len(placed) >= HARD * len(self.attempts) and feasible <= HARD * len(placed)
 
     def prefers_calm(self) -> bool:
-        """Whether motions are for feedback alone, or are easier to find with a price on rates."""
+        """Whether all motions need feedback, or are easier to find with a price on rates."""
         return only_for_feedback(self._path_problem, self.attempts) or self._is_harder()
 
     def _is_harder(self) -> bool:
-        """Whether the first parameters have fewer feasible motions than with a price on rates.
+        """Whether the first parameters give fewer feasible motions than with a price on rates.
 
-        That is found out once, when it is asked first.
+        This is determined once, on the first call.
         """
         if self._harder is None:
             self._harder = False
@@ -299,7 +299,7 @@ class _Survey:
         return self._harder
 
     def evaluate(self, thetas: list[Array], budget: IterationBudget) -> list[ControlOutcome]:
-        """The best outcome at each of the parameters."""
+        """The best outcome at each parameter vector."""
         found = []
         attempts = self._evaluator.attempts(thetas, budget)
         for theta, outcomes in zip(thetas, attempts, strict=True):
@@ -314,7 +314,7 @@ class _Survey:
         return found
 
     def worth(self, outcome: ControlOutcome) -> float:
-        """The robustness of an outcome, the less the farther disturbed motions get from it."""
+        """The robustness of an outcome, reduced by how far disturbed motions deviate from it."""
         path_problem = self._path_problem
         if not outcome.feasible or not chosen_by_spread(path_problem):
             return outcome.robustness
@@ -323,7 +323,7 @@ class _Survey:
         return outcome.robustness - far * effort_scale(path_problem.groups)
 
     def polished(self, entries: Entries) -> list[ControlOutcome]:
-        """The best outcomes with their parameters made unknowns of the convex programs."""
+        """The best outcomes after convex programs with the parameters as unknowns."""
         if self.space.is_point:
             return self.attempts
         chosen, path_problem = self.basins(), self._path_problem
@@ -342,7 +342,7 @@ class _Survey:
         return found
 
     def basins(self) -> list[ControlOutcome]:
-        """The best outcomes that differ in parameters or in motion from each other."""
+        """The best outcomes that differ from each other in parameters or in motion."""
         if chosen_by_spread(self._path_problem):
             ranked = [outcome for _, outcome in sorted(self.valued, key=lambda pair: -pair[0])]
         else:
@@ -363,7 +363,7 @@ class _Survey:
 
 
 def _moves_apart(one: ControlOutcome, other: ControlOutcome) -> bool:
-    """Whether the robot is bent otherwise half way in two attempts, by a quarter of a turn."""
+    """Whether the robot's poses halfway through two attempts differ by about a quarter turn."""
     half = len(one.trajectory.x) // 2
     n = len(one.trajectory.x[0]) // 2
     first, second = (attempt.trajectory.x[half, :n] for attempt in (one, other))
@@ -373,9 +373,9 @@ def _moves_apart(one: ControlOutcome, other: ControlOutcome) -> bool:
 def within_limits(
     path_problem: PathProblem, found: Configuration, budget: IterationBudget = FULL
 ) -> tuple[PathProblem, Configuration]:
-    """A configuration whose motion keeps the limits of joints and rates within its steps too.
+    """A configuration whose motion also satisfies joint and rate limits between samples.
 
-    The limits that it passes there are narrowed and the motion is found anew, a few times.
+    Limits that it violates there are narrowed and the motion is solved again, a few times.
     """
     for _ in range(NARROWINGS):
         closer = (
@@ -391,7 +391,7 @@ def within_limits(
 def resolved(
     path_problem: PathProblem, found: Configuration, budget: IterationBudget = FULL
 ) -> Configuration:
-    """A configuration under other margins; the parameters may move along with the motion."""
+    """The configuration solved again under other margins; parameters may change too."""
     trajectory = found.outcome.trajectory
     box = free_parameters(path_problem, trajectory)
     return replace(found, outcome=path_problem.solve(trajectory, found.entries, box, budget))

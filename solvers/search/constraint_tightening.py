@@ -1,4 +1,4 @@
-"""What a motion is asked to keep free, and how that grows where a proof did not go through."""
+"""How much the constraints of a motion are tightened, and how that grows after a failed proof."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from solvers.verifier.proofs.endless_conditions import CLOSED, ENTERED
 from solvers.verifier.proofs.tube_checks import Status
 
 WIDENINGS = (1.0, 2.5, 7.5, 20.0, 50.0)
-"""How many times as wide as at first margins get."""
+"""The factors by which the initial margin is multiplied."""
 LEAST_GROWTH = 0.4
-"""By at least this part of itself grows what is left for disturbed motions."""
+"""The tightening for disturbed motions grows by at least this share of itself."""
 MOST_SPREADS = 20.0
 MOST_SLACK = 100.0
-"""The set of a loop is not larger than estimated by more than this part."""
+"""The set of a loop exceeds its estimate by at most this share."""
 WIDEST = 1.0
-"""Metres; no disturbances are worth more tightening."""
+"""Metres; disturbances are not worth more tightening than this."""
 
 
 @dataclass(frozen=True, slots=True)
 class ConstraintTightening:
-    """A margin, the same everywhere, and the number of spreads of disturbed motions.
+    """A uniform margin, and the number of spreads of disturbed motions.
 
-    The margin is the ``least`` one (m), ``widened`` so many times.  Spreads grow with time, and so
-    does the tightening; a tube of all disturbed motions is wider than their spread to first order.
-    ``slack`` is the part by which the set of a loop is larger than its estimate.
+    The margin is ``least`` (m), multiplied by the ``widened``-th factor.  Spreads grow with time,
+    and so does the tightening; a tube around all disturbed motions is wider than their spread to
+    first order.  ``slack`` is the share by which the set of a loop is larger than its estimate.
     """
 
     least: float = LEAST_MARGIN
@@ -42,7 +42,7 @@ class ConstraintTightening:
 
     @property
     def is_last(self) -> bool:
-        """Whether no wider margin is left."""
+        """Whether there is no wider margin."""
         return self.widened == len(WIDENINGS) - 1
 
     @property
@@ -53,12 +53,12 @@ class ConstraintTightening:
     def wider(
         self, lacking: float, spread: DisturbanceSpread | None, beyond: float = 0.0
     ) -> ConstraintTightening | None:
-        """The tightening to try next; None: no more is worth it.
+        """The tightening to try next; None if more is not worth trying.
 
         Args:
-            lacking: what a proof has lacked of ``spread``, as a part of it; 0: something else.
-            spread: the tightening that disturbed motions were given; None without disturbances.
-            beyond: by what part of it a round leaves the set of its loop; 0: it does not.
+            lacking: the share of ``spread`` that a proof lacked; 0 if it lacked something else.
+            spread: the tightening for disturbed motions; None without disturbances.
+            beyond: the share by which a round leaves the set of its loop; 0 if it stays inside.
         """
         if beyond > 0:
             slack = (1 + self.slack) * (1 + max(LEAST_GROWTH, BEYOND * beyond)) - 1
@@ -72,7 +72,7 @@ class ConstraintTightening:
 
 
 def no_margin_text(spread: DisturbanceSpread) -> str:
-    """Why a path ends at which no motion leaves disturbed motions the clearance they need."""
+    """The statement that no motion leaves disturbed motions the clearance they need."""
     return (
         "no motion was found that leaves disturbed ones the clearance they need, "
         f"{spread.widest:.2g} m at the widest"
@@ -80,10 +80,10 @@ def no_margin_text(spread: DisturbanceSpread) -> str:
 
 
 def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSpread) -> float:
-    """By what part an enclosure of all disturbed motions is wider than the tightening given.
+    """The share by which an enclosure of all disturbed motions exceeds the tightening given.
 
-    It is infinite where the enclosure ends.  What the disturbances do not move lacks none of this
-    tightening, but a wider margin.
+    It is infinite if the enclosure ends early.  Conditions that disturbances do not affect do not
+    lack this tightening but a wider margin.
     """
     states = float(np.max(spread.states, initial=0.0))
     inputs = float(np.max(spread.inputs, initial=0.0))
@@ -104,9 +104,9 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
 
 
 def beyond_loop(conditions: Sequence[CheckedCondition]) -> float:
-    """By what part of it motions leave the set of their loop; 0 where they do not, or it is open.
+    """The share by which motions leave the set of their loop; 0 if they stay in it or it is open.
 
-    They are only known to do so where the tube is complete.
+    It is known only if the tube is complete.
     """
     closing = [each for each in conditions if each.name in (ENTERED, CLOSED)]
     return max((-each.margin for each in closing if each.status is not Status.HOLDS), default=0.0)

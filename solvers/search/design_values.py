@@ -1,4 +1,4 @@
-"""What designs are worth in the objectives of a task, and which of them is the best."""
+"""The values of designs in the objectives of a task, and which design is the best."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from solvers.verifier.proofs.energy_used import energy_bounds
 
 
 def design_values(design: Design, amounts: Sequence[Amount], task: ir.Task) -> tuple[Fraction, ...]:
-    """What a design is worth in each objective, rounded up, in SI units.
+    """The value of a design in each objective, rounded up, in SI units.
 
     Raises:
-        ValueError: one of them has no finite value.
+        ValueError: if an objective has no finite value.
     """
     return tuple(high for _, high in design_bounds(design, amounts, task))
 
 
 def design_bounds(design: Design, amounts: Sequence[Amount], task: ir.Task) -> tuple[Bounds, ...]:
-    """Rationals that contain what a design is worth in each objective, in SI units.
+    """Rational bounds on the value of a design in each objective, in SI units.
 
     Raises:
-        ValueError: one of them has no finite value.
+        ValueError: if an objective has no finite value.
     """
     motion = MotionValues(
         robustness_share(design, task), len(design.inputs) * task.step,
@@ -47,11 +47,11 @@ def design_bounds(design: Design, amounts: Sequence[Amount], task: ir.Task) -> t
 def limits_of(
     values: Sequence[Sequence[Fraction]], amounts: Sequence[Amount]
 ) -> tuple[tuple[Limit, ...], int | None]:
-    """What designs with these values leave of each objective, and which of them is the best.
+    """The limits that designs with these values set on each objective, and the best design.
 
-    Each objective in turn takes the least that designs within the limits before have, and leaves so
-    much more as it says.  Of equal ones in the last objective, that with the least of the first
-    objective is the best, and so on.  None where there is no design.
+    Each objective in turn takes the least value among the designs within the limits so far, and
+    allows as much more as the objective says.  Ties in the last objective are broken by the first
+    objective, then the second, and so on.  The index is None if there are no designs.
     """
     left, limits = list(range(len(values))), list[Limit]()
     if not left:

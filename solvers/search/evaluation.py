@@ -1,8 +1,8 @@
-"""Evaluating parameters: the best outcome over all seeds of a path problem, by whichever workers.
+"""Evaluate parameters: the best outcome over all seeds of a path problem, on any workers.
 
 An evaluation is a pure function of the path problem and the parameters, so results do not depend on
-who does it; what was evaluated before is looked up in a journal, where outcomes are values of JSON
-with every bit of their numbers.
+who computes it.  Earlier evaluations are looked up in a journal, which stores outcomes as JSON
+values without loss of precision.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ from solvers.trajectory.trajectory import Trajectory
 
 RADIUS = 0.5
 NEAR = 0.1
-"""Units of length by which a seed may leave the path in any case."""
+"""Units of length by which a seed may always leave the path."""
 FARTHER = 2.0
-"""Or so many times what the best seed leaves it by."""
+"""Otherwise it may leave the path by this multiple of the distance of the best seed."""
 ARRAY = "float64"
 TRAJECTORY = "trajectory"
 
@@ -52,7 +52,7 @@ TRAJECTORY = "trajectory"
 class SolveRequest:
     """One control synthesis: the arguments of ``PathProblem.solve`` or ``PathProblem.released``.
 
-    Without ``entries`` the path problem's own timing is meant; with ``box``, a pair of bounds (p,),
+    Without ``entries`` the path problem's own timing is used; with ``box``, a pair of bounds (p,),
     the parameters are unknowns too.
     """
 
@@ -64,7 +64,7 @@ class SolveRequest:
     released: bool = False
 
     def outcome(self, path_problem: PathProblem) -> ControlOutcome:
-        """What the path problem makes of it; the same arguments have the same outcome."""
+        """Solve the path problem with these arguments; equal arguments give equal outcomes."""
         if self.released:
             entries = path_problem.waypoints()[1] if self.entries is None else self.entries
             return path_problem.released(self.start, entries, self.box, self.budget, self.radius)
@@ -72,7 +72,7 @@ class SolveRequest:
 
     @property
     def digest(self) -> str:
-        """A name for these arguments, the same in every run."""
+        """A hash of these arguments, the same in every run."""
         plain = (self.entries, self.budget, self.radius, self.released, self.box is None)
         text = sha256(repr(plain).encode())
         for array in (self.start.x, self.start.u, self.start.theta, *(self.box or ())):
@@ -81,18 +81,18 @@ class SolveRequest:
 
 
 ROBOTS = 4
-"""The equations of motion of so many robots are kept by a process."""
+"""The number of robots whose equations of motion a process caches."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """A path problem as plain data, to be built again in another process."""
+    """A path problem as plain data, from which another process can rebuild it."""
 
     model: RobotModel
     settings: dict[str, object]
 
     def path_problem(self) -> PathProblem:
-        """The path problem."""
+        """Build the path problem."""
         gravity = getattr(self.settings["task"], "gravity", ())
         numeric = _numeric(self.model, gravity)
         return PathProblem(numeric=numeric, **self.settings)  # type: ignore[arg-type]
@@ -100,7 +100,7 @@ class Recipe:
 
 @lru_cache(ROBOTS)
 def _numeric(model: RobotModel, gravity: tuple[Fraction, ...]) -> NumericRobot:
-    """The equations of motion of a robot, of which there are several path problems."""
+    """The equations of motion of a robot, shared by its path problems."""
     return NumericRobot(robot_graph(model, gravity))
 
 
@@ -117,12 +117,12 @@ Outcomes: TypeAlias = tuple[ControlOutcome, ...]
 def evaluate(
     path_problem: PathProblem, theta: Array, budget: IterationBudget = SURVEY
 ) -> ControlOutcome:
-    """The best outcome over all seeds, the timing along the path free; ties go to the first.
+    """The best outcome over all seeds with free timing along the path; the first of equal ones.
 
     ``theta`` (p,) are the parameters, in SI units.
 
     Raises:
-        ValueError: there is no seed.
+        ValueError: if there is no seed.
     """
     return best_of(attempts_at(path_problem, theta, budget))
 
@@ -130,7 +130,7 @@ def evaluate(
 def attempts_at(
     path_problem: PathProblem, theta: Array, budget: IterationBudget = SURVEY
 ) -> Outcomes:
-    """The outcomes of all hopeful seeds for theta (p,), the timing along the path free."""
+    """The outcomes of all promising seeds for theta (p,), with free timing along the path."""
     return tuple(
         request.outcome(path_problem)
         for request in _requests(_hopeful(path_problem, theta), budget)
@@ -148,10 +148,10 @@ def _hopeful(path_problem: PathProblem, theta: Array) -> list[Trajectory]:
 
 
 def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajectory]:
-    """The seeds that are worth trying, in their order; one at least where there is one.
+    """The seeds that are worth trying, in order; at least one if there are any.
 
-    A tracked seed leaves the path where the inverse kinematics has no pose for it; one that does
-    so by far, while another hardly does, would only take time.
+    A tracked seed leaves the path where the inverse kinematics finds no pose.  One that leaves it
+    by far, while another hardly does, would only cost time.
     """
     gaps = [_excess(problem, seed) for seed in seeds]
     most = max(NEAR * problem.unit, FARTHER * min(gaps, default=0.0))
@@ -159,7 +159,7 @@ def hopeful(problem: ControlProblem, seeds: Sequence[Trajectory]) -> list[Trajec
 
 
 def _excess(problem: ControlProblem, seed: Trajectory) -> float:
-    """By how much a seed breaks the half-planes of a problem at most, metres."""
+    """The largest violation of the half-planes of a problem by a seed, in metres."""
     points = problem.numeric.points(seed.x[:, : problem.numeric.n], seed.theta)
     if not np.isfinite(points.value).all():
         return float("inf")
@@ -175,7 +175,7 @@ _SolveJob: TypeAlias = tuple[SharedPayload[Recipe], SolveRequest]
 
 
 def _seeds(job: _ThetaJob) -> list[Trajectory]:
-    """A job: the hopeful seeds at some parameters."""
+    """A job: the promising seeds at some parameters."""
     return _hopeful(made_of(job[0], Recipe.path_problem), job[1])
 
 
@@ -187,8 +187,8 @@ def _solved(job: _SolveJob) -> ControlOutcome:
 class Evaluator:
     """Evaluates parameters and solves for motions of one path problem; results are in order.
 
-    ``label`` names in the journal whatever of the path problem is no plain number: structure, path
-    and cells.  What is recorded there is not done again.
+    In the journal, ``label`` stands for everything in the path problem that is not a plain number:
+    structure, path and cells.  Recorded results are not computed again.
     """
 
     def __init__(
@@ -207,17 +207,17 @@ class Evaluator:
     def batch(
         self, thetas: Sequence[Array], budget: IterationBudget = SURVEY
     ) -> Iterator[ControlOutcome]:
-        """The best outcome over all seeds for each of the parameters (p,), one at a time.
+        """The best outcome over all seeds for each parameter vector (p,), one at a time.
 
         Raises:
-            ValueError: there is no seed for some of them.
+            ValueError: if some of them have no seed.
         """
         return (best_of(outcomes) for outcomes in self.attempts(thetas, budget))
 
     def attempts(
         self, thetas: Sequence[Array], budget: IterationBudget = SURVEY
     ) -> Iterator[Outcomes]:
-        """The outcomes of all hopeful seeds for each of the parameters (p,), one by one."""
+        """The outcomes of all promising seeds for each parameter vector (p,), one at a time."""
         keys = [f"{self._name}|{theta.tobytes().hex()}|{budget}" for theta in thetas]
         known = [self._recalled(key) for key in keys]
         missing = [theta for theta, found in zip(thetas, known, strict=True) if found is None]
@@ -234,7 +234,7 @@ class Evaluator:
     def _merged(
         self, keys: list[str], known: list[Outcomes | None], missing: Iterator[Outcomes]
     ) -> Iterator[Outcomes]:
-        """What is known and what is missing, in order; the latter is recorded as it comes."""
+        """Known and missing outcomes in order; the missing ones are recorded as they arrive."""
         for key, recalled in zip(keys, known, strict=True):
             outcomes = recalled
             if outcomes is None:
@@ -251,7 +251,7 @@ class Evaluator:
         return found if len(found) == len(outcomes) else None
 
     def _evaluated(self, thetas: Sequence[Array], budget: IterationBudget) -> Iterator[Outcomes]:
-        """All seeds of all parameters are solved for side by side."""
+        """Solve for all seeds of all parameters in parallel."""
         if isinstance(self._workers, InProcess):
             yield from (attempts_at(self.path_problem, theta, budget) for theta in thetas)
             return
@@ -267,7 +267,7 @@ class Evaluator:
         ahead: list[ControlOutcome] = []
         for _ in thetas:
             if not counts:
-                # The seeds are counted on the way to the next outcome.
+                # Drawing the next outcome fills ``counts``.
                 ahead += islice(outcomes, 1)
             missing = counts.popleft() - len(ahead)
             if missing < 0:
@@ -282,7 +282,7 @@ class Evaluator:
         return self._workers.map(_solved, ((self._payload(), request) for request in requests))
 
     def _payload(self) -> SharedPayload[Recipe]:
-        """The path problem for other processes; this one has it already."""
+        """The path problem packed for other processes; this process keeps the original."""
         if self._packed is None:
             self._packed = packed(recipe(self.path_problem))
             keep(self._packed, Recipe.path_problem, self.path_problem)
@@ -290,13 +290,13 @@ class Evaluator:
 
 
 def _numbers(path_problem: PathProblem) -> str:
-    """Those settings of a path problem that are numbers or names, or arrays and tuples of them."""
+    """The settings of a path problem that are numbers or names, or arrays and tuples of these."""
     settings = ((field.name, getattr(path_problem, field.name)) for field in fields(path_problem))
     return ",".join(f"{name}={text}" for name, value in settings if (text := _number(value)))
 
 
 def _number(value: object) -> str:
-    """A number, a name, an array or a tuple of numbers as a text; empty for all else."""
+    """A number, a name, an array or a tuple of numbers as text; empty for anything else."""
     match value:
         case np.ndarray():
             return f"{value.shape}{value.astype('<f8').tobytes().hex()}"
@@ -312,12 +312,12 @@ def _number(value: object) -> str:
 
 
 def record_of(outcome: ControlOutcome) -> dict[str, Recorded]:
-    """An outcome as a value of JSON."""
+    """An outcome as a JSON value."""
     return {field.name: _recorded(getattr(outcome, field.name)) for field in fields(outcome)}
 
 
 def outcome_of(record: Recorded) -> ControlOutcome | None:
-    """The outcome of a record, or None where it is not one of this version."""
+    """The outcome in a record, or None if the record is not of this version."""
     try:
         if not isinstance(record, dict):
             return None
@@ -326,7 +326,7 @@ def outcome_of(record: Recorded) -> ControlOutcome | None:
         outcome = ControlOutcome(**known)  # type: ignore[arg-type]
     except (TypeError, ValueError, KeyError):
         return None
-    found: object = outcome.trajectory  # by its type only where the record is a true one
+    found: object = outcome.trajectory  # a corrupt record may hold any type
     if not isinstance(found, Trajectory):
         return None
     return outcome
@@ -368,9 +368,10 @@ def _array(value: Recorded) -> Array:
 
 
 def free_parameters(path_problem: PathProblem, about: Trajectory) -> tuple[Array, Array] | None:
-    """Bounds (p,) of the parameters as unknowns next to a motion; None where none may vary.
+    """Bounds (p,) on the parameters as unknowns near a motion; None if none may vary.
 
-    Convex programs know nothing of disturbed motions: parameters chosen for these stay.
+    Parameters chosen by the spread of disturbed motions stay fixed, because the convex programs do
+    not model these.
     """
     if chosen_by_spread(path_problem):
         return None

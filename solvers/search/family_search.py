@@ -1,4 +1,4 @@
-"""The search of a family of robots: structures come in order, have their turns, and go."""
+"""The search of a family of robots: structures enter in order, take turns, and leave."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ NO_COUNTS = {"structures": 0, "smt": 0, "paths": 0, "evaluations": 0}
 
 @dataclass(frozen=True, slots=True)
 class Proved:
-    """A design, the number of its structure, and what its search took (a part of all counts)."""
+    """A design, the number of its structure, and the counts of its own search."""
 
     number: int
     design: Design
@@ -54,11 +54,11 @@ class Proved:
 
 @dataclass(slots=True)
 class FamilySearch:
-    """The search of a family in progress; ``every``: it goes on after a design.
+    """The search of a family in progress; with ``every``, it continues after a design.
 
-    ``family`` has the robots that are left: what ``lemmas`` are about is taken from it.
-    ``told`` is called with the search when a design was proved.  With a ``gap`` it goes on, too,
-    until the best design is proved to be within that part of itself below all others.
+    ``family`` contains the robots that no lemma in ``lemmas`` covers.  ``told`` is called with the
+    search whenever a design is proved.  With a ``gap``, the search continues until no design can be
+    more robust than the best one by more than that share of it.
     """
 
     program: ir.Program
@@ -73,24 +73,24 @@ class FamilySearch:
     """The family before any lemma."""
     bound: RobustnessBound | None = None
     unbounded: str | None = None
-    """Why there is no bound, once one was sought."""
+    """Why there is no bound, once one has been sought."""
     queue: SearchQueue = field(init=False)
     smt: int = 0
     records: dict[int, StructureRecord] = field(default_factory=dict[int, StructureRecord])
     seen: dict[str, int] = field(default_factory=dict[str, int])
-    """By the key of a robot the first structure that has it."""
+    """Maps the key of a robot to the first structure that has it."""
     searched: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
-    """The structures that were searched, as they ended."""
+    """The structures whose search has ended, in the order in which it ended."""
     stopped: str | None = None
     unanswered: dict[int, str] = field(default_factory=dict[int, str])
-    """By the number of a structure which solver has not answered, and why."""
+    """Maps the number of a structure to the solver that gave no answer, and why."""
     lemmas: list[Lemma] = field(default_factory=list[Lemma])
     amounts: tuple[Amount, ...] = field(init=False)
-    """What is to be least."""
+    """The quantities to minimise."""
     valued: dict[int, tuple[Design, tuple[Fraction, ...]]] = field(
         default_factory=dict[int, tuple[Design, tuple[Fraction, ...]]]
     )
-    """Designs, by what identifies them, and what each is worth."""
+    """Maps the id of a design to the design and its values."""
 
     def __post_init__(self) -> None:
         self.every |= self.gap is not None
@@ -98,7 +98,7 @@ class FamilySearch:
         self.amounts = amounts(self.program, self.task)
 
     def structures(self) -> None:
-        """Let structures have their turns until one is proved, unless all are due."""
+        """Let structures take turns until one is proved, or all of them if all are wanted."""
         left = StructuresLeft(self.program, self.task, self.context, self.family, self.lemmas)
         for _ in self.turns(left):
             if self.designs and (not self.every or self.is_closed()):
@@ -109,7 +109,7 @@ class FamilySearch:
     def turns(
         self, left: StructuresLeft, prepare: Callable[[], None] = lambda: None
     ) -> Iterator[None]:
-        """Let structures have their turns; after each one that is searched to its end, go on.
+        """Let structures take turns; yield after each structure whose search has ended.
 
         ``prepare`` is called before each turn.
         """
@@ -138,7 +138,7 @@ class FamilySearch:
     # --- how much more robust a design may be ---------------------------------------------------
 
     def is_closed(self) -> bool:
-        """Whether no design is more robust than the best one by more than the gap asked for."""
+        """Whether no design can be more robust than the best one by more than the given gap."""
         if self.gap is None:
             return False
         if self.bound is None and self.unbounded is None:
@@ -148,7 +148,7 @@ class FamilySearch:
         return above is not None and above <= self.gap
 
     def seek_bound(self, effort: DriveEffort) -> None:
-        """Seek a bound on all designs; one that was found before stays unless it is larger."""
+        """Seek a bound on all designs; keep the previous bound unless the new one is smaller."""
         best = self.best_share
         if best is None:
             self.unbounded = "no input has a choice"
@@ -164,12 +164,12 @@ class FamilySearch:
 
     @property
     def best_share(self) -> float | None:
-        """The share that the inputs of the best design keep."""
+        """The share of their bounds that the inputs of the best design leave free."""
         designs = self.designs
         return robustness_share(designs[0].design, self.task) if designs else None
 
     def learn(self, left: StructuresLeft, candidate: Candidate) -> None:
-        """Narrow what is left by what became of a structure, if it is refuted."""
+        """Narrow the remaining family by what the refutation of a structure implies."""
         record = self.records.get(candidate.number)
         if record is None or record.verdict != "refuted":
             return
@@ -178,15 +178,15 @@ class FamilySearch:
         left.learn(candidate, by_poses=by_poses)
         self.family = left.family
 
-    # --- a structure comes and goes -------------------------------------------------------------
+    # --- a structure enters and leaves ----------------------------------------------------------
 
     def may_enter(self) -> bool:
-        """Whether another structure has the next turn."""
+        """Whether a new structure takes the next turn."""
         full = self.without_success + len(self.queue.under_way) >= MOTION_SEARCHES
         return not self.queue.under_way if full else self.queue.wants_another()
 
     def at_limit(self) -> bool:
-        """Whether a limit ends the search; all are counts, so that verdicts repeat."""
+        """Whether a limit ends the search; all limits are counts, so verdicts are reproducible."""
         robots = robot_limit(self.family, self.task)
         if self.without_success >= MOTION_SEARCHES:
             self.stopped = (
@@ -206,14 +206,14 @@ class FamilySearch:
         return self.stopped is not None
 
     def enter(self, ahead: Prefetch, candidate: Candidate) -> None:
-        """Refute a structure, or have it searched."""
+        """Refute a structure, or queue it for the search."""
         self.context.reporter.structure(candidate.number, candidate.derivation.word)
         if candidate.model is None:
             self.record(candidate, "inadmissible", candidate.fault)
             return
         key = robot_key_in_task(candidate.model, self.task)
         if self.amounts:
-            # One robot may be had at several prices.
+            # The same robot can have several costs, depending on its word.
             word = candidate.derivation.word
             key += f"|{[str(amount.of_word(word)) for amount in self.amounts]}"
         if key in self.seen:
@@ -252,7 +252,7 @@ class FamilySearch:
         self.queue.enter(entered, search(given, self.abstraction).states(effectors))
 
     def leave(self, structure: StructureUnderWay) -> None:
-        """A structure is searched to its end."""
+        """Record the result of a structure whose search has ended."""
         self.queue.leave(structure)
         self.searched.append(structure)
         candidate, state = structure.candidate, structure.state
@@ -269,7 +269,7 @@ class FamilySearch:
         self.record(candidate, "unresolved", f"{state.reason}{tried}{state.obstacle}{refuter}")
 
     def effectors(self, model: RobotModel, answer: Refutation) -> list[int]:
-        """The effectors that may start and reach, the one of the witness poses first."""
+        """The effectors that may start and reach, beginning with the one in the witness poses."""
         bound = recorded_effector(self.task)
         if bound is not None:
             return [bound] if bound < len(model.effectors) else []
@@ -286,36 +286,37 @@ class FamilySearch:
         same: int | None = None,
         boxes: str | None = None,
     ) -> None:
-        """What became of a structure is known."""
+        """Record the verdict on a structure."""
         found = record_of(candidate, verdict, reason)
         self.records[candidate.number] = replace(
             found, script=script, same_robot_as=same, boxes=boxes
         )
 
-    # --- what there is in the end ---------------------------------------------------------------
+    # --- results --------------------------------------------------------------------------------
 
     @property
     def without_success(self) -> int:
-        """How many structures were searched to their end without a design or a refutation."""
+        """The number of structures whose search ended without a design or a refutation."""
         return sum(self.records[each.number].verdict == "unresolved" for each in self.searched)
 
     @property
     def all_searched(self) -> list[StructureUnderWay]:
-        """The structures that were searched, or are, in their order."""
+        """The structures that were or are being searched, in order."""
         known = [*self.searched, *self.queue.under_way, *self.queue.parked]
         return sorted(known, key=lambda each: each.number)
 
     @property
     def every_design(self) -> tuple[Proved, ...]:
-        """The best design of each structure, in their order."""
+        """The best design of each structure, in order."""
         found = ((each, each.incumbent) for each in self.all_searched)
         return tuple(proved(each, design) for each, design in found if design is not None)
 
     @property
     def designs(self) -> tuple[Proved, ...]:
-        """The same, the best one first by what is to be least; that alone unless all are asked for.
+        """The best design by the objectives, followed by the others if all are asked for.
 
-        With a gap the most robust one alone.
+        Without objectives, the best designs of all structures, in order.  With a gap, only the most
+        robust design.
         """
         found = self.every_design
         if self.gap is not None and found:
@@ -330,13 +331,13 @@ class FamilySearch:
         return (best, *others) if self.every else (best,)
 
     def best_of(self, designs: Sequence[Design]) -> Design:
-        """The best of some designs by what is to be least; of equal ones the most robust."""
+        """The best of some designs by the objectives; the most robust of equal ones."""
         ranked = sorted(designs, key=lambda design: -design.robustness)
         _, first = limits_of([self.values(design) for design in ranked], self.amounts)
         return ranked[first or 0]
 
     def values(self, design: Design) -> tuple[Fraction, ...]:
-        """What a design is worth in what is to be least."""
+        """The value of a design in each objective."""
         known = self.valued.get(id(design))
         if known is None:
             known = design, design_values(design, self.amounts, self.task)
@@ -345,12 +346,12 @@ class FamilySearch:
 
     @property
     def all_values(self) -> list[tuple[Fraction, ...]]:
-        """What all designs that were proved are worth."""
+        """The values of all proved designs."""
         return [self.values(design) for each in self.all_searched for design in each.proved]
 
     @property
     def counts(self) -> dict[str, int]:
-        """What was tried."""
+        """The total counts of what was tried."""
         found = {**NO_COUNTS, "structures": len(self.records), "smt": self.smt}
         for each in self.all_searched:
             for name, count in spent(each).items():
@@ -358,9 +359,9 @@ class FamilySearch:
         return found
 
     def all_records(self, why: str) -> tuple[StructureRecord, ...]:
-        """What became of the structures, in their order; equal robots share their reasons.
+        """The verdicts on all structures, in order; equal robots share their reasons.
 
-        ``why`` says what ended the search of those that are under way.
+        ``why`` says what ended the search of the structures that are still under way.
         """
         found = dict(self.records)
         for each in (*self.queue.under_way, *self.queue.parked):
@@ -379,7 +380,7 @@ class FamilySearch:
 
 
 def proved(structure: StructureUnderWay, design: Design) -> Proved:
-    """A design of a structure, with what its search took."""
+    """A design of a structure, with the effort of its search."""
     counts = {"structures": 1, "smt": structure.smt, **spent(structure)}
     return Proved(structure.number, design, counts)
 
@@ -391,7 +392,7 @@ def record_of(candidate: Candidate, verdict: StructureVerdict, reason: str) -> S
 
 
 def spent(structure: StructureUnderWay) -> dict[str, int]:
-    """How many paths were tried for a structure, and how many parameters evaluated."""
+    """The number of paths tried for a structure, and of parameters evaluated."""
     attempts = structure.state.evaluated
     evaluations = sum(len(each.samples) for each in attempts)
     return {"paths": len(attempts), "evaluations": evaluations}

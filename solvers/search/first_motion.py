@@ -1,8 +1,9 @@
-"""A motion to begin with: ways in joint space with the inputs that cause them, as they are.
+"""An initial motion: a way in joint space, with the inputs that produce it.
 
-Poses where the task binds points come from inverse kinematics, clear ways between them from
-``joint_seeds.py``, and inputs from the equations of motion, sample by sample.  For many tasks that
-is a motion already, before any convex program is solved; it is proved at once, and improved later.
+Poses where the task constrains points come from inverse kinematics, collision-free ways between
+them from ``joint_seeds.py``, and inputs from the equations of motion, sample by sample.  For many
+tasks this is already a feasible motion before any convex program is solved.  It is proved at once
+and improved later.
 """
 
 from __future__ import annotations
@@ -21,27 +22,27 @@ from solvers.trajectory.task_limits import resting_inputs
 from solvers.trajectory.trajectory import Trajectory
 
 DRAWN = 3
-"""Parameters that are drawn, besides those in the middle of their bounds."""
+"""The number of parameter vectors drawn, in addition to the middle of the bounds."""
 BROUGHT_BACK = 0.5
-"""The part of a deviation from the way that is made up for within a step."""
+"""The share of a deviation from the way that is corrected within one step."""
 CORRECTIONS = 4
 SETTLED = 1e-3
-"""Inputs are corrected until no rate is missed by more (rad/s or m/s), so many times at most."""
+"""Inputs are corrected until all rates are met up to this (rad/s or m/s)."""
 PUSHED = 1e-6
-"""Directions that no input moves, relative to the one that is moved most."""
+"""Directions less controllable than this, relative to the most controllable one, are ignored."""
 
 
 def first_motion(
     path_problem: PathProblem, seed: int, tick: Callable[[], None]
 ) -> ControlOutcome | None:
-    """The first feasible motion that follows a straight way in joint space, None if none does.
+    """The first feasible motion that follows a straight way in joint space, or None.
 
-    Where none does as it is, the convex programs are asked once about the one that lacks least.
+    If no motion is feasible as it stands, the convex programs are run once from the nearest one.
 
     Args:
         path_problem: the robot in its task.
-        seed: of the parameters and poses that are drawn.
-        tick: called again and again; what it raises ends the search.
+        seed: the random seed for parameters and poses.
+        tick: called repeatedly; an exception from it ends the search.
     """
     space = parameter_space(path_problem.model)
     thetas = [space.from_cube(np.full(len(space.lower), 0.5))]
@@ -72,10 +73,10 @@ def first_motion(
 def followed(
     path_problem: PathProblem, ways: Array, theta: Array, loads: Array
 ) -> list[Trajectory]:
-    """Motions along ways (s, k + 1, n), from rest, with the inputs that bring them along.
+    """Motions from rest along ways (s, k + 1, n), with the inputs that produce them.
 
-    Rates at the next sample are those of the way, and what was missed of it is made up for.  The
-    last inputs are ``loads`` (k, c), which are given.
+    Inputs are chosen so that the rates at the next sample are those of the way, plus a correction
+    of the position error.  The last inputs are the given ``loads`` (k, c).
     """
     numeric, dt = path_problem.numeric, float(path_problem.task.step)
     count, k, n = len(ways), ways.shape[1] - 1, numeric.n

@@ -1,9 +1,10 @@
-"""The search for a robot that has the least of what a task asks to be least.
+"""The search for a robot that minimises the objectives of a task.
 
-Objectives come in turn.  For each, structures are tried in the order of the least that they can
-have of it, among those that are within what the objectives before leave; once there is a design,
-only structures that may have less are searched on.  Of time, effort and energy words say nothing,
-so that each structure may have less: an objective behind others does not wait for all of them.
+Objectives are minimised in turn.  For each, structures are tried in ascending order of a lower
+bound on it, among those within the limits that earlier objectives set.  Once there is a design,
+only structures that may have less are searched further.  Words give no lower bound on time, effort
+or energy, so any structure may have less of these; a later objective therefore does not wait for
+all structures.
 """
 
 from __future__ import annotations
@@ -26,27 +27,27 @@ from solvers.search.search_queue import StructureUnderWay
 from solvers.search.structures_left import StructuresLeft
 
 IN_VAIN = 3
-"""After so many structures in a row without less of it the search for a later objective ends."""
+"""The search for a later objective ends after this many structures in a row without improvement."""
 
 
 @dataclass(slots=True)
 class LeastSearch:
-    """The search of a family for what a task asks to be least, objective by objective."""
+    """The search of a family for the minimum of each objective in turn."""
 
     run: FamilySearch
     amounts: tuple[Amount, ...]
     place: int = 0
-    """The objective that is the present one."""
+    """The index of the current objective."""
     tried: set[tuple[str, ...]] = field(default_factory=set[tuple[str, ...]])
     least: Fraction | None = None
-    """What designs have of the present objective at least, as far as that was looked at."""
+    """The least value of the current objective among the designs known at the last check."""
     before: int = 0
-    """How many structures were searched when there was so little first."""
+    """The number of structures searched when this value was first seen."""
     ended: dict[str, str] = field(default_factory=dict[str, str])
-    """By the kind of an objective which limit ended the search for less of it."""
+    """Maps the kind of an objective to the limit that ended the search for less of it."""
 
     def search(self) -> None:
-        """Try structures until no other one may have less, as far as the limits of the run go."""
+        """Try structures until no other can have less, or the limits of the run are reached."""
         run = self.run
         for place in range(len(self.amounts)):
             self.place, self.least = place, None
@@ -61,25 +62,25 @@ class LeastSearch:
 
     @property
     def amount(self) -> Amount:
-        """The present objective."""
+        """The current objective."""
         return self.amounts[self.place]
 
     def modules(self, family: RobotFamily) -> int | None:
-        """The bound on modules of what is tried; None where the objectives bound it."""
+        """The bound on modules of the structures tried; None if the objectives bound them."""
         return searched_modules(family, self.run.task, self.amounts)
 
     def order(self, family: RobotFamily) -> Iterator[Candidate]:
-        """The structures of a family within the limits, in the order of the present objective."""
+        """The structures of a family within the limits, in the order of the current objective."""
         limits, _ = self.limits()
         bound, origin = self.modules(family), self.run.task.origin
         return structures_by(self.amount, family, bound, limits[: self.place], origin)
 
     def limits(self) -> tuple[tuple[Limit, ...], int | None]:
-        """What the designs so far leave, and which of them is the best."""
+        """The limits that the designs so far set, and the index of the best design."""
         return limits_of(self.run.all_values, self.amounts)
 
     def prepare(self, left: StructuresLeft) -> None:
-        """Let those structures alone be searched that may have less than the best design."""
+        """Restrict the search to structures that may have less than the best design."""
         limits, best = self.limits()
         if best is None:
             return
@@ -97,17 +98,17 @@ class LeastSearch:
             self.end(left)
 
     def is_in_vain(self) -> bool:
-        """Whether enough structures were searched since a design had less of the objective.
+        """Whether enough structures were searched since a design last improved the objective.
 
-        Never for the first objective, which is what is asked for, nor where words are in order of
-        it: each structure that is refuted there adds to what is proved.
+        Never for the first objective, which is the one asked for, nor if words are ordered by the
+        objective: each structure refuted there strengthens what is proved.
         """
         if self.run.every or not self.place or self.amount.is_ordering:
             return False
         return len(self.run.searched) - self.before >= IN_VAIN
 
     def end(self, left: StructuresLeft) -> None:
-        """Have no other structure searched for the present objective, and say so."""
+        """End the search for the current objective, and record the limit."""
         left.stop()
         self.run.queue.give_turns(lambda _: False)
         kind = self.amount.objective.kind
@@ -119,7 +120,7 @@ class LeastSearch:
     def may_be_less(
         self, structure: StructureUnderWay, before: Sequence[Limit], least: Fraction
     ) -> bool:
-        """Whether a structure that is under way may have less than so much, within limits."""
+        """Whether a structure under way may have less than ``least``, within the limits."""
         if self.run.every:
             return True
         candidate, word = structure.candidate, structure.derivation.word
@@ -129,7 +130,7 @@ class LeastSearch:
 
 
 def searched_modules(family: RobotFamily, task: ir.Task, amounts: Sequence[Amount]) -> int | None:
-    """The number of modules up to which structures are tried; None where objectives bound it."""
+    """The bound on modules of the structures tried; None if the objectives bound them."""
     if task.modules is not None:
         return task.modules
     weights = [amounts[0].weights.get(name, Fraction(0)) for name in family.language.srg.terminals]

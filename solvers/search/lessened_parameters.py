@@ -1,8 +1,8 @@
-"""Parameters that have less of an objective, from those of a proved design on.
+"""Parameters with less of an objective, found from those of a proved design.
 
-Parameters are drawn towards the ends of their ranges at which the objective is least: all of them
-together, then one by one.  Between that end and a part of the way to the design they are unknowns
-of the convex programs.  What is found need not be the least.
+Parameters are moved towards the ends of their ranges at which the objective is least: first all
+together, then one by one.  Between that end and a fraction of the way back to the design they are
+unknowns of the convex programs.  The result need not be the minimum.
 """
 
 from __future__ import annotations
@@ -26,23 +26,23 @@ from solvers.search.shorter_motion import attempt_along
 from solvers.trajectory.trajectory import Trajectory
 
 TOGETHER = (0.5, 0.75, 0.9, 0.97)
-"""The parts of the way from the least end to the design that are left, one after a failure."""
+"""The remaining fractions of the distance to the least end; each follows a failure."""
 ALONE = (0.5, 0.9)
-"""The same of one parameter."""
+"""The fractions for a single parameter."""
 ROUNDS = 6
-"""So often parameters are drawn together."""
+"""The number of times that parameters are moved together."""
 SAME = 1e-3
-"""Parameters that are as near their end, relative to their range, stay."""
+"""Parameters this close to their end, relative to their range, are left unchanged."""
 
 Indices: TypeAlias = NDArray[np.int64]
 Improved: TypeAlias = Generator[PathAttempt, None, Design]
-"""Attempts, and the best design in the end."""
+"""Yields attempts and returns the best design."""
 
 
 def least_ends(amount: Amount, model: RobotModel, theta: Array) -> Array:
-    """The ends (p,) of the ranges at which an objective is least; NaN where it does not depend.
+    """The ends (p,) of the ranges at which an objective is least; NaN if it does not depend.
 
-    ``theta`` (p,) are the parameters next to which it is looked at.
+    ``theta`` (p,) are the parameters around which this is determined.
     """
     space = parameter_space(model)
     ends = np.full(len(theta), np.nan)
@@ -60,7 +60,7 @@ def least_ends(amount: Amount, model: RobotModel, theta: Array) -> Array:
 
 
 def _mass(model: RobotModel, theta: Array, index: int, value: float) -> float:
-    """The mass (kg) with another value of one parameter."""
+    """The mass (kg) with one parameter set to another value."""
     changed = theta.copy()
     changed[index] = value
     bounds = mass_bounds(model, [shortest_decimal(each) for each in changed])
@@ -68,7 +68,7 @@ def _mass(model: RobotModel, theta: Array, index: int, value: float) -> float:
 
 
 def kept_box(model: RobotModel, theta: Array, ends: Array) -> tuple[Array, Array]:
-    """Bounds (p,) of parameters that do not get farther from these ends than ``theta``."""
+    """Bounds (p,) for parameters that may not be farther from these ends than ``theta``."""
     space = parameter_space(model)
     fixed = np.array([values is not None for values in space.choices], dtype=bool)
     low, high = (np.where(fixed, theta, side) for side in (space.lower, space.upper))
@@ -80,7 +80,7 @@ def kept_box(model: RobotModel, theta: Array, ends: Array) -> tuple[Array, Array
 
 @dataclass(frozen=True, slots=True)
 class LessenedParameters:
-    """The search for parameters with less of an objective; ``held`` are ends of those before."""
+    """The search for less of an objective; ``held`` are the ends of earlier objectives."""
 
     paths: PathSearch
     amount: Amount
@@ -92,7 +92,7 @@ class LessenedParameters:
         return self.paths.structure.numeric.graph.model
 
     def attempts(self, best: Design) -> Improved:
-        """Attempts at designs that have less and less of the objective."""
+        """Attempts at designs with less and less of the objective."""
         theta = best.configuration.outcome.trajectory.theta
         ends = least_ends(self.amount, self.model, theta)
         free = np.flatnonzero(~np.isnan(ends))
@@ -136,7 +136,7 @@ class LessenedParameters:
         return best
 
     def _allowed(self, theta: Array, before: Array) -> Array:
-        """Values of discrete parameters are the nearest ones that are no farther than wanted."""
+        """Round discrete parameters to the next value at or past ``theta``, from ``before``."""
         space, found = parameter_space(self.model), theta.copy()
         for index, values in enumerate(space.choices):
             if values is not None:

@@ -1,7 +1,7 @@
-"""From a feasible motion to a proved design: margins grow, feedback is added, until a proof passes.
+"""From a feasible motion to a proved design: widen margins and add feedback until a proof succeeds.
 
-Margins are the least at first and wider only where a proof lacked room; open loop comes first
-where inputs alone cause a motion.
+Margins start at the minimum and grow only if a proof lacked room.  An open loop is tried first, if
+the inputs alone produce the motion.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.scene import Watch
 
 EARLY_MARGINS = 2
-"""So many margins are tried for a motion that was just found."""
+"""The number of margins tried for a newly found motion."""
 UNSTABLE_TEXT = "; the motion is unstable: its inputs alone do not cause it"
 
 
 @dataclass(frozen=True, slots=True)
 class ProofAttempt:
-    """The answer about a configuration, its robustness, and what was evaluated on the way."""
+    """The answer about a configuration, its robustness, and the samples evaluated on the way."""
 
     answer: Answer
     robustness: float
@@ -50,7 +50,7 @@ class ProofAttempt:
 
 @dataclass(frozen=True, slots=True)
 class MotionProof:
-    """What motions of a robot are proved to do: ``task`` as it is stated, for ever too."""
+    """Proves motions of a robot; ``task`` is the task as stated, even if motions go on for ever."""
 
     program: ir.Program
     task: ir.Task
@@ -59,24 +59,25 @@ class MotionProof:
 
     @property
     def watch(self) -> Watch:
-        """What proofs call as they go on."""
+        """The callbacks of proofs."""
         return Watch(self.context.check_time, begin=self._beside)
 
     def _beside(self, function: Callable[[Job], Result], job: Job) -> Callable[[], Result]:
         return self.context.workers.begin(function, job).result
 
     def as_found(self, path_problem: PathProblem, found: Configuration) -> Answer:
-        """The answer about a configuration as it is."""
+        """The answer about a configuration as it stands."""
         return certified_design(
             self.program, self.task, self.derivation, path_problem, found,
             self.watch, last=True,
         )  # fmt: skip
 
     def prepared(self, path_problem: PathProblem, outcome: ControlOutcome) -> PathProblem | None:
-        """The problem of which a motion that was just found may be proved at once.
+        """The problem for which a newly found motion may be proved at once, or None.
 
-        None where a motion needs feedback and the task asks for an open loop, or where its rates
-        had no price and no disturbance is named: a calm one is looked for at once.
+        It is None if the motion needs feedback and the task asks for an open loop.  It is also None
+        if the motion needs feedback, its rates had no price and no disturbance is named: a calm
+        motion is then searched for at once.
         """
         finer = refined(path_problem, outcome.trajectory)
         opened = False in feedback_choices(path_problem, outcome)
@@ -91,11 +92,11 @@ class MotionProof:
         return replace(path_problem, bound=False, feedback=feedback, refines=feedback)
 
     def begin_early(self, prepared: PathProblem, outcome: ControlOutcome) -> Begun[Design | None]:
-        """The design of such a motion, if it is proved with little more."""
+        """Begin to prove such a motion with few margins; the result is its design or None."""
         return self.context.workers.begin(_early, EarlyProof(self, prepared, outcome))
 
     def attempt(self, path_problem: PathProblem, found: Configuration, label: str) -> ProofAttempt:
-        """A proved design from a feasible configuration, or from a closer look at parameters."""
+        """A proved design from a feasible configuration, or from more evaluations of parameters."""
         attempt = self.open_or_closed(path_problem, found, label)
         if isinstance(attempt.answer, Found) or attempt.answer.cause is Cause.NOISE:
             return attempt
@@ -111,7 +112,7 @@ class MotionProof:
     def open_or_closed(
         self, path_problem: PathProblem, found: Configuration, label: str
     ) -> ProofAttempt:
-        """A proved design from a feasible configuration; open loop first, where that may do."""
+        """A proved design from a feasible configuration; open loop first, if that is possible."""
         attempt = ProofAttempt(Blocked(Cause.UNPROVED), found.outcome.robustness)
         choices, samples = feedback_choices(path_problem, found.outcome), tuple[Sample, ...]()
         left: tuple[PathProblem, Configuration] | None = None
@@ -135,7 +136,7 @@ class MotionProof:
         return replace(attempt, samples=samples)
 
     def wants_feedback(self, answer: Answer) -> bool:
-        """Whether a motion in an open loop was lost that feedback may keep."""
+        """Whether an open-loop motion failed in a way that feedback may repair."""
         lost = isinstance(answer, Blocked) and answer.cause in (Cause.UNSTABLE, Cause.ENDED)
         return lost and not self.task.control
 
@@ -148,10 +149,10 @@ class MotionProof:
         *,
         thoroughly: bool = False,
     ) -> ProofAttempt:
-        """A proved design with as much tightening as that takes, ``most`` times at most.
+        """A proved design with as much tightening as it needs, in at most ``most`` trials.
 
-        ``budget`` is that of the motion under each tightening.  With many joints an open loop is
-        proved with the digits of doubles alone, unless it is to be proved ``thoroughly``.
+        ``budget`` is for the motion under each tightening.  With many joints, an open loop is
+        proved in double precision only, unless ``thoroughly``.
         """
         rough = is_rough(path_problem) and not thoroughly
         tightening: ConstraintTightening | None = ConstraintTightening(path_problem.margin)
@@ -179,19 +180,19 @@ class MotionProof:
                 return ProofAttempt(answer, found.outcome.robustness)
             blocked = answer
             if blocked.cause in (Cause.ENDED, Cause.NO_DECIMALS):
-                break  # no margin makes it calmer
+                break  # wider margins do not help
             self.context.reporter.note(f"{blocked.cause.value}; trying a wider margin")
             tightening = tightening.wider(blocked.lacking, path_problem.spread, blocked.beyond)
         return ProofAttempt(blocked, found.outcome.robustness)
 
 
 def is_rough(path_problem: PathProblem) -> bool:
-    """Whether an open loop of a robot is proved roughly, feedback being tried next."""
+    """Whether the open loop of a robot is proved only roughly because feedback is tried next."""
     return not path_problem.feedback and feedback_before_digits(path_problem)
 
 
 def lost(path_problem: PathProblem, trajectory: Trajectory, *, rough: bool) -> bool:
-    """Whether no proof of an open loop has to be tried."""
+    """Whether an open-loop proof is not worth trying."""
     if path_problem.feedback:
         return False
     return unstable(path_problem, trajectory) or (rough and outgrows(path_problem, trajectory))
@@ -199,14 +200,14 @@ def lost(path_problem: PathProblem, trajectory: Trajectory, *, rough: bool) -> b
 
 @dataclass(frozen=True, slots=True)
 class EarlyProof:
-    """A motion that may be proved at once; the ``proof`` of another process tells nobody of it."""
+    """A motion to be proved at once; in another process its ``proof`` reports to nobody."""
 
     proof: MotionProof
     prepared: PathProblem
     outcome: ControlOutcome
 
     def __reduce__(self) -> tuple[object, ...]:
-        """As plain data."""
+        """Pickle as plain data."""
         proof = self.proof
         asked = proof.program, proof.task, proof.derivation
         return _early_proof, (*asked, recipe(self.prepared), self.outcome)
@@ -224,7 +225,7 @@ def _early_proof(
 
 
 def _early(asked: EarlyProof) -> Design | None:
-    """A job: the design of a motion, if it is proved with few margins."""
+    """A job: the design of a motion, or None if it is not proved with few margins."""
     prepared = asked.prepared
     found = Configuration(asked.outcome, prepared.waypoints()[1], prepared.cells, bound=False)
     proof = asked.proof
@@ -238,7 +239,7 @@ def _early(asked: EarlyProof) -> Design | None:
 def tightened(
     path_problem: PathProblem, trajectory: Trajectory, tightening: ConstraintTightening
 ) -> PathProblem:
-    """The same task with tightening for what a motion needs of it."""
+    """The same task, tightened as much as a motion requires."""
     wider = refined(path_problem.with_margin(tightening.margin), trajectory)
     wider = replace(wider, slack=tightening.slack)
     robust = path_problem.task.robust is not None
@@ -246,7 +247,7 @@ def tightened(
 
 
 def without_motion(path_problem: PathProblem, found: Configuration, before: Blocked) -> Blocked:
-    """Why no motion was found under tightening; ``before``: what the last proof said."""
+    """Why no motion was found under tightening; ``before`` is the result of the last proof."""
     if path_problem.spread is None:
         return Blocked(Cause.NO_CLEARANCE, before.text)
     noise = unbearable_noise(path_problem, found.outcome.trajectory)

@@ -1,8 +1,8 @@
-"""Refutations of all structures of a family in its task with less to do with, step by step.
+"""Refutations of all structures of a family in its task with fewer resources, step by step.
 
-A larger step leaves less: less effort, or less time.  What poses refute is refuted at every step;
-of the other structures the least step is sought at which their drives are shown to be too weak.
-What is found is a proof only once the verifier has read it again.
+A larger step leaves fewer resources: less effort, or less time.  Refutations by poses hold at every
+step.  For the other structures, the least step is sought at which their drives are shown to be too
+weak.  The result is a proof only after the verifier has checked it again.
 """
 
 from __future__ import annotations
@@ -39,27 +39,27 @@ from solvers.search.structures_left import StructuresLeft
 from solvers.verifier.refutations.box_check import why_not
 
 FINE = 1_000
-"""The least step of a structure is sought to one part of itself in so many."""
+"""The least step of a structure is sought to a relative accuracy of 1 / ``FINE``."""
 MOST_STRUCTURES = 200
-"""More are not refuted one by one for a bound."""
+"""The largest number of structures refuted one by one for a bound."""
 
 
 class Narrowing(Protocol):
-    """How a task is given less to do with."""
+    """A way to reduce the resources of a task step by step."""
 
     @property
     def most(self) -> int:
-        """The last step."""
+        """The largest step."""
         ...
 
     @property
     def name(self) -> str:
-        """What the kind is called in journals."""
+        """The name of this kind of narrowing in journals."""
         ...
 
     @property
     def none(self) -> str:
-        """That no step is shown to leave too little, to be followed by whose drives."""
+        """The message that no step leaves too little; the caller appends whose drives."""
         ...
 
     @property
@@ -68,16 +68,16 @@ class Narrowing(Protocol):
         ...
 
     def at(self, program: ir.Program, task: ir.Task, step: int) -> tuple[ir.Program, ir.Task]:
-        """The program and its task at a step; at step 0 as they are."""
+        """The program and its task at a step; unchanged at step 0."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class NarrowedFamily:
-    """Why no robot of at most ``modules`` modules (None: of the family) does the task at a step.
+    """Evidence that no robot of at most ``modules`` modules does the task at ``step``.
 
-    ``records`` are of the structures that no lemma is about, each with a covering, and those whose
-    variants or weights the ``lemmas`` are about.
+    ``modules`` is None if the evidence is about the whole family.  ``records`` are the structures
+    that no lemma covers, each with a covering, and the base structures of the ``lemmas``.
     """
 
     step: int
@@ -87,12 +87,12 @@ class NarrowedFamily:
 
 
 class NoBoundError(Exception):
-    """No bound was found; the message says why, in words."""
+    """No bound was found; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What the search of a family knows: its structures so far, and its lemmas."""
+    """The results of the search of a family so far: its structures and its lemmas."""
 
     records: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]
@@ -107,20 +107,20 @@ def narrowed_family(
     first: int,
     effort: DriveEffort,
 ) -> NarrowedFamily:
-    """The least step, as far as that is found, at which no structure of a family does its task.
+    """The least step found at which no structure of a family does its task.
 
     Args:
         family: the whole family of the task, without maps.
-        task: the task, without maps; without a bound on modules and with an infinite language the
+        task: the task, without maps; without a bound on modules and with an infinite language, the
             evidence is about ``DEFAULT_MODULES``.
-        context: how to search; with its journal, the same questions are not asked twice.
+        context: how to search; its journal avoids repeating questions.
         tried: what is known of the family.
-        narrowing: how it is given less to do with.
-        first: no step before that is tried.
+        narrowing: how resources are reduced.
+        first: the first step to try.
         effort: how hard to try to show that drives are too weak.
 
     Raises:
-        NoBoundError: none was found.
+        NoBoundError: if no bound was found.
     """
     modules = task.modules if robot_limit(family, task) is None else DEFAULT_MODULES
     silent = replace(context, reporter=Silent())
@@ -135,7 +135,7 @@ def narrowed_family(
 
 @dataclass(slots=True)
 class _Evidence:
-    """A covering, and the step from which on it holds; 0: it is about poses alone."""
+    """A covering, and the step from which it holds; 0 if it rests on poses alone."""
 
     boxes: str
     step: int
@@ -143,7 +143,7 @@ class _Evidence:
 
 @dataclass(slots=True)
 class _Search:
-    """The search in progress; ``step`` is that at which all structures so far are refuted."""
+    """The search in progress; all structures so far are refuted at ``step``."""
 
     family: RobotFamily
     task: ir.Task
@@ -156,13 +156,13 @@ class _Search:
     found: list[tuple[Derivation, _Evidence, int | None]] = field(
         default_factory=list[tuple[Derivation, _Evidence, int | None]]
     )
-    """Structures in their order with the first one that is the same robot."""
+    """Structures in order, each with the index of the first one that is the same robot."""
     narrow: dict[int, tuple[RobotFamily, ir.Task]] = field(
         default_factory=dict[int, tuple[RobotFamily, ir.Task]]
     )
 
     def refute_all(self) -> None:
-        """Refute every structure that no lemma is about, at a step that rises as it has to."""
+        """Refute every structure that no lemma covers, raising the step as required."""
         self._known_lemmas()
         program = self.family.program
         left = StructuresLeft(program, self.task, self.context, self.family, self.lemmas)
@@ -193,7 +193,7 @@ class _Search:
                 left.add(lemma, candidate.derivation.word)
 
     def _known_lemmas(self) -> None:
-        """The lemmas of the search that do not speak of drives, where coverings prove them."""
+        """Keep the lemmas of the search that do not depend on drives, if coverings prove them."""
         known = {record.derivation: record for record in self.tried.records}
         for lemma in self.tried.lemmas:
             if isinstance(lemma, WeightsLemma):
@@ -210,7 +210,7 @@ class _Search:
     # --- one structure --------------------------------------------------------------------------
 
     def _refuted(self, candidate: Candidate, model: RobotModel) -> _Evidence:
-        """The evidence about a structure, from the least step on at which there is some."""
+        """The evidence about a structure, at the least step found."""
         derivation = candidate.derivation
         known = {record.derivation: record for record in self.tried.records}
         record = known.get(derivation.labels)
@@ -228,7 +228,7 @@ class _Search:
         return self._risen(derivation)
 
     def _risen(self, derivation: Derivation) -> _Evidence:
-        """The evidence at the least step that is found, which is that of all from now on."""
+        """The evidence at the least step found, which becomes the step of the search."""
         low, high = self.step, self.narrowing.most
         boxes = self._by_drives(derivation, high)
         if boxes is None:
@@ -245,7 +245,7 @@ class _Search:
         return _Evidence(boxes, high)
 
     def _by_drives(self, derivation: Derivation, step: int) -> str | None:
-        """A covering that shows the drives to be too weak then; None: none is found."""
+        """A covering that shows the drives to be too weak at a step; None if none is found."""
         key = (
             f"{self.narrowing.name}|{' '.join(derivation.labels)}|{step}|{max(self.effort.leaves)}"
         )
@@ -261,7 +261,7 @@ class _Search:
         return known or None
 
     def _by_poses(self, record: StructureRecord, model: RobotModel) -> str | None:
-        """A covering of poses alone of a refuted structure; None: none is found."""
+        """A covering of a refuted structure by poses alone; None if none is found."""
         if record.boxes is not None and is_about_poses(record.boxes):
             return record.boxes
         if record.script is None:
@@ -276,7 +276,7 @@ class _Search:
         return known or None
 
     def _screened(self, derivation: Derivation, model: RobotModel) -> StructureRecord:
-        """What is refuted of a structure that the search has not tried."""
+        """The record of a structure that the search has not tried, after trying to refute it."""
         numeric = NumericRobot(robot_graph(model, self.task.gravity))
         program = self.family.program
         answer = refute_structure(model, numeric, program, self.task, self.context)
@@ -286,14 +286,14 @@ class _Search:
             boxes=answer.boxes,
         )  # fmt: skip
 
-    # --- the task with less to do with ----------------------------------------------------------
+    # --- the task with fewer resources ----------------------------------------------------------
 
     @property
     def _workspace(self) -> ir.Workspace:
         return self.family.program.workspaces[self.task.workspace]
 
     def _narrowed(self, step: int) -> tuple[RobotFamily, ir.Task]:
-        """The family and its task with less to do with."""
+        """The family and its task at a step."""
         if step not in self.narrow:
             program, task = self.narrowing.at(self.family.program, self.task, step)
             self.narrow[step] = family_of(program, task), task
@@ -302,10 +302,10 @@ class _Search:
     # --- all structures at one step -------------------------------------------------------------
 
     def result(self, modules: int | None) -> NarrowedFamily:
-        """The evidence at the step that all structures are refuted at.
+        """The evidence at the step at which all structures are refuted.
 
         Raises:
-            NoBoundError: what was found at a smaller step does not hold there.
+            NoBoundError: if evidence found at a smaller step does not hold at this one.
         """
         records = [self._record(*found) for found in self.found]
         lemmas = [self._held(lemma) for lemma in self.lemmas]
@@ -314,7 +314,7 @@ class _Search:
     def _record(
         self, derivation: Derivation, evidence: _Evidence, first: int | None
     ) -> StructureRecord:
-        """The record of a structure, whose covering holds at the step of all."""
+        """The record of a structure, with a covering that holds at the final step."""
         if 0 < evidence.step < self.step:
             narrow, due = self._narrowed(self.step)
             model = robot_in_task(narrow, due.origin, derivation)
@@ -327,7 +327,7 @@ class _Search:
         )  # fmt: skip
 
     def _held(self, lemma: Lemma) -> Lemma:
-        """A lemma, whose covering holds at the step of all."""
+        """The lemma, after checking that its covering holds at the final step."""
         if not isinstance(lemma, WeightsLemma):
             return lemma
         narrow, due = self._narrowed(self.step)
@@ -339,7 +339,7 @@ class _Search:
 
 
 def _model(candidate: Candidate) -> RobotModel:
-    """The robot of a structure; without one, it cannot be refuted."""
+    """The robot of a structure; NoBoundError if it has none and so cannot be refuted."""
     if candidate.model is None:
         word = " ".join(candidate.derivation.word)
         raise NoBoundError(f"{word} is not a robot: {candidate.fault}")

@@ -1,4 +1,4 @@
-"""What a design has of the objectives of a task, and what is proved of all robots, in words."""
+"""The values of a design in the objectives of a task, and the proved lower bounds, in words."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from solvers.search.time_bound import TimeBound
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveResult:
-    """What the design has of an objective, and the least that is proved of all robots.
+    """The value of the design in one objective, and the proved lower bound over all robots.
 
-    ``value`` and ``least`` are in SI units: no robot that has of the objectives before what these
-    leave has less than ``least``.  Of some design they have ``reached`` so much.  So many robots
-    that may have less than that are ``undecided``; where not all of them were looked at, there may
-    be ``more``.  Robots that were found may have less as well where they have ``other`` parameters
-    or motions.
+    ``value`` and ``least`` are in SI units.  No robot within the limits set by the earlier
+    objectives has less than ``least``.  ``reached`` is the least value of any design.
+    ``undecided`` counts the robots that may have less than that; ``more`` says that there may be
+    further ones that were not examined.  ``other`` says that robots with a design may also have
+    less, with other parameters or motions.
     """
 
     amount: Amount
@@ -33,28 +33,28 @@ class ObjectiveResult:
 
     @property
     def is_least(self) -> bool:
-        """Whether no robot has less than the design."""
+        """Whether no robot has less than this design."""
         return self.least >= self.value and self.is_settled
 
     @property
     def is_settled(self) -> bool:
-        """Whether no robot has less than some design."""
+        """Whether no robot has less than the best design."""
         return self.least >= self.reached and not self.undecided and not self.more
 
     @property
     def gap(self) -> Fraction | None:
-        """By which part of the proved least the best design is above it; None where that is 0."""
+        """The best design's relative distance from the proved bound; None if the bound is 0."""
         return self.reached / self.least - 1 if self.least > 0 else None
 
     def with_least(self, least: Fraction) -> ObjectiveResult:
-        """The same with what no robot has less of; no robot is open where some design has that."""
+        """This result with another bound; no robot is undecided if some design attains it."""
         if least < self.reached:
             return replace(self, least=least)
         return replace(self, least=least, undecided=0, more=False)
 
     @property
     def text(self) -> str:
-        """What is known of it, in words."""
+        """The result in words."""
         said = self._best_text()
         if self.value > self.reached:
             return f"{amount_text(self.amount.objective, self.value)} ({said})"
@@ -73,7 +73,7 @@ class ObjectiveResult:
         return f"{best}; perhaps {self._others()} for less" if unsettled else best
 
     def _others(self) -> str:
-        """The robots that may have less, and do it."""
+        """The robots that may have less, as the subject of a sentence."""
         if not self.undecided:
             return "a robot that was not tried does it"
         which = "the undecided robot"
@@ -84,12 +84,12 @@ class ObjectiveResult:
 
 @dataclass(frozen=True, slots=True)
 class Optimality:
-    """The objectives of a design, and the evidence for the least of each.
+    """The objectives of a design, and the evidence for the lower bound on each.
 
-    ``modules`` is the bound on modules that they are about, None without one; ``by_default`` it is
-    not that of the task.  ``records`` are the structures that may have less, all with coverings,
-    and those whose variants the ``lemmas`` are about; ``dearer`` are words of which each robot has
-    as much.  The least time rests on ``time``, ``untimed`` says why there is no bound on it.
+    ``modules`` is the bound on modules, None without one; ``by_default`` says that it is not the
+    task's own.  ``records`` are the structures that may have less, all with coverings, and the base
+    structures of the ``lemmas``.  ``dearer`` are words for which no robot has less than the bound.
+    The least time rests on ``time``; ``untimed`` says why there is no bound on it.
     """
 
     objectives: tuple[ObjectiveResult, ...]
@@ -102,9 +102,9 @@ class Optimality:
     untimed: str | None = None
 
     def with_least_time(self, least: Fraction, bound: TimeBound | None = None) -> Optimality:
-        """The same with the time that no motion of any robot is below, in s.
+        """This result with a lower bound, in s, on the time of any motion of any robot.
 
-        It needs no ``bound`` where the task allows no motion of fewer steps.
+        ``bound`` may be None if the task allows no motion of fewer steps.
         """
         objectives = (
             each.with_least(least) if each.amount.objective.kind == "time" else each
@@ -114,7 +114,7 @@ class Optimality:
 
     @property
     def text(self) -> str:
-        """What is known of the objectives, in words."""
+        """The results for all objectives, in words."""
         known = "; then ".join(each.text for each in self.objectives)
         bound = f", of robots with up to {self.modules} modules" if self.by_default else ""
         return known + bound

@@ -1,10 +1,9 @@
-"""The search of a structure in a task with objectives, or with a horizon that is a bound.
+"""The search of a structure in a task with objectives, or with an upper bound as its horizon.
 
-A motion is looked for that takes all of the horizon, then, where that is a bound, parts of it.  A
-proved design is then improved, one objective after another: the way of its motion is gone along as
-fast as its drives allow, its parameters are lessened, its efforts made smaller.  Of a number of
-steps for which no motion was found nothing is concluded: a shorter one may exist, as well as a
-longer one.
+First a motion is sought that takes the whole horizon; if the horizon is a bound, then motions that
+take parts of it.  A proved design is improved, one objective after another: its way is traversed as
+fast as its drives allow, its parameters are reduced, its efforts are lowered.  If no motion is
+found for some number of steps, nothing follows: a shorter motion may exist, as may a longer one.
 """
 
 from __future__ import annotations
@@ -34,26 +33,26 @@ from solvers.search.structure_search import StructureSearch
 from solvers.trajectory.time_optimal import Timing
 
 FEWEST = 0.5
-"""The fewest steps that are tried, relative to what the fastest timing of a known way takes."""
+"""The fewest steps tried, relative to the fastest timing of a known way."""
 CALM = 0.0, 1.0, 10.0
-"""Prices on rates of motions that may take less energy, relative to that of calm ones."""
+"""Prices on rates for motions of less energy, relative to the price for calm motions."""
 LENGTHS = 10
-"""After so many numbers of steps for which there were paths, but no motion, none are tried."""
+"""The search ends after this many numbers of steps that had paths but no motion."""
 ATTEMPTS = 12
-"""So many numbers of steps are tried for a shorter motion of a structure."""
+"""The number of step counts tried for a shorter motion of a structure."""
 
 
 @dataclass(frozen=True, slots=True)
 class ObjectiveSearch:
-    """The search of a structure in a workspace that is divided into ``cells``."""
+    """The search of a structure in a workspace divided into ``cells``."""
 
     given: StructureTask
     cells: Abstraction
 
     def states(self, effectors: Sequence[int]) -> Iterator[StructureState]:
-        """What is known after each attempt; the last one says why no more are made.
+        """Yield the state after each attempt; the last one says why no more are made.
 
-        ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
+        ``effectors`` (from 0) are those that may start and reach, the most promising first.
         """
         state, reason = StructureState(), ""
         lengths, asked = 0, self.given.task
@@ -73,7 +72,7 @@ class ObjectiveSearch:
         yield replace(state, reason=reason or "no motion was found")
 
     def improved(self, best: Design) -> Iterator[PathAttempt]:
-        """Attempts at designs with less of what is to be least, one objective after another."""
+        """Attempts at designs with smaller objectives, one objective after another."""
         held, longest = np.full(len(best.model.parameters), np.nan), len(best.inputs)
         for amount in amounts(self.given.program, self.given.task):
             kind = amount.objective.kind
@@ -92,9 +91,9 @@ class ObjectiveSearch:
     def gentler(
         self, best: Design, held: Array, longest: int, prices: Sequence[float]
     ) -> Iterator[PathAttempt]:
-        """Attempts at motions of as many steps as are left, with some prices on rates.
+        """Attempts at motions of ``longest`` steps, with several prices on rates.
 
-        Parameters get no farther from the ends of their ranges that are ``held``, (p,).
+        Parameters get no farther from the ends of their ranges in ``held`` (p,).
         """
         steps = len(best.inputs)
         due = [price for price in prices if price or longest != steps]
@@ -106,24 +105,23 @@ class ObjectiveSearch:
             yield shorter_motion(paths, self.cells, best, way, box, price)
 
     def box(self, best: Design, held: Array) -> tuple[Array, Array] | None:
-        """Bounds (p,) of parameters that get no farther from the ends that are ``held``."""
+        """Bounds (p,) for parameters that get no farther from the ends in ``held``."""
         if np.isnan(held).all():
             return None
         return kept_box(best.model, best.configuration.outcome.trajectory.theta, held)
 
     def lasting(self, steps: int) -> StructureTask:
-        """The structure in the task of motions of so many steps."""
+        """The structure in the task of motions of this many steps."""
         if not self.given.task.at_most:
             return self.given
         task, name = self.given.task.lasting(steps), f"{self.given.number}@{steps}"
         return replace(self.given, task=task, name=name)
 
     def shorter(self, best: Design, held: Array) -> Improved:
-        """Attempts at motions of ever fewer steps, along the fastest way that is known.
+        """Attempts at motions of fewer and fewer steps, along the fastest known way.
 
-        That is the way of the best design so far, or another one between poses of the task.
-
-        Parameters get no farther from the ends of their ranges that are ``held``, (p,).
+        This is the way of the best design so far, or another one between poses of the task.
+        Parameters get no farther from the ends of their ranges in ``held`` (p,).
         """
         counts, own = _StepCounts(self.given.task.fewest_steps - 1), self.own_way(best)
         other = faster_way(self.paths(best, len(best.inputs)), best, own)
@@ -133,7 +131,7 @@ class ObjectiveSearch:
             way = own if other is None or (own and own.duration <= other.duration) else other
             steps = counts.following(most, most if way is None else self.fewest(way))
             if steps is None and not stuck and most - 1 > counts.hopeless:
-                # What one way did not lead to, that of the newest design may.
+                # The way of the newest design may succeed where another one failed.
                 way, steps = own, most - 1
             if steps is None:
                 break
@@ -151,26 +149,26 @@ class ObjectiveSearch:
         return best
 
     def own_way(self, best: Design) -> Timing | None:
-        """The way of a design with its fastest timing; None: unknown."""
+        """The way of a design with its fastest timing; None if unknown."""
         return fastest_way(self.paths(best, len(best.inputs)), best)
 
     def fewest(self, way: Timing) -> int:
-        """The steps that the fastest timing of a way takes, with those of the end of a motion."""
+        """The steps that the fastest timing of a way takes, including the end of the motion."""
         task = self.given.task
         return max(1, ceil(way.duration / float(task.step))) + steps_of_end(task)
 
     def paths(self, best: Design, steps: int) -> PathSearch:
-        """The search of paths of motions of so many steps, which the effector of a design ends."""
+        """The search of paths for motions of this many steps, with the effector of a design."""
         given = self.lasting(steps)
         return PathSearch(given, round_tasks(given.task, best.effector)[0], best.effector)
 
 
 @dataclass(slots=True)
 class _StepCounts:
-    """Which numbers of steps to try: the fewest of a way, then a few more each time, then between.
+    """Which numbers of steps to try: the fewest of a way, then increasing ones, then bisection.
 
-    ``hopeless`` is the largest number that is not worth a try, ``failed`` the largest for which no
-    motion was found.
+    ``hopeless`` is the largest number not worth trying, ``failed`` the largest for which no motion
+    was found.
     """
 
     hopeless: int
@@ -178,7 +176,7 @@ class _StepCounts:
     stride: int = 1
 
     def following(self, most: int, fewest: int) -> int | None:
-        """What to try where a motion has ``most`` and its way takes ``fewest``; None: nothing."""
+        """The number to try, given ``most`` of a motion and ``fewest`` of its way; None to stop."""
         self.hopeless = max(self.hopeless, min(most, int(FEWEST * fewest)))
         self.failed = max(self.failed, self.hopeless)
         if most - self.failed <= 1:
@@ -188,5 +186,5 @@ class _StepCounts:
         return self.failed + min(self.stride, (most - self.failed) // 2)
 
     def fail(self, steps: int) -> None:
-        """No motion of so many steps was found."""
+        """Record that no motion of this many steps was found."""
         self.failed, self.stride = steps, 2 * self.stride

@@ -1,7 +1,7 @@
-"""What is proved of the least of each objective, and what that rests on.
+"""The proved lower bound on each objective, and the evidence for it.
 
-No robot has less than so much, as far as all structures that may have less are refuted.  A refuted
-structure counts if a covering shows it; a script that a solver has answered does not.
+A lower bound holds if all structures that may have less are refuted.  A refuted structure counts
+only if a covering shows it; a script answered by a solver does not.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from solvers.search.objective_result import ObjectiveResult, Optimality
 from solvers.search.parameter_bounds import ParameterBounds
 
 MOST_RAISED = 20
-"""So many structures are shown to have more of an objective than their words say."""
+"""The number of structures whose bound is raised above what their words give."""
 UNDECIDED = ("unresolved", "inadmissible")
 NOT_WITH_LESS = "no robot of it with less does the task"
 
@@ -40,19 +40,19 @@ def optimality(
     lemmas: Sequence[Lemma],
     context: RunContext,
 ) -> Optimality:
-    """What is proved of the least of each objective.
+    """The proved lower bound on each objective.
 
     Args:
         family: the whole family of the task, without maps.
         task: the task, without maps.
-        values: what the design has of each of its objectives.
-        reached: the least that designs have of each, which the design is within.
-        known: what became of the structures that were tried.
-        lemmas: those of the search.
+        values: the value of the design in each of its objectives.
+        reached: the least value of any design in each objective; the design is within these limits.
+        known: the records of the structures that were tried.
+        lemmas: the lemmas of the search.
         context: how to search for coverings.
 
     Raises:
-        OutOfTimeError: there was no time for the coverings.
+        OutOfTimeError: if there was no time for the coverings.
     """
     due = {
         number
@@ -73,7 +73,7 @@ def optimality(
 
 
 def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction]) -> Optimality:
-    """The objectives of a design of which nothing is proved but what it has."""
+    """The objectives of a design with no proved bounds."""
     pairs = zip(amounts, values, strict=True)
     found = tuple(
         ObjectiveResult(amount, value, Fraction(0), value, 0, more=True) for amount, value in pairs
@@ -84,9 +84,9 @@ def stated(task: ir.Task, amounts: Sequence[Amount], values: Sequence[Fraction])
 def _may_be_less(
     record: StructureRecord, before: Sequence[Limit], amount: Amount, bound: Fraction
 ) -> bool:
-    """Whether a structure may be within limits and below a bound that words tell, by its word."""
+    """Whether a structure, judged by its word, may be below ``bound`` and within the limits."""
     word = record.word
-    if not amount.is_ordering:  # No covering of a structure is evidence of it.
+    if not amount.is_ordering:  # A covering is no evidence for such an objective.
         return False
     within = all(limit.amount.of_word(word) <= limit.most for limit in before)
     return within and amount.of_word(word) < bound
@@ -94,7 +94,7 @@ def _may_be_less(
 
 @dataclass(frozen=True, slots=True)
 class _Open:
-    """The least of some structures, how many are undecided, and more; see ``ObjectiveResult``."""
+    """The least value of some structures, and the undecided ones; see ``ObjectiveResult``."""
 
     least: Fraction
     undecided: int
@@ -104,7 +104,7 @@ class _Open:
 
 @dataclass(slots=True)
 class _Judgement:
-    """What the structures that may have less come to."""
+    """Derives the bounds from the structures that may have less."""
 
     family: RobotFamily
     task: ir.Task
@@ -114,11 +114,11 @@ class _Judgement:
     lemmas: Sequence[Lemma]
     bounds: ParameterBounds
     less: list[Less] = field(default_factory=list[Less])
-    """What no robot has, of the objectives so far."""
+    """Values proved to be out of reach of any robot, for the objectives so far."""
     modules: int | None = field(init=False)
     records: dict[tuple[str, ...], StructureRecord] = field(init=False)
     left: RobotFamily = field(init=False)
-    """The robots that no lemma with a covering is about."""
+    """The robots that no lemma with a covering applies to."""
 
     def __post_init__(self) -> None:
         self.records = {record.derivation: record for record in self.known}
@@ -131,14 +131,14 @@ class _Judgement:
             self.left = self.family.with_condition(ir.NotAccept(ir.AnyOf(conditions)))
 
     def _has_covering(self, lemma: Lemma) -> bool:
-        """Whether no solver has to be believed for a lemma."""
+        """Whether a lemma is proved without relying on a solver."""
         if not isinstance(lemma, VariantLemma):
             return True
         record = self.records.get(lemma.labels)
         return record is not None and record.boxes is not None
 
     def result(self) -> Optimality:
-        """What is proved of each objective, and what that rests on."""
+        """The proved bound on each objective, with its evidence."""
         results, limits = list[ObjectiveResult](), list[Limit]()
         due: dict[tuple[str, ...], tuple[StructureRecord, StructureRecord]] = {}
         dearer: dict[tuple[str, ...], None] = {}
@@ -176,9 +176,9 @@ class _Judgement:
     def _below(
         self, amount: Amount, limits: Sequence[Limit], bound: Fraction
     ) -> Sequence[Candidate]:
-        """The structures within limits that may have less than so much of an objective, in order.
+        """The structures within the limits that may be below ``bound``, in order.
 
-        The last one may be one that was not tried.
+        The last one may not have been tried.
         """
         found = list[Candidate]()
         every = structures_by(amount, self.left, self.modules, limits, self.task.origin)
@@ -191,7 +191,7 @@ class _Judgement:
         return found
 
     def _objective(self, place: int, limits: Sequence[Limit]) -> ObjectiveResult:
-        """What is known of an objective, and proved of robots within limits."""
+        """The result for one objective; ``limits`` restrict the robots that its bound is about."""
         value, reached = self.values[place], self.reached[place]
         amount, best = reached.amount, reached.least
         before = self.reached[:place]
@@ -209,7 +209,7 @@ class _Judgement:
     def _of_motions(
         self, amount: Amount, before: Sequence[Limit], best: Fraction, value: Fraction
     ) -> ObjectiveResult:
-        """What is known of an objective that words say nothing of: any robot may have less."""
+        """The result for an objective that words do not bound: any robot may have less."""
         known = [
             self.records.get(candidate.derivation.labels)
             for candidate in self._below(amount, before, best)
@@ -219,7 +219,7 @@ class _Judgement:
         return ObjectiveResult(amount, value, Fraction(0), best, undecided, more)
 
     def _open(self, amount: Amount, limits: Sequence[Limit], bound: Fraction) -> _Open:
-        """What structures below a bound that are not refuted come to."""
+        """The least value and the number of structures below a bound that are not refuted."""
         least, undecided, more, other = bound, 0, False, False
         for candidate in self._below(amount, limits, bound):
             record = self.records.get(candidate.derivation.labels)
@@ -233,7 +233,7 @@ class _Judgement:
         return _Open(least, undecided, more, other)
 
     def _raised(self, amount: Amount, limits: Sequence[Limit], bound: Fraction) -> Fraction:
-        """The least of structures below a bound that are not refuted, by their parameters, too."""
+        """The least value of unrefuted structures below a bound, raised using parameters."""
         allowed = tuple((limit.amount, limit.most) for limit in limits)
         least, raised = bound, 0
         for candidate in self._below(amount, limits, bound):
@@ -254,7 +254,7 @@ class _Judgement:
     def _evidence(
         self, candidate: Candidate
     ) -> tuple[StructureRecord | None, StructureRecord | None]:
-        """The record of a structure, and the one that shows that none with less does the task."""
+        """The record of a structure, and the one proving that no cheaper robot of it will do."""
         record, first = self._refuted(candidate)
         boxes = self.bounds.coverings.get(candidate.derivation.labels)
         if record is None or first is not None or boxes is None:
@@ -279,9 +279,9 @@ class _Judgement:
 
 @dataclass(slots=True)
 class _Used:
-    """Structures with coverings, each once; what is the same robot as others is numbered here.
+    """Structures with coverings, each once; references to the same robot are renumbered.
 
-    All derivations of a word stand together, in the order in which they are listed anew.
+    All derivations of a word stand together, in the order in which they are enumerated.
     """
 
     records: list[StructureRecord] = field(default_factory=list[StructureRecord])
@@ -289,7 +289,7 @@ class _Used:
     robots: dict[tuple[str, ...], int] = field(default_factory=dict[tuple[str, ...], int])
 
     def add(self, record: StructureRecord, first: StructureRecord) -> None:
-        """A structure; ``first`` is the record with the evidence about its robot."""
+        """Add a structure; ``first`` is the record with the evidence about its robot."""
         if record.derivation in self.places:
             return
         place = self.places[record.derivation] = len(self.records)

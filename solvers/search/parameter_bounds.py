@@ -1,8 +1,8 @@
-"""What the robots of a structure have at least of an objective, whatever their parameters are.
+"""Lower bounds on an objective over the robots of a structure, for all its parameters.
 
-By its word a structure may have as little as the ends of its parameters add up to.  A covering of
-the parameters shows more: that no robot of it with less than some amount does the task.  The
-largest such amount is sought by halving.
+The word alone gives the bound that results from the ends of the parameter ranges.  A covering of
+the parameters can show more: that no robot of the structure with less than some amount does the
+task.  The largest such amount is sought by bisection.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from solvers.impossibility.box_search import CoveringBudget
 from solvers.run_context import RunContext
 
 BUDGET = CoveringBudget(20_000, 1_500, 1_500)
-"""For one amount."""
+"""The budget for one amount."""
 CLOSELY = 50
-"""Bounds are sought to one part of themselves in so many."""
+"""Bounds are sought to a relative accuracy of 1 / ``CLOSELY``."""
 MOST_FAILURES = 3
-"""After so many amounts for which there was no covering the bound is left as it is."""
+"""After this many amounts without a covering the bound is kept as it is."""
 
 
 @dataclass(slots=True)
 class ParameterBounds:
-    """The search for bounds on structures of a family; ``coverings`` by derivation."""
+    """The search for bounds on structures of a family; ``coverings`` are by derivation."""
 
     family: RobotFamily
     task: ir.Task
@@ -41,16 +41,16 @@ class ParameterBounds:
     def least(
         self, candidate: Candidate, before: Sequence[Less], less: Less, *, reached: bool
     ) -> Fraction:
-        """An amount that no robot of a structure is below that does the task.
+        """A lower bound on the objective over all robots of a structure that do the task.
 
         Args:
             candidate: the structure.
-            before: what no robot of it does the task with, either.
-            less: the objective, what the robots may have of others, and the largest amount of use.
-            reached: whether a robot has so much, so that halving begins below it.
+            before: what robots of the structure are already known not to achieve.
+            less: the objective, the limits on the others, and the largest useful amount.
+            reached: whether a robot has this amount, so that bisection begins below it.
 
         Returns:
-            What its word says where nothing more is shown.
+            The bound from the word if nothing better is shown.
         """
         word, model = candidate.derivation.word, candidate.model
         low, high = less.amount.of_robot(word, model), less.bound
@@ -73,7 +73,7 @@ class ParameterBounds:
         return low
 
     def _covering(self, candidate: Candidate, asked: CheaperRobots) -> str | None:
-        """A covering that refutes some robots of a structure; the journal is asked first."""
+        """A covering that refutes some robots of a structure; the journal is consulted first."""
         less = " or ".join(each.text for each in asked.less)
         key = f"least|{' '.join(candidate.derivation.labels)}|{less}"
         known = self.context.journal.recall(key)
@@ -88,5 +88,5 @@ class ParameterBounds:
 
 
 def _is_discrete(model: RobotModel) -> bool:
-    """Whether some parameter has single values."""
+    """Whether some parameter has discrete values."""
     return any(isinstance(each.domain, ir.Choices) for each in model.parameters)

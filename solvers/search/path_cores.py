@@ -1,10 +1,10 @@
 """Why a path cannot be followed: a minimal set of its cells, and whether their order matters.
 
 Source: QuickXplain (Junker, *QuickXplain: preferred explanations and relaxations for
-over-constrained problems*, AAAI 2004), on convex programs about the nearest motion, parameters
-being unknowns of them.  First nothing binds but the start, the target and the limits: where no
-motion is found then, none is expected along any path.  All of this is local optimisation: it
-defers paths and proves nothing.
+over-constrained problems*, AAAI 2004), applied to convex programs around the nearest motion with
+the parameters as unknowns.  The first trial keeps only the start, the target and the limits: if no
+motion is found then, none is expected along any path.  All of this is local optimisation: it defers
+paths and proves nothing.
 """
 
 from __future__ import annotations
@@ -31,25 +31,25 @@ from solvers.trajectory.task_limits import effort_scale
 from solvers.trajectory.trajectory import Trajectory
 
 TRIAL = IterationBudget(20, 2e-3, 1e-6, 2)
-"""How hard is tried to find a motion through some of the cells."""
+"""The budget for finding a motion through some of the cells."""
 ROUNDS = 3
-"""So often are the samples chosen at which cells are visited, where that decides."""
+"""The number of times that the samples of visits are chosen in a decisive trial."""
 CLEAR = 0.1
-"""What violates less than this, in units of the effort bound, has not failed clearly."""
+"""A violation smaller than this, in units of the effort bound, is no clear failure."""
 FEW, GRID = 2, 6
-"""Of so few cells a closer look tries visits at so many samples."""
+"""For at most ``FEW`` cells, a decisive trial also tries visits at ``GRID`` samples."""
 WAYS = 2
-"""So many straight ways in joint space are tried where nothing binds on the way."""
+"""The number of straight ways in joint space tried when nothing binds in between."""
 MOST_ORDERED = 3
-"""Of more cells than this no other order is tried."""
+"""Other orders are tried for at most this many cells."""
 
 
 @dataclass(frozen=True, slots=True)
 class PathCore:
-    """Places (from 0) on a path through whose cells, in turn, no motion was found.
+    """Places (from 0) on a path through whose cells, in this order, no motion was found.
 
-    No place at all: none was found whatever the cells.  Where they are not ``ordered``, none was
-    found in another order either.
+    An empty tuple means that no motion was found even without cells.  If not ``ordered``, no motion
+    was found in any other order either.
     """
 
     places: tuple[int, ...]
@@ -57,12 +57,12 @@ class PathCore:
 
 
 Explanation: TypeAlias = PathCore | ControlOutcome | None
-"""A core, a motion where there is one after all, or nothing that is known."""
+"""A core, or a motion if there is one after all, or None if nothing is known."""
 
 
 @dataclass(frozen=True, slots=True)
 class PathCores:
-    """Explains paths of a robot that were not followed; ``name`` is that of it in the journal."""
+    """Explains why paths of a robot were not followed; ``name`` is the robot's in the journal."""
 
     context: RunContext
     name: str
@@ -71,9 +71,9 @@ class PathCores:
         """Why there is no motion along a path.
 
         Args:
-            path_problem: the path; nothing is known where a formula or a loop binds the motion.
+            path_problem: the path; the answer is None if a formula or a loop binds the motion.
             found: the nearest motion along it.
-            label: names the path in the journal.
+            label: the name of the path in the journal.
         """
         if path_problem.formula is not None or path_problem.loop is not None:
             return None
@@ -98,11 +98,11 @@ class PathCores:
         motion = apart.motion(()) or apart.motion(facts)
         if motion is not None:
             return motion
-        # The sides on which the path passes what is to be avoided are those of its cells together.
+        # All cells together determine on which sides the path passes the avoided regions.
         return PathCore(tuple(range(len(path_problem.cells))))
 
     def _free(self, path_problem: PathProblem, found: Configuration) -> ControlOutcome:
-        """The motion to which nothing is bound on the way; it may be infeasible."""
+        """The motion that is not constrained between start and target; it may be infeasible."""
         key, journal = f"{self.name}|free", self.context.journal
         known = journal.recall(key)
         outcome = outcome_of(known)
@@ -131,7 +131,7 @@ class PathCores:
 
 @dataclass(frozen=True, slots=True)
 class _Trials:
-    """Searches for motions through some of the cells of a path, each from the same ``starts``."""
+    """Searches for motions through some cells of a path, each from the same ``starts``."""
 
     path_problem: PathProblem
     found: Configuration
@@ -140,10 +140,10 @@ class _Trials:
     apart: bool
 
     def best(self, kept: Sequence[int], rounds: int) -> ControlOutcome:
-        """The first motion through the cells at the places ``kept`` in turn; else the nearest.
+        """The first motion through the cells at the places ``kept``, in order; else the nearest.
 
-        When they are visited is read off the motion that a search starts from, and is set anew for
-        each of its ``rounds``.
+        The samples of the visits are read off the motion from which a search starts, and are chosen
+        anew in each of the ``rounds``.
         """
         path_problem, outcomes = self.path_problem, list[ControlOutcome]()
         begun = [(start, nearest_visits(path_problem, kept, start)) for start in self.starts]
@@ -173,24 +173,24 @@ class _Trials:
         return {0, len(self.path_problem.cells) - 1}
 
     def _grid(self, kept: Sequence[int]) -> Iterator[dict[int, int]]:
-        """Samples for visits of a few places, from all over the motion."""
+        """Sample times for visits of a few places, spread over the motion."""
         samples = np.linspace(0, self.path_problem.task.steps, GRID + 2).round().astype(int)[1:-1]
         for times in combinations(samples.tolist(), len(kept)):
             yield dict(zip(kept, times, strict=True))
 
     def motion(self, kept: Sequence[int]) -> ControlOutcome | None:
-        """A motion through these cells."""
+        """A motion through these cells, or None."""
         found = self.best(kept, 1)
         return found if found.feasible else None
 
     def fails(self, kept: Sequence[int], rounds: int = 1) -> bool:
-        """Whether none is found, by far."""
+        """Whether no motion is found, by a clear margin."""
         found = self.best(kept, rounds)
         scale = effort_scale(self.path_problem.groups)
         return not found.feasible and found.robustness < -CLEAR * scale
 
     def core(self, places: Sequence[int]) -> PathCore | None:
-        """A minimal set of places that fails; None where none does, also at a closer look."""
+        """A minimal set of places that fails, also in a decisive trial; None if there is none."""
         if not self.fails(places):
             return None
         least = quick_explanation(places, self.fails)
@@ -199,7 +199,7 @@ class _Trials:
         return PathCore(least, ordered=not self._fail_in_any_order(least))
 
     def _fail_in_any_order(self, places: tuple[int, ...]) -> bool:
-        """Whether few places fail in every other order, too; those at the ends have theirs."""
+        """Whether a few places also fail in every other order; False if an end is among them."""
         if not 1 < len(places) <= MOST_ORDERED or not self._ends.isdisjoint(places):
             return False
         others = [order for order in permutations(places) if order != places]
@@ -207,7 +207,7 @@ class _Trials:
 
 
 def _facts(path_problem: PathProblem) -> tuple[int, ...]:
-    """The places of a path but those at its ends whose cells are all of a region."""
+    """The places of a path except ends whose cell is a whole region."""
     cells = [path_problem.abstraction.cells[cell] for cell in path_problem.cells]
     last = len(cells) - 1
     return tuple(
@@ -218,9 +218,10 @@ def _facts(path_problem: PathProblem) -> tuple[int, ...]:
 def quick_explanation(
     facts: Sequence[int], fails: Callable[[tuple[int, ...]], bool]
 ) -> tuple[int, ...]:
-    """QuickXplain: a minimal set of ascending facts that fail, where all of them do.
+    """QuickXplain: a minimal set of ascending facts that fail, given that all of them do.
 
-    The facts before are preferred.  It is minimal where more facts never fail less.
+    Earlier facts are preferred.  The set is minimal if adding facts never turns a failure into
+    success.
     """
 
     def least(background: tuple[int, ...], left: Sequence[int], *, grown: bool) -> tuple[int, ...]:
@@ -241,7 +242,7 @@ def quick_explanation(
 
 
 def _recorded(found: Explanation) -> Recorded:
-    """What was found as a value of JSON."""
+    """An explanation as a JSON value."""
     match found:
         case PathCore(places, ordered):
             return {"places": list(places), "ordered": ordered}
@@ -252,7 +253,7 @@ def _recorded(found: Explanation) -> Recorded:
 
 
 def _recalled(record: Recorded) -> tuple[Explanation] | None:
-    """What a record says; None where it is none of this version."""
+    """The explanation in a record; None if the record is not of this version."""
     match record:
         case {"places": list(places), "ordered": bool(ordered)}:
             return (PathCore(tuple(int(str(place)) for place in places), ordered),)

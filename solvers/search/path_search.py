@@ -1,4 +1,4 @@
-"""One path: the motion along it, and its proof; else what to exclude, and why."""
+"""One path: the motion along it and its proof; otherwise what to exclude, and why."""
 
 from __future__ import annotations
 
@@ -30,33 +30,33 @@ from solvers.trajectory.counterexample import infeasible_prefix, infeasible_samp
 from solvers.trajectory.path_following import PathProblem
 
 GAIN = 1e-4
-"""A motion is not worth a proof for less, relative to the robustness of a proved one."""
+"""The least relative gain over a proved design for which a motion is proved."""
 FREE_TEXT = (
     "; no motion was found without cells and obstacles either: the drives are too weak for it, or "
     "the time is too short"
 )
 EARLY_PROOFS = 3
-"""So many motions that were just found are tried to be proved, until one is."""
+"""The number of newly found motions that are tried to be proved, until one is."""
 
 
 class Listener(Protocol):
-    """Is told what a search comes to before an attempt has ended."""
+    """Receives the results of a search before an attempt has ended."""
 
     def keep(self, design: Design) -> None:
-        """A design was proved."""
+        """Receive a proved design."""
         ...
 
     def see(self, motion: NearestMotion) -> None:
-        """A motion was found that may become a design yet."""
+        """Receive a motion that may still become a design."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class StructureTask:
-    """A structure in a task, of which designs are looked for.
+    """A structure in a task for which designs are sought.
 
-    ``number`` is its place among all, and ``name``, if it is not that, names it in journals;
-    ``robot`` is its key and names it in counterexamples.
+    ``number`` is its index among all structures.  ``name``, if given, replaces the number in
+    journals.  ``robot`` is its key, which names it in counterexamples.
     """
 
     program: ir.Program
@@ -77,10 +77,10 @@ class StructureTask:
 
 @dataclass(frozen=True, slots=True)
 class PathSearch:
-    """Paths of a structure for motions of one ``shape``; ``recorded`` (from 0) is what reaches.
+    """Paths of a structure for motions of one ``shape``; effector ``recorded`` (from 0) reaches.
 
-    Where motions go on for ever, what is searched, the task of the shape, and what is proved, that
-    of the structure, differ.
+    If motions go on for ever, the task that is searched (that of the shape) differs from the task
+    that is proved (that of the structure).
     """
 
     structure: StructureTask
@@ -98,20 +98,20 @@ class PathSearch:
 
     @property
     def cores(self) -> PathCores:
-        """What explains paths that are not followed."""
+        """Explains paths that are not followed."""
         given = self.structure
         return PathCores(given.context, f"{given.label}|{self.recorded}")
 
     @property
     def proof(self) -> MotionProof:
-        """What proves motions."""
+        """Proves motions."""
         given = self.structure
         return MotionProof(given.program, given.task, given.derivation, given.context)
 
     def attempt(self, cells: Abstraction, plan: Plan, *, explaining: bool = True) -> PathAttempt:
-        """A proved design for a plan; else the nearest motion and, where ``explaining``, a core.
+        """A proved design for a plan; else the nearest motion and, if ``explaining``, a core.
 
-        The first feasible motion is proved at once; what comes after may be more robust.
+        The first feasible motion is proved at once; later ones may be more robust.
         """
         path_problem, label = self.posed(cells, plan), self.label(cells, plan)
         early, context = _Early(self), self.structure.context
@@ -130,9 +130,9 @@ class PathSearch:
         return attempt
 
     def improved(self, cells: Abstraction, plan: Plan, best: Design) -> PathAttempt:
-        """A design along another path that is more robust than a proved one of the structure.
+        """A more robust design along another path than a proved design of the structure.
 
-        The search begins with the parameters of that one.
+        The search uses the parameters of that design.
         """
         path_problem, label = self.posed(cells, plan), f"{self.label(cells, plan)}|improved"
         if best.controller is not None:
@@ -156,7 +156,7 @@ class PathSearch:
     # --- the parts of an attempt ----------------------------------------------------------------
 
     def posed(self, cells: Abstraction, plan: Plan) -> PathProblem:
-        """The path problem of a plan, whose longest path leads."""
+        """The path problem of a plan; the effector with the longest path leads."""
         leader = self.leader(plan)
         self.structure.context.reporter.path(tuple(cells.cells[cell].name for cell in leader.cells))
         others = tuple(path for path in plan.paths if path is not leader)
@@ -175,7 +175,7 @@ class PathSearch:
     def explained(
         self, path_problem: PathProblem, found: Configuration, label: str, why: Explanation
     ) -> PathAttempt:
-        """What is known of a path along which the search had no feasible motion."""
+        """The result for a path along which the search found no feasible motion."""
         if not isinstance(why, ControlOutcome):
             return self.not_followed(path_problem, found, why)
         at = settled(path_problem, why, found.entries, self.structure.context)
@@ -190,9 +190,10 @@ class PathSearch:
     def not_followed(
         self, path_problem: PathProblem, found: Configuration, core: PathCore | None
     ) -> PathAttempt:
-        """A path along which there is no feasible motion: what is deferred, and why.
+        """The attempt for a path without a feasible motion: what is deferred, and why.
 
-        Without a core that are the paths with all cells up to where the motion cannot go on.
+        Without a core, all paths are deferred that contain the cells up to where the motion gets
+        stuck.
         """
         outcome, cells = found.outcome, path_problem.cells
         sample = infeasible_sample(path_problem, outcome, found.entries)
@@ -212,7 +213,7 @@ class PathSearch:
         return PathAttempt(blocked, outcome.robustness, found.samples, excluded, nearest)
 
     def proved(self, path_problem: PathProblem, found: Configuration, label: str) -> PathAttempt:
-        """The attempt at a proof of a feasible configuration."""
+        """The attempt to prove a feasible configuration."""
         self.see(path_problem, found)
         tried = self.proof.attempt(path_problem, found, label)
         samples = found.samples + tried.samples
@@ -223,7 +224,7 @@ class PathSearch:
         return PathAttempt(tried.answer, tried.robustness, samples, nearest=nearest)
 
     def see(self, path_problem: PathProblem, found: Configuration) -> None:
-        """Tell of a motion whose search or proof goes on."""
+        """Report a motion whose search or proof is still under way."""
         cause = Cause.UNDER_WAY
         self.structure.listener.see(self.nearest(path_problem, found, None, cause, ""))
 
@@ -254,10 +255,10 @@ class PathSearch:
 
 
 class _Early:
-    """Is told of the outcomes of a search, and proves the first ones that are feasible.
+    """Receives the outcomes of a search and proves the first feasible ones.
 
-    Proofs may go on beside the search, one after the other, until one gives a design; which it is
-    does not depend on how long they take.
+    Proofs may run in parallel with the search, one after the other, until one gives a design.
+    Which one does so does not depend on how long they take.
     """
 
     def __init__(self, search: PathSearch) -> None:
@@ -269,26 +270,26 @@ class _Early:
         self._design: Design | None = None
 
     def see(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
-        """Tell of an outcome that is more robust than all before."""
+        """Report an outcome that is more robust than all before."""
         if outcome.robustness > self._best:
             self._best = outcome.robustness
             cells, entries = path_problem.cells, path_problem.waypoints()[1]
             self._search.see(path_problem, Configuration(outcome, entries, cells))
 
     def prove(self, path_problem: PathProblem, outcome: ControlOutcome) -> None:
-        """Tell of an outcome, and have it proved."""
+        """Report an outcome and queue it for proof."""
         self.see(path_problem, outcome)
         if self._left and outcome.feasible:
             self._waiting.append((path_problem, outcome))
         self._advance(wait=False)
 
     def design(self) -> Design | None:
-        """What has come of those that it was told of."""
+        """Wait for the proofs; return the design that one of them gave, or None."""
         self._advance(wait=True)
         return self._design
 
     def _advance(self, *, wait: bool) -> None:
-        """Begin one proof after the other, and take what comes of them."""
+        """Begin queued proofs one after the other, and collect their results."""
         proof = self._search.proof
         while True:
             while self._begun is None and self._waiting and self._left:
@@ -306,7 +307,7 @@ class _Early:
 
 
 def gains(robustness: float, proved: Design) -> bool:
-    """Whether a motion is worth a proof when there is a proved one."""
+    """Whether a motion is worth proving, given a proved design."""
     return robustness > proved.robustness * (1 + GAIN)
 
 

@@ -1,4 +1,4 @@
-"""The control problem of a path, what is said of it, and the design that it may lead to."""
+"""The control problem of a path, messages about it, and the design that it may lead to."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ from solvers.verifier.proofs.trajectory_proof import Motion
 
 @dataclass(frozen=True, slots=True)
 class PathTask:
-    """A robot in a task; ``formula`` is what the task's formulas ask of the samples.
+    """A robot in a task; ``formula`` is the task's formulas on the samples.
 
-    ``loop`` is the sample at which the loop of a motion begins that goes on for ever.  ``solver``
-    is that of the convex steps, by its name in cvxpy; None: our own.
+    ``loop`` is the sample at which the loop of an unending motion begins.  ``solver`` is the solver
+    of the convex steps, by its name in cvxpy; None for the built-in one.
     """
 
     program: ir.Program
@@ -59,7 +59,7 @@ class PathTask:
     def path_problem(
         self, cells: Abstraction, recorded: int, leader: int, path: tuple[int, ...]
     ) -> PathProblem:
-        """The path problem of a path of ``leader`` at the first margin; ``recorded`` reaches."""
+        """The path problem of ``leader`` at the first margin; effector ``recorded`` reaches."""
         return PathProblem(
             self.numeric,
             self.program.workspaces[self.task.workspace],
@@ -77,7 +77,7 @@ class PathTask:
         )
 
     def on_samples(self, recorded: int) -> SampledFormula | None:
-        """What a motion in which that effector reaches has to satisfy at the samples."""
+        """The formula on the samples if effector ``recorded`` reaches; None if there is none."""
         staying = path_formulas(self.task, recorded)[len(self.task.satisfy) :]
         parts = [sampled(formula, self.task.step, self.task.steps) for formula in staying]
         parts += carried_on_samples(self.task)
@@ -88,9 +88,9 @@ class PathTask:
     def along(
         self, cells: Abstraction, recorded: int, leader: int, names: Sequence[Sequence[str]]
     ) -> PathProblem | None:
-        """The path problem of the path of a design, entered as the design enters it.
+        """The path problem of the path of a design, with the entries of the design.
 
-        None where what ``names``, the cells of every effector by sample, says of the leader is no
+        ``names`` are the cells of every effector by sample.  None if those of the leader are not a
         path.
         """
         paths = [entered(cells, effector, each) for effector, each in enumerate(names)]
@@ -105,7 +105,7 @@ class PathTask:
 
 
 def entered(cells: Abstraction, effector: int, names: Sequence[str]) -> EffectorPath | None:
-    """The path of an effector whose cell at every sample is given; None where it is none."""
+    """The path of an effector whose cell at every sample is given; None if it is not a path."""
     known = {cell.name: index for index, cell in enumerate(cells.cells)}
     path, entries = list[int](), list[int]()
     for sample, name in enumerate(names):
@@ -122,7 +122,7 @@ def entered(cells: Abstraction, effector: int, names: Sequence[str]) -> Effector
 
 
 # --------------------------------------------------------------------------------------------------
-# Into how many parts a step must be divided for the explicit method of the search to be stable.
+# The number of parts of a step that the explicit method of the search needs to be stable.
 #
 # The classical Runge-Kutta method damps a mode of rate lambda only while h |lambda| < 2.78 (Hairer
 # & Wanner, *Solving Ordinary Differential Equations II*, section IV.2).
@@ -134,7 +134,7 @@ MOST = 256
 
 
 def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
-    """At least ``least`` parts of a step of ``dt`` seconds, more where there are fast modes.
+    """The number of parts of a step of ``dt`` seconds: ``least``, or more if there are fast modes.
 
     The modes are those of the robot linearised at random poses.
     """
@@ -157,9 +157,9 @@ def stable_parts(numeric: NumericRobot, dt: float, least: int) -> int:
 def nearest_text(
     path_problem: PathProblem, found: Configuration, sample: int, names: Sequence[str]
 ) -> str:
-    """Where the most robust motion along the cells ``names`` cannot go on, in words.
+    """A description of where the most robust motion along the cells ``names`` gets stuck.
 
-    ``sample`` is the first that it does not get to.
+    ``sample`` is the first sample that it does not reach.
     """
     task = path_problem.task
     if sample > task.steps or found.outcome.robustness >= 0:
@@ -182,20 +182,20 @@ def exhausted_text(ended: Exhausted, task: ir.Task) -> str:
 
 
 def stuck_text(sample: int, task: ir.Task) -> str:
-    """Where a motion cannot go on, in words: ``sample`` is the first that it does not get to."""
+    """A description of where a motion gets stuck; ``sample`` is the first it does not reach."""
     what = "cannot go on at" if sample < task.steps else "does not get there by"
     return f"the motion {what} {float(sample * task.step):.4g} s"
 
 
-# --- A proved robot with its motion: what certificates, tables and pictures are made of -----------
+# --- A proved robot with its motion, from which certificates, tables and pictures are made --------
 
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """A robot: exact decimals, with the trajectory in floats for tables and pictures.
+    """A robot in exact decimals, with its trajectory in floats for tables and pictures.
 
-    ``effector`` starts and reaches, ``leader`` is the one that followed a cell path; ``path`` names
-    cells of ``abstraction``.  ``conditions`` are what the proof has shown.
+    ``effector`` starts and reaches, ``leader`` followed the cell path; ``path`` names cells of
+    ``abstraction``.  ``conditions`` are the results of the proof.
     """
 
     derivation: Derivation
@@ -232,17 +232,17 @@ def motion_of(design: Design) -> Motion:
 
 
 def stated_inputs(design: Design) -> list[tuple[Fraction, ...]]:
-    """The inputs of a design as they are stated, a row (m,) per step, exact."""
+    """The inputs of a design as stated: exact, one row (m,) per step."""
     return [tuple(Fraction(text) for text in row) for row in design.inputs]
 
 
 def design_margins(design: Design, task: ir.Task) -> list[Margin]:
-    """What a design's planned inputs keep from each of their bounds."""
+    """The margins between a design's planned inputs and their bounds."""
     inputs = None if design.controller is not None else stated_inputs(design)
     return input_margins(design.model, task, inputs, design.conditions)
 
 
 def robustness_share(design: Design, task: ir.Task) -> float | None:
-    """The least of these margins as a share of what it can be; None where no input has a choice."""
+    """The least of these margins relative to its maximum; None if no input has any range."""
     counted = [each for each in design_margins(design, task) if each.widest > 0]
     return min((each.least / each.widest for each in counted), default=None)

@@ -1,10 +1,10 @@
-"""Plans of different homotopy kinds: ways about the obstacles on other sides.
+"""Plans of different homotopy kinds: ways that pass obstacles on different sides.
 
-Source: in the plane the h-signature (Bhattacharya, Kumar & Likhachev, *Search-based path planning
-with homotopy class constraints*, AAAI 2010): a ray upwards from a point in every obstacle; a path
-has the word of the rays that it crosses, with their signs, in which inverse neighbours cancel.  In
-space, where one obstacle divides no paths into classes, it is how they wind about the obstacles:
-the words of the projections along each axis.
+Source: in the plane, the h-signature (Bhattacharya, Kumar & Likhachev, *Search-based path planning
+with homotopy class constraints*, AAAI 2010): a ray points upwards from a point in every obstacle.
+A path is assigned the word of the rays that it crosses, with their signs, in which adjacent
+inverses cancel.  In space, a single obstacle does not divide paths into classes.  There the kind is
+how a path winds about the obstacles: the words of its projections along each axis.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from solvers.trajectory.path_timing import polyline
 from solvers.verdict import Holds
 
 Kind: TypeAlias = tuple[tuple[int, ...], ...]
-"""By effector and projection a word: obstacle i (from 1), negative where passed leftwards."""
+"""One word per effector and projection: obstacle i (from 1), negative if passed leftwards."""
 MOST_DETOURS = 12
-"""So many cells of a plan are left out in turn, to find others."""
+"""The number of cells of a plan that are left out in turn to find other plans."""
 
 
 def other_kinds(
@@ -38,12 +38,12 @@ def other_kinds(
     obstacles: Array,
     known: Sequence[CounterExample] = (),
 ) -> list[Plan]:
-    """Plans of other kinds than a plan, one of each, by ascending changes of cell.
+    """Plans of other kinds than a plan, one of each, in ascending order of changes of cell.
 
     They are found by leaving out one cell of the plan in turn.
 
     Args:
-        problem: what is asked of plans.
+        problem: the planning problem.
         plan: one of its plans.
         cells: the cells.
         obstacles: a point in every obstacle, shape (obstacles, dimension).
@@ -64,7 +64,7 @@ def other_kinds(
 
 
 def without_cell(problem: PlanningProblem, effector: int, cell: int) -> PlanningProblem:
-    """The problem in which an effector (from 0) is never in a cell."""
+    """The problem in which an effector (from 0) may not enter a cell."""
     planned = (
         replace(one, forbidden=tuple(sorted({*one.forbidden, cell})))
         if one.effector == effector
@@ -96,7 +96,7 @@ def kind_of(plan: Plan, cells: Abstraction, obstacles: Array) -> Kind:
 
 
 def crossings(line: Array, points: Array) -> tuple[int, ...]:
-    """The reduced word of the rays upwards from points (k, 2) that a line (m, 2) crosses."""
+    """The reduced word of the upward rays from points (k, 2) that a line (m, 2) crosses."""
     word = list[int]()
     for start, end in pairwise(line):
         run = end[0] - start[0]

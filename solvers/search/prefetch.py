@@ -1,6 +1,6 @@
-"""The screenings of structures, begun ahead of need by workers that have nothing else to do.
+"""Screenings of structures, begun ahead of need by idle workers.
 
-Their order is that of the structures, and so nothing depends on how far ahead the workers are.
+They are in the order of the structures, so nothing depends on how far ahead the workers are.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from solvers.run_context import Memory, Recorded, RunContext
 from solvers.verifier.refutations.solver_process import SmtSolver
 
 MOST_DRAWN = 64
-"""So many structures are drawn ahead at most, most of which may be robots seen before."""
+"""The most structures drawn ahead; many of them may be robots seen before."""
 MOST_ASKED = 256
-"""So many answers of the SMT solver are kept by a process: robots may share a question."""
+"""The SMT answers that a process caches, because robots may share a question."""
 
 _ASKED = Memory()
 
 
 @dataclass(frozen=True, slots=True)
 class _Question:
-    """What is asked about all robots."""
+    """The part of the question that is the same for all robots."""
 
     program: ir.Program
     task: ir.Task
@@ -42,7 +42,7 @@ class _Question:
     smt: tuple[SmtSolver, ...]
 
     def itself(self) -> _Question:
-        """The question."""
+        """The question itself."""
         return self
 
 
@@ -66,7 +66,7 @@ def _examined(job: _Job) -> tuple[int, Screening]:
 class Prefetch:
     """The structures in order, and their screenings.
 
-    ``screening`` and ``numeric`` are asked for the structure that was given last.
+    ``screening`` and ``numeric`` are for the structure that was returned last.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Prefetch:
         """The equations of motion of the robot of a structure.
 
         Raises:
-            ValueError: it has none.
+            ValueError: if it has no robot.
         """
         if self._numeric is None or self._numeric[0] != candidate.number:
             graph = robot_graph(_robot(candidate), self._question.task.gravity)
@@ -113,10 +113,10 @@ class Prefetch:
         return self._numeric[1]
 
     def screening(self, candidate: Candidate) -> Screening:
-        """The screening of the robot of a structure; a journal is asked first.
+        """The screening of the robot of a structure; the journal is consulted first.
 
         Raises:
-            ValueError: it has none.
+            ValueError: if it has no robot.
         """
         key = _key(candidate)
         found = screening_of(self._context.journal.recall(key))
@@ -131,7 +131,7 @@ class Prefetch:
         return screen(model, numeric, question.program, question.task, self._asked)
 
     def _result(self, candidate: Candidate) -> Screening:
-        """The result of the workers; those of structures that nobody asked about are left out."""
+        """The result of the workers; results of other structures are discarded on the way."""
         if candidate.number not in self._expected:
             return self._own(candidate)
         while True:
@@ -146,7 +146,7 @@ class Prefetch:
     # --- drawing --------------------------------------------------------------------------------
 
     def _jobs(self) -> Iterator[_Job]:
-        """A job for each robot not seen before, of structures drawn for this as well."""
+        """A job for each robot not seen before, drawing further structures ahead."""
         if self._payload is None:
             self._payload = packed(self._question)
         while True:
@@ -159,7 +159,7 @@ class Prefetch:
             self._drawn.append(drawn)
 
     def _draw(self) -> Candidate | None:
-        """The next structure; None after the last one, or where the next one cannot be had."""
+        """The next structure; None after the last one, or if drawing it raised an exception."""
         if self._fault is not None:
             return None
         try:
@@ -173,7 +173,7 @@ class Prefetch:
         return candidate
 
     def _is_new(self, candidate: Candidate) -> bool:
-        """Whether a structure has a robot that is not seen before and has to be screened."""
+        """Whether a structure has a robot that was not seen before and has to be screened."""
         if candidate.model is None:
             return False
         key = robot_key_in_task(candidate.model, self._question.task)
@@ -194,11 +194,12 @@ def _robot(candidate: Candidate) -> RobotModel:
 
 
 # --------------------------------------------------------------------------------------------------
-# What is found out about a robot before any motion is searched: refuted, inadmissible, or open.
+# Screening, before any motion is searched: a robot is refuted, inadmissible, or open.
 #
-# A robot without a regular mass matrix cannot be driven: it is *inadmissible*.  Samples raise the
-# suspicion, a proof settles it.  Where M fails at single poses or parameters only (a length of
-# zero, say), the robot is searched like any other: the certificate proves M along the motion.
+# A robot whose mass matrix is nowhere regular cannot be driven: it is *inadmissible*.  Samples
+# raise the suspicion, a proof confirms it.  If M is singular only at single poses or parameters
+# (at length zero, say), the robot is searched like any other: the certificate proves that M is
+# regular along the motion.
 
 
 SAMPLES = 4
@@ -208,18 +209,18 @@ BOXES = 256
 
 @dataclass(frozen=True, slots=True)
 class Screening:
-    """The refutation that was tried, and why the robot cannot be driven, or None."""
+    """The result of the refutation, and why the robot cannot be driven, or None."""
 
     refutation: Refutation
     inadmissible: str | None
 
     def record(self) -> Recorded:
-        """The screening as a value of JSON."""
+        """The screening as a JSON value."""
         return [asdict(self.refutation), self.inadmissible]
 
 
 def screening_of(record: Recorded) -> Screening | None:
-    """The screening of a record, or None where it is not one of this version."""
+    """The screening in a record, or None if the record is not of this version."""
     match record:
         case [dict(refutation), None | str() as blocked]:
             try:
@@ -237,7 +238,7 @@ def screen(
     task: ir.Task,
     context: RunContext,
 ) -> Screening:
-    """Examine a robot; a refuted one is not looked at further."""
+    """Screen a robot; a refuted one is not examined further."""
     refutation = refute_structure(model, numeric, program, task, context)
     blocked = None if refutation.refuted else inadmissible(model, numeric)
     return Screening(refutation, blocked)
@@ -252,7 +253,7 @@ def inadmissible(model: RobotModel, numeric: NumericRobot) -> str | None:
 
 
 def _singular_at_all_samples(model: RobotModel, numeric: NumericRobot) -> bool:
-    """Whether M is singular, indefinite or not finite at all of a few random points."""
+    """Whether M is singular, indefinite or not finite at every one of a few random points."""
     rng = np.random.default_rng(0)
     space = parameter_space(model)
     for _ in range(SAMPLES):

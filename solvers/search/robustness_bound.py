@@ -1,7 +1,7 @@
-"""The search for a share of their bounds that the inputs of no design of a family keep.
+"""The search for an upper bound on the share of their bounds that a design's inputs leave free.
 
-A design whose inputs keep the share s does the task with bounds that are smaller by s.  Where all
-structures are refuted in that task, none does.  Shares are multiples of 1 / ``GRID``.
+A design whose inputs leave the share s free also does the task with bounds reduced by s.  If all
+structures are refuted in that task, there is no such design.  Shares are multiples of 1 / ``GRID``.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from solvers.run_context import RunContext
 from solvers.search.narrowed_family import NarrowedFamily, NoBoundError, Tried, narrowed_family
 
 GRID = 10_000
-"""Shares are multiples of one part in so many: they are stated with four decimals."""
+"""Shares are multiples of 1 / ``GRID``: they are stated with four decimals."""
 FINER = DriveEffort((1024,), 16)
-"""For a bound that leaves a larger gap than was asked for."""
+"""The effort if a bound leaves a larger gap than was asked for."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobustnessBound:
-    """No robot keeps more than ``share``, by ``evidence`` in the task with such tighter bounds."""
+    """No robot leaves more than ``share`` free; ``evidence`` is about the reduced bounds."""
 
     share: Fraction
     evidence: NarrowedFamily
@@ -32,7 +32,7 @@ class RobustnessBound:
 
 @dataclass(frozen=True, slots=True)
 class _Shares:
-    """The bounds of inputs are narrowed, by one part in ``GRID`` a step."""
+    """Reduce the bounds of inputs by 1 / ``GRID`` per step."""
 
     most: int = GRID - 1
     name: str = "bound"
@@ -40,7 +40,7 @@ class _Shares:
     reason: str = "its inputs cannot keep this share"
 
     def at(self, program: ir.Program, task: ir.Task, step: int) -> tuple[ir.Program, ir.Task]:
-        """The program and its task with bounds that leave out a share."""
+        """The program and its task with bounds reduced by a share."""
         return tightened(program, task, Fraction(step, GRID))
 
 
@@ -52,19 +52,19 @@ def robustness_bound(
     best: float,
     effort: DriveEffort = AFTER_MOTIONS,
 ) -> RobustnessBound:
-    """A bound on the share of all designs of a family up to the bound of its task on modules.
+    """A bound on the share of all designs of a family, up to the task's bound on modules.
 
     Args:
         family: the whole family of the task, without maps.
-        task: the task, without maps; without a bound on modules and with an infinite language the
+        task: the task, without maps; without a bound on modules and with an infinite language, the
             bound is about ``DEFAULT_MODULES``.
-        context: how to search; with its journal, the same questions are not asked twice.
+        context: how to search; its journal avoids repeating questions.
         tried: what is known of the family.
-        best: the share of a design, below which there is no bound.
+        best: the share of a design; no bound below it is possible.
         effort: how hard to try to show that drives are too weak.
 
     Raises:
-        NoBoundError: none was found.
+        NoBoundError: if no bound was found.
     """
     first = int(best * GRID) + 1
     if not first < GRID:

@@ -1,8 +1,9 @@
-"""Motions that go on for ever, searched as motions of one round.
+"""Unending motions, searched as motions of one round.
 
 Three shapes are tried: a tour that ends where it begins, at the start of the motion; a motion that
-comes to a cell, in which it stays; and one that comes to a tour.  What the formulas of the task ask
-for ever is asked of the round in a form that is sufficient (:mod:`compiler.tasks.round_formula`).
+arrives in a cell and stays there; and a motion that enters a tour later.  Formulas of the task
+about all future time are replaced by sufficient conditions on one round
+(:mod:`compiler.tasks.round_formula`).
 """
 
 from __future__ import annotations
@@ -19,20 +20,21 @@ from compiler.tasks.word_formula import Literal, eventually, every, some
 from grammar_lang import ir
 
 ARRIVAL = Fraction(1, 2)
-"""The part of the horizon by which a motion that stays has arrived."""
+"""The fraction of the horizon by which a motion that stays has arrived."""
 ENTRIES = Fraction(1, 4), Fraction(1, 2)
-"""The parts of the horizon by which a motion comes to a tour that it does not begin on."""
+"""The fractions of the horizon by which a motion enters a tour on which it does not begin."""
 TAKEN = 1, Fraction(1, 2), Fraction(3, 4), Fraction(1, 4)
-"""The parts of the horizon that a motion takes, in turn, where it may take any."""
+"""The fractions of the horizon that a motion takes, in turn, if the horizon is a bound."""
 OTHERS = 40
-"""At most so many other numbers of steps are looked at."""
+"""The most further numbers of steps that are tried."""
 
 
 @dataclass(frozen=True, slots=True)
 class RoundTask:
-    """A task about motions that end, and the sample at which the loop begins; None: there is none.
+    """A task about finite motions, and the sample at which the loop begins; None without a loop.
 
-    ``task`` is what is searched.  What ``stays`` is in the last cell from that sample on.
+    ``task`` is the task that is searched.  If it ``stays``, the motion is in the last cell from
+    that sample on.
     """
 
     task: ir.Task
@@ -41,12 +43,12 @@ class RoundTask:
 
     @property
     def formula(self) -> SampledFormula | None:
-        """What its formulas ask of the samples."""
+        """The task's formulas on the samples."""
         return task_on_samples(self.task)
 
 
 def tasks_by_length(task: ir.Task) -> tuple[ir.Task, ...]:
-    """The tasks of motions of one number of steps that are looked for, in turn."""
+    """The tasks of motions of a fixed number of steps, in the order in which they are tried."""
     if not task.at_most:
         return (task,)
     numbers = (max(task.fewest_steps, int(part * task.steps)) for part in TAKEN)
@@ -54,7 +56,7 @@ def tasks_by_length(task: ir.Task) -> tuple[ir.Task, ...]:
 
 
 def tasks_of_other_lengths(task: ir.Task) -> tuple[ir.Task, ...]:
-    """Those that are looked for after them where formulas tell times, evenly spread at first.
+    """Further tasks of other lengths if formulas refer to times, evenly spread at first.
 
     Without formulas there are none: a longer motion has the paths of a shorter one.
     """
@@ -73,14 +75,14 @@ def tasks_of_other_lengths(task: ir.Task) -> tuple[ir.Task, ...]:
 
 
 def task_on_samples(task: ir.Task) -> SampledFormula | None:
-    """What the formulas of a task ask of the samples; None without one."""
+    """The formulas of a task on the samples; None without formulas."""
     if not task.satisfy:
         return None
     return every(sampled(clause.formula, task.step, task.steps) for clause in task.satisfy)
 
 
 def round_tasks(task: ir.Task, recorded: int) -> tuple[RoundTask, ...]:
-    """What is searched for a task, in turn; ``recorded`` is the effector that reaches, from 0."""
+    """The tasks searched for a task, in turn; effector ``recorded`` (from 0) reaches."""
     if not task.repeat:
         return (RoundTask(task),)
     arrival = int(task.steps * ARRIVAL)
@@ -107,10 +109,10 @@ def _round_task(task: ir.Task, recorded: int, loop: int, *, stays: bool = False)
 
 
 def closing(problem: PlanningProblem, shape: RoundTask) -> tuple[PlanningProblem, ...]:
-    """The planning problems of paths that close; that itself where there is no loop.
+    """The planning problems of paths that close; the problem itself if there is no loop.
 
-    Of a tour from the start there is one per cell that a planned effector may start in, the same
-    for all of them.
+    For a tour from the start there is one problem per cell in which the first planned effector may
+    start.
     """
     if shape.loop is None:
         return (problem,)
@@ -129,9 +131,10 @@ def closing(problem: PlanningProblem, shape: RoundTask) -> tuple[PlanningProblem
 def _returning(
     problem: PlanningProblem, loop: int, effectors: Sequence[PlannedEffector]
 ) -> PlanningProblem:
-    """The problem of paths of which some end in the cells in which they are at the sample ``loop``.
+    """The problem in which some effectors end in the cell where they are at sample ``loop``.
 
-    Each cell is a region of its own, whose name has a blank, as no other has.
+    Each cell becomes a region of its own, with a blank in its name so that it clashes with no
+    other.
     """
     names = [f"cell {number}" for number in range(len(problem.propositions))]
     asked = [] if problem.formula is None else [problem.formula]

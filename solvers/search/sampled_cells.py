@@ -1,9 +1,7 @@
-"""Where samples of a robot's parameters and poses put its effectors.
+"""The cells that an effector can be in, for sampled parameters and poses of a robot.
 
-So are found the cells to start in, the cells within reach, and those in which a robot that cannot
-move stands as its task asks.
-
-What samples do not show may exist all the same: this guides a search and proves nothing.
+This yields the cells to start in, the cells within reach, and those in which a robot that cannot
+move stands as its task asks.  Sampling can miss cells: this guides a search and proves nothing.
 """
 
 from __future__ import annotations
@@ -32,24 +30,24 @@ from solvers.trajectory.task_limits import input_groups, motion_limits, resting_
 from solvers.trajectory.trajectory import Trajectory
 
 START_SAMPLES = 64
-"""Parameters that are drawn for the cells to start in."""
+"""Parameter vectors drawn for the cells to start in."""
 REACH_LOG2 = 3
 POSES = 512
-"""For the cells within reach 2**3 parameters, and so many poses with each."""
+"""For the cells within reach: 2**``REACH_LOG2`` parameter vectors, with this many poses each."""
 CHUNK = 1 << 22
-"""So many products of points and rows are held at a time."""
+"""The most products of points and rows held at a time."""
 POSES_OF_BODIES = 4
 ON_BODY = 1e-9
-"""Metres up to which an effector is on a body, in so many poses."""
+"""An effector is on a body if within this many metres of it in ``POSES_OF_BODIES`` poses."""
 STANDING_LOG2 = 9
 KEPT = 4
-"""Of 2**9 parameters of a robot that cannot move, the best that are kept."""
+"""The best of 2**``STANDING_LOG2`` parameters of a motionless robot that are kept."""
 
 
 def start_cells(
     abstraction: Abstraction, task: ir.Task, numeric: NumericRobot
 ) -> dict[int, tuple[int, ...]] | None:
-    """By effector the cells it may start in, where a start pose is given; else None.
+    """Maps each effector to the cells it may start in if a start pose is given; else None.
 
     They depend on the parameters, which are sampled.
     """
@@ -71,7 +69,7 @@ def start_cells(
 def reachable_cells(
     numeric: NumericRobot, abstraction: Abstraction, effector: int, seed: int
 ) -> NDArray[np.bool_]:
-    """Per cell whether a pose was found with the effector (from 0) in it, shape (cells,)."""
+    """For each cell, whether a pose with the effector (from 0) in it was found, shape (cells,)."""
     space, cells = parameter_space(numeric.graph.model), _Stacked(abstraction)
     found = np.zeros(len(abstraction.cells), dtype=bool)
     rng = np.random.default_rng(seed)
@@ -107,7 +105,7 @@ def within_reach(
 def clear_of_bodies(
     problem: PlanningProblem, numeric: NumericRobot, abstraction: Abstraction, task: ir.Task
 ) -> PlanningProblem:
-    """The problem without the cells that bodies avoid, for effectors that are part of one."""
+    """The problem without the cells that bodies avoid, for effectors that are part of a body."""
     avoided = [name for avoid in task.avoid if avoid.subject == "body" for name in avoid.regions]
     if not avoided:
         return problem
@@ -119,12 +117,12 @@ def clear_of_bodies(
 
 
 def _closed(planned: PlannedEffector, cells: Iterable[int]) -> PlannedEffector:
-    """An effector that may not be in some more cells."""
+    """An effector with further forbidden cells."""
     return replace(planned, forbidden=tuple(sorted({*planned.forbidden, *cells})))
 
 
 def effectors_on_bodies(numeric: NumericRobot) -> frozenset[int]:
-    """The effectors (from 0) that are on a point or a rod of some body, in random poses."""
+    """The effectors (from 0) that lie on a point or a rod of some body, in random poses."""
     model, n = numeric.graph.model, numeric.n
     count, rng = len(model.effectors), np.random.default_rng(0)
     found = set(range(count))
@@ -146,7 +144,7 @@ def effectors_on_bodies(numeric: NumericRobot) -> frozenset[int]:
 
 
 class _Stacked:
-    """The rows of all cells, (M, d) and (M,), where each cell's rows begin, and the centres."""
+    """The rows of all cells, (M, d) and (M,), the start of each cell's rows, and the centres."""
 
     def __init__(self, abstraction: Abstraction) -> None:
         shapes = [cell.polytope for cell in abstraction.cells]
@@ -156,7 +154,7 @@ class _Stacked:
         self.centres: Array = np.array([[float(x) for x in shape.centre] for shape in shapes])
 
     def hit(self, points: Array) -> NDArray[np.bool_]:
-        """Per cell whether one of the points (K, d) lies inside."""
+        """For each cell, whether one of the points (K, d) lies inside."""
         hit = np.zeros(len(self.starts), dtype=bool)
         size = max(1, CHUNK // len(self.offsets))
         for first in range(0, len(points), size):
@@ -174,12 +172,12 @@ def standing_configurations(
     effector: int,
     seed: int,
 ) -> list[tuple[int, Configuration]]:
-    """Cells and motionless configurations that meet the regions of a task most clearly, or none.
+    """Cells and motionless configurations that satisfy the regions of a task most clearly.
 
-    The parameters are samples: what is not found may still exist.
+    The parameters are sampled: a configuration may exist even if none is found.
 
     Raises:
-        ValueError: the robot has degrees of freedom.
+        ValueError: if the robot has degrees of freedom.
     """
     model = numeric.graph.model
     if model.dofs:
@@ -220,9 +218,9 @@ def _atoms(task: ir.Task) -> tuple[ir.Atom, ...]:
 def _worth(
     numeric: NumericRobot, shapes: Mapping[str, Polytope], task: ir.Task, points: Array
 ) -> float:
-    """By how much effectors at rest at some points, shape (n, d), satisfy all formulas, in metres.
+    """The robustness, in metres, of all formulas for effectors at rest at points (n, d).
 
-    Not positive where they do not.
+    It is not positive if a formula is violated.
     """
     end = task.step * task.steps
     trace: dict[AtomKey, list[Piece]] = {}
@@ -239,7 +237,7 @@ def _motionless(numeric: NumericRobot, task: ir.Task, theta: Array) -> Configura
     k = task.steps
     groups = input_groups(numeric.graph.model, task)
     inputs = resting_inputs(groups, k, numeric.m)
-    # All the time: where it stands, it takes loads up and puts them down.
+    # It stands in one place, where it both picks loads up and puts them down.
     inputs[:, numeric.m - len(task.carries) :] = 1.0
     still = Trajectory(np.zeros((k + 1, numeric.size)), inputs, theta)
     margin = input_margin(groups, still.u)

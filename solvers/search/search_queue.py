@@ -1,10 +1,10 @@
-"""Which structure is searched next: structures share the time, smaller ones ahead of larger ones.
+"""Which structure is searched next: structures share the time, smaller ones before larger ones.
 
 Every attempt at a path is a turn.  The k-th structure that is searched (from 0) has its j-th turn
-in round k + j: the first structure always is one attempt ahead of the second, and no structure
-keeps the others waiting for long (dovetailing).  Within a round the most promising goes first, by
-the robustness of the nearest motion that it has come to; a new structure goes last.  A structure
-that no motion is expected for along any path comes some rounds later.
+in round k + j.  The first structure is thus always one attempt ahead of the second, and no
+structure delays the others for long (dovetailing).  Within a round, the most promising structure
+goes first, by the robustness of its nearest motion; a new structure goes last.  A structure for
+which no motion is expected along any path is postponed by some rounds.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from solvers.search.path_task import Design
 from solvers.search.search_state import NearestMotion, StructureState
 
 LATER = 3
-"""By so many rounds."""
+"""The rounds by which a structure without a promising path is postponed."""
 
 
 def most_robust(designs: Sequence[Design]) -> Design:
-    """The best of some designs where nothing else is asked for."""
+    """The most robust of some designs, which is the best if there are no objectives."""
     return max(designs, key=lambda design: design.robustness)
 
 
 @dataclass(slots=True)
 class StructureUnderWay:
-    """A structure that is searched, and what is known of it; ``place`` is that among all searched.
+    """A structure that is being searched; ``place`` is its index among all that are searched.
 
-    ``incumbent`` is a proved design, there before the attempt that it comes from has ended;
-    ``waiting`` is the last motion that was seen, whose search or proof may go on.  ``told`` is
-    called when a better design was proved; ``best_of`` says which of those ``proved`` is the best.
+    ``incumbent`` is the best proved design, set even before the attempt that gave it has ended.
+    ``waiting`` is the last motion reported, whose search or proof may still go on.  ``told`` is
+    called whenever a better design is proved; ``best_of`` chooses the best of those ``proved``.
     """
 
     place: int
@@ -59,35 +59,35 @@ class StructureUnderWay:
 
     @property
     def samples(self) -> tuple[PathSamples, ...]:
-        """What was evaluated."""
+        """The parameters that were evaluated."""
         model = self.candidate.model
         names = () if model is None else tuple(p.label for p in model.parameters)
         return self.state.samples(self.number, names)
 
     @property
     def round(self) -> int:
-        """That of its next turn."""
+        """The round of its next turn."""
         later = LATER if self.state.is_deferred else 0
         return self.place + len(self.state.attempts) + later
 
     def advance(self) -> None:
-        """One attempt more."""
+        """Make one more attempt."""
         self.state, self.waiting = next(self.states), None
 
     def keep(self, design: Design) -> None:
-        """A design was proved: it is there from now on, whatever ends the search."""
+        """Store a proved design; it remains, whatever ends the search."""
         self.proved.append(design)
         before, self.incumbent = self.incumbent, self.best_of(self.proved)
         if self.incumbent is not before:
             self.told()
 
     def see(self, motion: NearestMotion) -> None:
-        """A motion was found that may become a design yet."""
+        """Store a motion that may still become a design."""
         self.waiting = motion
 
     @property
     def nearest(self) -> NearestMotion | None:
-        """The motion that came nearest to a design; one under way only where it is nearer."""
+        """The motion nearest to a design; one under way only if it is nearer."""
         known = [each for each in (self.state.nearest, self.waiting) if each is not None]
         return max(known, key=lambda motion: motion.rank, default=None)
 
@@ -96,32 +96,32 @@ class StructureUnderWay:
 class SearchQueue:
     """The structures under way.
 
-    Where ``every`` structure is wanted, each is searched to its end before the next.
+    If ``every`` structure is wanted, each is searched to its end before the next begins.
     """
 
     every: bool
     entered: int = 0
-    """How many structures have been searched."""
+    """The number of structures that have entered the search."""
     under_way: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
     parked: list[StructureUnderWay] = field(default_factory=list[StructureUnderWay])
-    """Those that have no turns for now."""
+    """The structures that currently get no turns."""
     current: StructureUnderWay | None = None
-    """The one that had the last turn."""
+    """The structure that had the last turn."""
 
     def enter(self, structure: StructureUnderWay, states: Iterator[StructureState]) -> None:
-        """Another structure, whose states are asked for one after another."""
+        """Add a structure; its states are drawn from ``states``."""
         structure.states = states
         self.entered += 1
         self.under_way.append(structure)
 
     def wants_another(self) -> bool:
-        """Whether a structure that is not under way has the next turn."""
+        """Whether a new structure takes the next turn."""
         if self.every:
             return not self.under_way
         return all(each.round > self.entered for each in self.under_way)
 
     def turn(self) -> StructureUnderWay:
-        """Let the structure that is next make an attempt; ValueError: there is none."""
+        """Let the next structure make an attempt; ValueError if there is none."""
         self.current = min(
             self.under_way, key=lambda each: (each.round, -each.state.best, each.place)
         )
@@ -129,17 +129,17 @@ class SearchQueue:
         return self.current
 
     def finish(self, structure: StructureUnderWay) -> None:
-        """Let a structure make all attempts that are left to it."""
+        """Let a structure make all its remaining attempts."""
         self.current = structure
         while not structure.state.is_over:
             structure.advance()
 
     def leave(self, structure: StructureUnderWay) -> None:
-        """A structure has no turn any more."""
+        """Remove a structure from the queue."""
         self.under_way.remove(structure)
 
     def give_turns(self, due: Callable[[StructureUnderWay], bool]) -> None:
-        """Only those structures have turns from now on that are due."""
+        """Give turns only to the structures that are ``due``; park the others."""
         unfinished = sorted([*self.under_way, *self.parked], key=lambda each: each.place)
         self.under_way = [each for each in unfinished if due(each)]
         self.parked = [each for each in unfinished if not due(each)]

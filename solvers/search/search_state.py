@@ -1,7 +1,7 @@
-"""What is known of a structure while it is searched: attempts at paths, each found or blocked.
+"""The state of the search of a structure: attempts at paths, each found or blocked.
 
-A state is immutable: every attempt makes a new one, and all that a result says of a structure (its
-counts, its counterexamples, the nearest motion) is read off its attempts.
+A state is immutable: every attempt makes a new one.  Everything that a result reports about a
+structure (its counts, counterexamples, nearest motion) is derived from its attempts.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from solvers.trajectory.trajectory import Trajectory
 
 
 class Cause(Enum):
-    """What stood in the way of a design along a path."""
+    """The reason why there is no design along a path."""
 
     NOT_FINITE = "the equations of motion have no finite value"
     UNSOLVED = "a convex program was not solved"
@@ -44,10 +44,10 @@ class Cause(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Blocked:
-    """Why there is no design; ``text`` says it in words that follow a reason, where they help.
+    """Why there is no design; ``text`` explains it in words appended to a reason, if useful.
 
-    ``lacking`` is how much wider the margin for disturbed motions has to be, as a part of it,
-    ``beyond`` by what part motions leave the set of their loop.
+    ``lacking`` is the share by which the margin for disturbed motions must grow.  ``beyond`` is the
+    share by which motions leave the set of their loop.
     """
 
     cause: Cause
@@ -68,12 +68,12 @@ Answer: TypeAlias = Found | Blocked
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearestMotion:
-    """The most robust motion that an attempt came to without a proof.
+    """The most robust motion of an attempt that ended without a proof.
 
-    ``sample`` is the first that it cannot be brought to, None where all are got to, or where it is
-    not known; ``effector`` (from 0) reaches, and ``leader`` follows the cells of the path.  A
-    motion that is ``feasible`` at its samples was found, but not proved.  ``cause`` is why, and
-    ``text`` says what it lacks.
+    ``sample`` is the first sample that it cannot reach; None if it reaches all, or if this is not
+    known.  ``effector`` (from 0) reaches, and ``leader`` follows the cells of the path.  A motion
+    that is ``feasible`` at its samples was found but not proved.  ``cause`` says why, and ``text``
+    what it lacks.
     """
 
     derivation: Derivation
@@ -91,24 +91,24 @@ class NearestMotion:
 
     @property
     def stuck(self) -> int | None:
-        """The first sample that it cannot be brought to; None where its end alone is wrong, too."""
+        """The first sample that it cannot reach; None also if only the end conditions fail."""
         return None if self.sample is None or self.sample > len(self.trajectory.u) else self.sample
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """Greater is nearer."""
+        """A sort key; greater is nearer."""
         return self.feasible, self.robustness
 
 
 @dataclass(frozen=True, slots=True)
 class CounterExampleRecord:
-    """A counterexample: paths with these cells, in turn where ``ordered``, were deferred.
+    """A counterexample: paths with these cells, in this order if ``ordered``, were deferred.
 
-    ``structure`` and ``path`` are those of the samples it was found with, ``effector`` (from 0) is
-    the one that could not follow, through ``length`` cells.  So many paths with at most two cells
-    more are ``deferred``, as far as they were counted.  ``sample`` is the first that the most
-    robust motion cannot be brought to, None where there is none or it is not known; ``robustness``
-    is what that motion has.
+    ``structure`` and ``path`` identify the samples with which it was found.  ``effector`` (from 0)
+    could not follow its path of ``length`` cells.  ``deferred`` counts the deferred paths with at
+    most two more cells, as far as they were counted.  ``sample`` is the first sample that the most
+    robust motion cannot reach, None if there is none or it is not known.  ``robustness`` is that of
+    this motion.
     """
 
     structure: int
@@ -124,12 +124,12 @@ class CounterExampleRecord:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathAttempt:
-    """What became of a path: a proved design, or what blocked it and what to defer.
+    """The result for a path: a proved design, or what blocked it and what to defer.
 
-    ``excluded`` is a counterexample that so many paths are ``deferred`` by.
+    ``excluded`` is a counterexample, by which ``deferred`` paths are deferred.
 
     Raises:
-        ValueError: a path is excluded although a motion along it was found.
+        ValueError: if a path is excluded although a motion along it was found.
     """
 
     answer: Answer
@@ -151,7 +151,7 @@ class PathAttempt:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StructureState:
-    """All attempts at a structure so far; ``reason``: why no more are made, where that is so."""
+    """All attempts at a structure so far; ``reason`` says why no more are made, once over."""
 
     attempts: tuple[PathAttempt, ...] = ()
     reason: str | None = None
@@ -163,7 +163,7 @@ class StructureState:
 
     @property
     def design(self) -> Design | None:
-        """The most robust design that was proved."""
+        """The most robust proved design."""
         designs = [each.design for each in self.attempts if each.design is not None]
         return max(designs, key=lambda design: design.robustness, default=None)
 
@@ -174,13 +174,13 @@ class StructureState:
 
     @property
     def nearest(self) -> NearestMotion | None:
-        """The motion that came nearest to a design, the first of equal ones."""
+        """The motion nearest to a design, the first of equal ones."""
         known = [each.nearest for each in self.attempts if each.nearest is not None]
         return max(known, key=lambda motion: motion.rank, default=None)
 
     @property
     def obstacle(self) -> str:
-        """What blocked the last attempt that says so, to follow a reason; else the nearest one."""
+        """The text of the last blocked attempt that has one, else that of the nearest motion."""
         answers = (each.answer for each in reversed(self.attempts))
         texts = (answer.text for answer in answers if isinstance(answer, Blocked) and answer.text)
         nearest = self.nearest
@@ -188,7 +188,7 @@ class StructureState:
 
     @property
     def cause(self) -> Cause | None:
-        """What the obstacle is, as one of few; None where nothing was attempted."""
+        """The cause that belongs to the obstacle; None if nothing was attempted."""
         blocked = [a.answer for a in reversed(self.attempts) if isinstance(a.answer, Blocked)]
         spoken = next((answer.cause for answer in blocked if answer.text), None)
         if spoken is not None or self.nearest is not None:
@@ -197,7 +197,7 @@ class StructureState:
 
     @property
     def tried(self) -> str:
-        """How many paths were tried, and how near they came, in words."""
+        """The number of paths tried and the best robustness, in words."""
         count = len(self.attempts)
         if not count:
             return "no path tried"
@@ -206,11 +206,11 @@ class StructureState:
 
     @property
     def evaluated(self) -> tuple[PathAttempt, ...]:
-        """The attempts at which parameters were evaluated."""
+        """The attempts in which parameters were evaluated."""
         return tuple(each for each in self.attempts if each.samples)
 
     def samples(self, structure: int, names: Sequence[str]) -> tuple[PathSamples, ...]:
-        """What was evaluated, by paths; ``names`` are those of the parameters."""
+        """The samples by path; ``names`` are the parameters."""
         return tuple(
             PathSamples(structure, path, tuple(names), each.samples)
             for path, each in enumerate(self.evaluated)
@@ -222,7 +222,7 @@ class StructureState:
         return any(each.excluded is not None and not each.excluded.cells for each in self.attempts)
 
     def counterexamples(self, structure: int) -> tuple[CounterExampleRecord, ...]:
-        """The counterexamples, as they were found."""
+        """The counterexamples, in the order in which they were found."""
         found = list[CounterExampleRecord]()
         for path, each in enumerate(self.evaluated):
             if each.excluded is not None and each.nearest is not None:

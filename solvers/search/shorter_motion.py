@@ -1,6 +1,6 @@
-"""A motion of fewer steps than a proved one, along its way or a faster one between other poses.
+"""A motion with fewer steps than a proved one, along its way or a faster one.
 
-That way is gone along as fast as the drives allow at first.
+Initially the way is traversed as fast as the drives allow.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from solvers.trajectory.time_optimal import Timing, fastest_timing
 from solvers.trajectory.trajectory import Trajectory
 
 WAYS = 8
-"""Other ways that are timed, from poses where the task begins to poses where it ends."""
+"""Other ways that are timed, from start poses of the task to end poses."""
 
 
 def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
-    """The way of a design in joint space, gone along as fast as the drives allow; None: unknown."""
+    """The joint-space way of a design with its fastest timing; None if unknown."""
     path_problem = problem_along(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None:
         return None
@@ -44,10 +44,10 @@ def fastest_way(paths: PathSearch, best: Design) -> Timing | None:
 
 
 def faster_way(paths: PathSearch, best: Design, than: Timing | None) -> Timing | None:
-    """The fastest way between poses that a task asks for at its ends, with what a design has.
+    """The fastest way between start and end poses of the task, with the design's parameters.
 
-    Straight ones are timed or, where none is clear, ways around obstacles.  None where they are not
-    faster ``than`` a known one, or a formula says what happens in between.
+    Straight ways are timed or, if none is collision-free, ways around obstacles.  None if no way is
+    faster than ``than``, or if a formula constrains the motion in between.
     """
     path_problem = problem_along(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None or path_problem.formula is not None:
@@ -64,7 +64,7 @@ def faster_way(paths: PathSearch, best: Design, than: Timing | None) -> Timing |
 
 
 def _timed(path_problem: PathProblem, theta: Array, motion: Array) -> Timing | None:
-    """The fastest timing along the way of a motion (k + 1, n), None where none is known."""
+    """The fastest timing along the way of a motion (k + 1, n), or None if none is known."""
     numeric, limits = path_problem.numeric, path_problem.limits
     return fastest_timing(numeric, limits, path_problem.groups, theta, motion)
 
@@ -77,15 +77,15 @@ def shorter_motion(
     box: tuple[Array, Array] | None = None,
     price: float = 0.0,
 ) -> PathAttempt:
-    """The attempt at a motion of as many steps as the task of ``paths`` has.
+    """The attempt at a motion with the number of steps of the task of ``paths``.
 
     Args:
         paths: the search of paths of such motions.
-        cells: the cells of the workspace, where the design has no others.
-        best: the design of which the way is followed.
-        way: its way with the fastest timing; None: its own timing, stretched.
-        box: bounds (p,) of the parameters; None: their ranges.
-        price: that on rates, relative to that of calm motions; 0: what feedback asks for.
+        cells: the cells of the workspace, used if the design has no refined ones.
+        best: the design whose way is followed.
+        way: its way with the fastest timing; None to stretch its own timing.
+        box: bounds (p,) on the parameters; None for their ranges.
+        price: the price on rates relative to calm motions; 0 for the price that feedback needs.
     """
     steps = paths.shape.task.steps
     cells = best.abstraction if best.abstraction.cuts else cells
@@ -104,14 +104,14 @@ def shorter_motion(
 def attempt_along(
     paths: PathSearch, best: Design, start: Trajectory, box: tuple[Array, Array], name: str
 ) -> PathAttempt:
-    """The attempt at a motion of as many steps along the cells of a design, from another start.
+    """The attempt at a motion along the cells of a design, with as many steps, from another start.
 
     Args:
         paths: the search of paths of such motions.
         best: the design.
-        start: the motion to begin with.
-        box: bounds (p,) of the parameters.
-        name: what it is for, as journals call it.
+        start: the initial motion.
+        box: bounds (p,) on the parameters.
+        name: the name of its purpose in journals.
     """
     path_problem = problem_along(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None:
@@ -125,7 +125,7 @@ def _solved(
     start: Trajectory,
     label: str,
 ) -> PathAttempt:
-    """The attempt at a motion from a start."""
+    """The attempt at a motion from ``start``."""
     context, entries = paths.structure.context, path_problem.waypoints()[1]
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
     box = free_parameters(path_problem, start)
@@ -142,7 +142,7 @@ def _solved(
 def problem_along(
     paths: PathSearch, cells: Abstraction, best: Design, steps: int
 ) -> PathProblem | None:
-    """The path problem along the cells of a design; None where its formula does not allow that."""
+    """The path problem along the cells of a design; None if its formula does not allow it."""
     leader = _route(cells, best)
     if paths.place.on_samples(best.effector) is None:
         leader = replace(leader, cells=_thinned(leader.cells, steps), entries=None)
@@ -156,14 +156,14 @@ def problem_along(
 
 
 def _route(cells: Abstraction, best: Design) -> EffectorPath:
-    """The cells of the leader of a design; those that led to it where its samples pass some by."""
+    """The cells of the leader of a design, from its samples or else from its search."""
     known = entered(cells, best.leader, best.path[best.leader])
     own = best.configuration
     return EffectorPath(best.leader, own.cells, own.entries) if known is None else known
 
 
 def _thinned(route: tuple[int, ...], steps: int) -> tuple[int, ...]:
-    """As many cells of a route as a motion of so many steps may have, evenly, with both ends."""
+    """As many cells of a route as ``steps`` allow, evenly spaced, including both ends."""
     if len(route) <= max(2, steps):
         return route
     places = np.linspace(0, len(route) - 1, max(2, steps)).round().astype(int)
@@ -173,7 +173,7 @@ def _thinned(route: tuple[int, ...], steps: int) -> tuple[int, ...]:
 def _timed_for_formula(
     found: PathProblem, best: Design, leader: EffectorPath
 ) -> PathProblem | None:
-    """The path problem entered as the design enters it, faster; None where that is not allowed."""
+    """The path problem with the entries of the design, compressed; None if not allowed."""
     old, steps = len(best.inputs), found.task.steps
     others = []
     for effector, names in enumerate(best.path):
@@ -196,11 +196,11 @@ def _timed_for_formula(
     return next((each for each in timed if each.allows(each.timing or (0,))), None)
 
 
-# --- Entries of a motion of fewer steps, each cell with a sample of its own -----------------------
+# --- Entries of a motion with fewer steps; each cell keeps a sample of its own --------------------
 
 
 def _scaled(entries: Entries, old: int, steps: int) -> Entries:
-    """All of the motion goes on faster."""
+    """Speed up the whole motion."""
     found = list[int]()
     for entry in entries:
         found.append(max(round(entry * steps / old), found[-1] + 1 if found else 0))
@@ -208,13 +208,13 @@ def _scaled(entries: Entries, old: int, steps: int) -> Entries:
 
 
 def _with_the_end(entries: Entries, old: int, steps: int) -> Entries:
-    """What comes before the last entry goes on faster, what comes after it takes as long."""
+    """Speed up the motion before the last entry; what follows takes as long as before."""
     rest = old - entries[-1]
     return _scaled(entries, max(1, entries[-1]), max(1, steps - rest))
 
 
 def _cut_short(entries: Entries, old: int, steps: int) -> Entries:
-    """Entries stay as they are as long as can be, and what comes after the last takes as long."""
+    """Keep the entries as long as possible; what follows the last one takes as long as before."""
     last = steps - (old - entries[-1]) - len(entries) + 1
     return tuple(min(entry, max(0, last) + index) for index, entry in enumerate(entries))
 
@@ -222,7 +222,7 @@ def _cut_short(entries: Entries, old: int, steps: int) -> Entries:
 def _seed(
     path_problem: PathProblem, best: Design, way: Timing | None, entries: Entries
 ) -> Trajectory:
-    """The motion along the way of a design, with the inputs that bring a robot along it."""
+    """The motion along the way of a design, with the inputs that produce it."""
     motion, n = best.configuration.outcome.trajectory, path_problem.numeric.n
     steps = path_problem.task.steps
     if way is None:
@@ -241,7 +241,7 @@ def _seed(
 
 
 def _still(path_problem: PathProblem, way: Timing, entries: Entries) -> int:
-    """For how many steps the end of a motion lasts, as far as its way leaves time for that."""
+    """The number of steps for the end of a motion, as far as its way leaves time for them."""
     task = path_problem.task
     lasts = steps_of_end(task)
     if path_problem.formula is not None:
@@ -251,5 +251,5 @@ def _still(path_problem: PathProblem, way: Timing, entries: Entries) -> int:
 
 
 def steps_of_end(task: ir.Task) -> int:
-    """The steps for which the end of a motion is to last."""
+    """The number of steps that the end of a motion has to last."""
     return ceil(task.stay / task.step)

@@ -1,13 +1,13 @@
-"""P.Planning and P.Synthesis for one structure: plans, motions along them, counterexamples, cuts.
+"""P.Planning and P.Synthesis for one structure: plans, motions, counterexamples, splits.
 
 Plans come from the SAT solver, fewest changes of cell first, and one of each homotopy kind before a
-second of any.  Where no motion was found along a plan, all that visit the same few cells are
-deferred; where that leaves none, one of these cells is cut in two and the planning goes on, with
-the counterexamples that say nothing of that cell.  What was deferred comes last.  After a proof,
-the other ways round are tried for a more robust design.
+second of any.  If no motion was found along a plan, all plans that visit the same few cells are
+deferred.  If that leaves no plan, one of these cells is split in two, and planning continues with
+the counterexamples that do not involve it.  Deferred plans come last.  After a proof, ways of other
+kinds are tried for a more robust design.
 
-A search is a generator of states: whoever asks for the next one pays for one attempt, and may stop
-at any time.
+A search is a generator of states: each request for the next state makes one attempt, and the caller
+may stop at any time.
 """
 
 from __future__ import annotations
@@ -37,32 +37,32 @@ from solvers.trajectory.path_timing import polyline
 from solvers.verdict import Holds, Unknown
 
 OTHER_WAYS = 2
-"""So many other kinds of paths are tried for a more robust design than a proved one."""
+"""The number of other kinds of paths tried for a more robust design."""
 LONGER = 2
-"""Paths that are deferred are counted up to so many changes of cell more than that of the path."""
+"""Deferred paths are counted up to this many changes of cell more than in the path."""
 NUMERIC_FAULTS = (OverflowError, ZeroDivisionError, FloatingPointError, MemoryError)
 TOO_LARGE = "the numbers of the task are too large or too small for the search"
 NO_EFFECTOR = "it has no effector that the task asks for"
 
 Attempts: TypeAlias = Generator[PathAttempt, None, str]
-"""Attempts one after another, and why they end."""
+"""Yields attempts; returns why they end."""
 Part: TypeAlias = Generator[PathAttempt, None, tuple[str, bool]]
-"""The same of a part of them, and whether one had a design."""
+"""Yields some of the attempts; returns why they end, and whether one had a design."""
 Counted: TypeAlias = "Generator[PathAttempt, None, Planned]"
-"""The same with what is known afterwards."""
+"""Yields some of the attempts; returns what is known afterwards."""
 
 
 @dataclass(frozen=True, slots=True)
 class StructureSearch:
-    """The search of a structure in a workspace that is divided into ``cells``."""
+    """The search of a structure in a workspace divided into ``cells``."""
 
     given: StructureTask
     cells: Abstraction
 
     def states(self, effectors: Sequence[int]) -> Iterator[StructureState]:
-        """What is known after each attempt; the last one says why no more are made.
+        """Yield the state after each attempt; the last one says why no more are made.
 
-        ``effectors`` (from 0) are those that may start and reach, the most hopeful first.
+        ``effectors`` (from 0) are those that may start and reach, the most promising first.
         """
         state, attempts = StructureState(), self._attempts(effectors)
         while not state.is_over:
@@ -87,9 +87,9 @@ class StructureSearch:
 
 @dataclass(frozen=True, slots=True)
 class Lessons:
-    """What is known of the cells of a workspace: counterexamples, and paths with a motion.
+    """The lessons about the cells of a workspace: counterexamples, and paths with a motion.
 
-    Both name effectors from 0.  No path along which a motion was found is ever excluded.
+    Both number effectors from 0.  A path along which a motion was found is never excluded.
     """
 
     blocked: tuple[CounterExample, ...] = ()
@@ -102,7 +102,7 @@ class Lessons:
         )
 
     def after(self, attempt: PathAttempt, path: EffectorPath) -> Lessons:
-        """What is known after an attempt at a path of its leader."""
+        """The lessons after an attempt at a path of its leader."""
         if attempt.excluded is not None:
             spared = self._sparing(attempt.excluded, path.cells)
             return self if spared is None else replace(self, blocked=(*self.blocked, spared))
@@ -111,9 +111,9 @@ class Lessons:
         return self
 
     def _sparing(self, excluded: CounterExample, cells: tuple[int, ...]) -> CounterExample | None:
-        """A counterexample with so much more of the cells of its path that it spares all others.
+        """The counterexample, extended by cells of its path until it spares all followed paths.
 
-        None where another path with a motion visits all of them in turn.
+        None if a followed path visits all cells of the path in order.
         """
         own = set(excluded.cells)
         for size in range(len(cells) + 1):
@@ -124,9 +124,9 @@ class Lessons:
         return None
 
     def in_finer_cells(self, whole: Mapping[int, int]) -> Lessons:
-        """The same of finer cells, about those that are ``whole`` there; the rest is forgotten.
+        """These lessons about finer cells, as far as they concern only cells in ``whole``.
 
-        A counterexample need not hold of the halves of a cell.
+        A counterexample need not hold for the halves of a cell.
         """
         return Lessons(
             tuple(
@@ -144,7 +144,7 @@ class Lessons:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """Why attempts at plans ended, whether one had a design, what is known, and how many were."""
+    """Why attempts at plans ended, whether one had a design, the lessons, and their number."""
 
     reason: str
     found: bool
@@ -153,13 +153,13 @@ class Planned:
 
     @property
     def deferred(self) -> bool:
-        """Whether there may be plans that were not tried for what is known of others."""
+        """Whether plans may have been deferred because of others."""
         return bool(self.lessons.blocked)
 
 
 @dataclass(frozen=True, slots=True)
 class _RoundSearch:
-    """The search of one shape of a motion, in which one effector reaches, along ``paths``."""
+    """The search of one shape of motion, in which one effector reaches, along ``paths``."""
 
     paths: PathSearch
     cells: Abstraction
@@ -171,7 +171,7 @@ class _RoundSearch:
 
     @property
     def task(self) -> ir.Task:
-        """What is searched."""
+        """The task that is searched."""
         return self.paths.shape.task
 
     def attempts(self) -> Part:
@@ -198,7 +198,7 @@ class _RoundSearch:
         return (last.reason if last.count else ended.reason), last.found
 
     def standing(self) -> Part:
-        """A robot that cannot move does the task where it stands, or not at all."""
+        """Attempts at a robot that cannot move: it does the task where it stands, or not at all."""
         given = self.given
         workspace = given.program.workspaces[self.task.workspace]
         found = standing_configurations(
@@ -221,10 +221,10 @@ class _RoundSearch:
         *,
         learning: bool = True,
     ) -> Counted:
-        """Attempts at plans until one leads to a design, none is left or the budget is used up.
+        """Attempts at plans until one gives a design, none is left or the budget is used up.
 
-        Where no plan goes through cells alone for which poses are found, others are tried, too.
-        None of those ``tried`` is tried again; without ``learning`` none is deferred.
+        Plans through cells for which poses are found come first; if there are none, others are
+        tried.  Plans in ``tried`` are skipped; without ``learning`` no plan is deferred.
         """
         given, reason, found, count = self.given, "the task leaves no cell to start in", False, 0
         starts = start_cells(cells, self.task, given.numeric)
@@ -245,9 +245,9 @@ class _RoundSearch:
         return Planned(reason, found, lessons, count)
 
     def cut(self, cells: Abstraction, lessons: Lessons) -> tuple[Abstraction, Lessons] | None:
-        """The cells with the last one of the smallest counterexample cut; None without one.
+        """The cells with the last cell of the smallest counterexample split; None without one.
 
-        With them comes what is known of all other cells.
+        Lessons about all other cells are returned with them.
         """
         known = [item for item in lessons.blocked if item.cells]
         if not known:
@@ -267,8 +267,8 @@ class _RoundSearch:
 class _Plans:
     """The plans of one planning problem, one of each kind first, and the attempts at them.
 
-    None of those ``tried`` is among them.  ``count`` is the number of those that were, ``lessons``
-    what is known after them; without ``learning`` it stays as it is.
+    Plans in ``tried`` are skipped.  ``count`` is the number of attempts made, ``lessons`` what is
+    known after them; without ``learning`` it stays unchanged.
     """
 
     def __init__(
@@ -324,7 +324,7 @@ class _Plans:
         return "the budget of paths is used up", False
 
     def _learnt(self, plan: Plan, attempt: PathAttempt) -> PathAttempt:
-        """The attempt at a plan with what it teaches, and how many paths that defers."""
+        """The attempt at a plan with its counterexample, and the number of paths that it defers."""
         if attempt.design is not None or not self._learning:
             return replace(attempt, excluded=None)
         before, leader = len(self.lessons.blocked), self._paths.leader(plan)
@@ -342,15 +342,16 @@ class _Plans:
         return replace(attempt, excluded=known, deferred=deferred)
 
     def _other_kinds(self, plan: Plan) -> list[Plan]:
-        """Plans that go round the obstacles on other sides than a plan."""
+        """Plans that pass the obstacles on other sides than ``plan``."""
         task, program = self._paths.shape.task, self._paths.structure.program
         points = obstacle_points(program.workspaces[task.workspace], task)
         return other_kinds(self._problem, plan, self._cells, points, self.lessons.blocked)
 
     def _improvements(self, plan: Plan, design: Design) -> Iterator[PathAttempt]:
-        """Attempts at more robust designs along other kinds of paths, but those tried before.
+        """Attempts at more robust designs along other kinds of paths that were not tried before.
 
-        Where disturbances are named or motions go on for ever, a proof takes too long for that.
+        There are none if disturbances are named or motions go on for ever: proofs would take too
+        long.
         """
         given = self._paths.structure
         if given.task.repeat or given.task.robust is not None:
@@ -365,7 +366,10 @@ class _Plans:
 
 
 def deferred_text(cells: Abstraction, known: CounterExample, length: int, count: int) -> str:
-    """What a counterexample of a path of so many cells defers, in words, and how many paths."""
+    """A description of what a counterexample defers, with the number of paths.
+
+    ``length`` is the number of cells of the path that it comes from.
+    """
     names = [f"`{cells.cells[cell].name}`" for cell in known.cells]
     if not names:
         return "all paths are deferred: no motion was found without cells and obstacles either"

@@ -1,7 +1,7 @@
-"""The structures that are left to be tried: in order, without those that lemmas are about.
+"""The structures that are still to be tried: in order, without those that lemmas cover.
 
-A lemma narrows the language of the family; what is left is enumerated anew, and what was tried
-before is passed over.
+A lemma narrows the language of the family.  The remaining structures are then enumerated anew,
+skipping those that were tried before.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from solvers.search.prefetch import Prefetch
 
 @dataclass(slots=True)
 class StructuresLeft:
-    """The structures of ``family`` that are left; ``following`` is the next one, None after all.
+    """The structures of ``family`` still to be tried; ``following`` is the next, None at the end.
 
-    ``whole`` is the family before any lemma; ``lemmas`` are those known, which grow in place, as do
-    the derivations that were ``tried``.  ``order`` lists the structures of a family.
+    ``whole`` is the family before any lemma.  ``lemmas`` and the derivations in ``tried`` grow in
+    place.  ``order`` lists the structures of a family.
     """
 
     program: ir.Program
@@ -49,10 +49,10 @@ class StructuresLeft:
         self._draw()
 
     def taken(self) -> Candidate:
-        """The following structure, which counts as tried.
+        """The next structure, which counts as tried from now on.
 
         Raises:
-            ValueError: there is none.
+            ValueError: if there is none.
         """
         candidate = self.following
         if candidate is None:
@@ -61,23 +61,24 @@ class StructuresLeft:
         return candidate
 
     def go_on(self) -> None:
-        """The one after it follows."""
+        """Advance to the next structure."""
         self.following = next(self._drawn, None)
 
     def stop(self) -> None:
-        """No structure follows."""
+        """End the enumeration."""
         self.following = None
 
     def learn(self, refuted: Candidate, *, by_poses: bool) -> None:
-        """Narrow what is left by what a refuted structure teaches, if that is more than itself.
+        """Narrow the family by a lemma from a refuted structure, if it covers more than that one.
 
-        ``by_poses``: it is refuted whatever the drives, the dynamics and the horizon.
+        ``by_poses`` says that the refutation holds whatever the drives, the dynamics and the
+        horizon.
         """
         word = refuted.derivation.word
         known = any(lemma.is_about(word) for lemma in self.lemmas)
         if self.following is None or known or not self.context.lemmas:
             return
-        # Of the whole family, so that each lemma holds whatever becomes of the others.
+        # About the whole family, so that each lemma holds independently of the others.
         lemma: Lemma | None = distance_lemma(self.whole, self.task, word)
         if lemma is None:
             about = variant_lemma if by_poses else weights_lemma
@@ -86,7 +87,7 @@ class StructuresLeft:
             self.add(lemma, word)
 
     def add(self, lemma: Lemma, word: Sequence[str]) -> None:
-        """Narrow what is left by a lemma from a refuted word, if it is about more than that."""
+        """Narrow the family by a lemma from a refuted word, if it covers more than that word."""
         try:
             narrowed = self.family.with_condition(ir.NotAccept(lemma.condition))
             if not self._is_wider(lemma, word):
@@ -99,7 +100,7 @@ class StructuresLeft:
         self._draw()
 
     def _is_wider(self, lemma: Lemma, word: Sequence[str]) -> bool:
-        """Whether a lemma is about words that are left besides one."""
+        """Whether a lemma covers remaining words other than this one."""
         about = self.family.with_condition(lemma.condition)
         words = about.language.words(max_modules=module_bound(self.family, self.task))
         return any(other != tuple(word) for other in islice(words, 2))
@@ -110,7 +111,7 @@ class StructuresLeft:
         self.following = next(self._drawn, None)
 
     def _left(self) -> Iterator[Candidate]:
-        """What was not tried, numbered on."""
+        """The structures that were not tried, with consecutive numbers."""
         number = len(self.tried)
         for candidate in (self.order or self._usual)(self.family):
             if candidate.derivation.labels not in self.tried:
@@ -118,5 +119,5 @@ class StructuresLeft:
                 number += 1
 
     def _usual(self, family: RobotFamily) -> Iterator[Candidate]:
-        """Up to the bound on modules, in the order of section 2."""
+        """The structures up to the bound on modules, in the order of section 2."""
         return candidates(family, module_bound(family, self.task), self.task.origin)

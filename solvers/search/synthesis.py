@@ -1,6 +1,6 @@
 """Algorithm 1: structures, paths, parameters and controls, until a verdict can be proved.
 
-    S.Synthesis -> P.Planning -> P.Synthesis -> certificate, counterexamples flowing back.
+    S.Synthesis -> P.Planning -> P.Synthesis -> certificate, with counterexamples passed back.
 
 ``found`` is claimed only for a motion that the verifier's own proof accepts; ``impossible`` only if
 every structure up to an explicit bound is refuted: by a script that a solver answered ``unsat``,
@@ -49,15 +49,15 @@ PUT_OFF = "another structure was proved"
 class Synthesis:
     """The verdict with everything that was tried.
 
-    ``abstraction`` has the cells of the design, else those without cuts.  A ``separation`` proves
-    the task impossible before anything is tried.  ``design`` is the first of ``designs``, which
-    are more than one only where all were asked for; ``ended`` says what kept the search from
-    trying all structures then.  ``nearest`` is, of an unknown task, the motion that came nearest to
-    a design without being proved.  ``unfinished``: the time limit was reached, and another run can
-    go on; ``last_step`` is what then took so long, if that could not be interrupted.  ``lemmas``
-    are about structures that were not tried, too.  ``bound`` is on the robustness of all designs,
-    where one was asked for and proved; ``unbounded`` says why none was.  ``optimality`` is what the
-    design has of the task's objectives.
+    ``abstraction`` contains the cells of the design, or else the unrefined cells.  A ``separation``
+    proves the task impossible before anything is tried.  ``design`` is the first of ``designs``;
+    there are several only if all were asked for, and then ``ended`` says why not all structures
+    were tried.  For an unknown task, ``nearest`` is the motion that came nearest to a design.
+    ``unfinished`` says that the time limit was reached and another run can continue; ``last_step``
+    then names the step that took so long, if it could not be interrupted.  ``lemmas`` also cover
+    structures that were not tried.  ``bound`` is on the robustness of all designs, if one was asked
+    for and proved; ``unbounded`` says why none was.  ``optimality`` is the result for the task's
+    objectives.
     """
 
     verdict: Verdict
@@ -90,15 +90,15 @@ def synthesise(
     gap: Fraction | None = None,
     told: Callable[[Synthesis], None] = lambda _: None,
 ) -> Synthesis:
-    """Run Algorithm 1 on a task, from at least so many cells on if that is asked.
+    """Run Algorithm 1 on a task, with at least ``least_cells`` cells if given.
 
-    With ``every`` the search goes on after a design, over all structures up to the bound.  With a
-    ``gap`` it does, too, until no design is more robust than the best one by more than that part of
-    it; only the best one is kept.  ``told`` is given a result with each design as it is proved,
-    while the search goes on.
+    With ``every`` the search continues after a design, over all structures up to the bound.  With a
+    ``gap`` it continues until no design can be more robust than the best one by more than that
+    share of it; only the best design is kept.  ``told`` receives an interim result with each proved
+    design while the search continues.
 
     Raises:
-        MapFault: a map of obstacles cannot be used.
+        MapFault: if a map of obstacles cannot be used.
     """
     program, task = expanded(program, task)
     cells = Abstraction(program.workspaces[task.workspace].dimension, (), {})
@@ -118,7 +118,7 @@ def synthesise(
         )  # fmt: skip
 
     def better(search: FamilySearch) -> None:
-        """Tell of a design, as if time were out."""
+        """Report an interim result with a design, as if time had run out."""
         told(_result(search, "found", None, cells, OutOfTimeError()))
 
     run = FamilySearch(program, task, context, family, finer, every, better, gap)
@@ -146,9 +146,9 @@ def synthesise(
 
 
 def _with_least(found: Synthesis, optimality: Optimality, limits: Mapping[str, str]) -> Synthesis:
-    """A result with what is proved of its objectives.
+    """A result with the proved bounds on its objectives.
 
-    ``limits`` are those of the search for less of a kind, which matter where less is possible.
+    ``limits`` are those that ended the search for less of a kind; they matter if less is possible.
     """
     unsettled = [each for each in optimality.objectives if not each.is_settled]
     kinds = [each.amount.objective.kind for each in unsettled]
@@ -158,7 +158,7 @@ def _with_least(found: Synthesis, optimality: Optimality, limits: Mapping[str, s
 
 
 def _optimality(run: FamilySearch) -> Optimality:
-    """What is proved of the objectives of the best design."""
+    """The proved bounds on the objectives of the best design."""
     values, records = run.values(run.designs[0].design), run.all_records(PUT_OFF)
     limits, _ = limits_of(run.all_values, run.amounts)
     found = optimality(run.whole, run.task, values, limits, records, run.lemmas, run.context)
@@ -177,7 +177,7 @@ def _optimality(run: FamilySearch) -> Optimality:
 
 
 def _under_way(structure: StructureUnderWay | None) -> str:
-    """What the time limit interrupted, to follow its name."""
+    """A description of what the time limit interrupted, to follow its name."""
     if structure is None or structure.state.is_over:
         return ""
     word = " ".join(structure.derivation.word)
@@ -195,7 +195,7 @@ def _result(
     late: OutOfTimeError | None = None,
     records: Sequence[StructureRecord] | None = None,
 ) -> Synthesis:
-    """The result; whatever ended the search, with a design the verdict is found."""
+    """The result; if there is a design the verdict is found, whatever ended the search."""
     designs, searched = run.designs, run.all_searched
     if designs:
         verdict, reason, cells = "found", None, designs[0].design.abstraction
@@ -227,19 +227,19 @@ def _result(
 
 
 def _ended(run: FamilySearch, late: OutOfTimeError | None) -> str | None:
-    """What kept the search from trying all structures that were due after a design."""
+    """Why not all remaining structures were tried after a design."""
     if late is not None:
         return OUT_OF_TIME if run.every else None
     return run.stopped if run.every or run.amounts else None
 
 
 def _stated(run: FamilySearch, best: Proved) -> Optimality:
-    """What the best design has of the objectives, of which nothing else is proved yet."""
+    """The objectives of the best design, with no proved bounds yet."""
     return stated(run.task, run.amounts, run.values(best.design))
 
 
 def _unbounded(run: FamilySearch, late: OutOfTimeError | None) -> str | None:
-    """Why there is no bound that was asked for."""
+    """Why there is no bound although one was asked for."""
     if run.gap is None or run.bound is not None:
         return None
     return run.unbounded or (None if late is None else OUT_OF_TIME)

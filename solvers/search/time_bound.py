@@ -14,7 +14,7 @@ from solvers.search.narrowed_family import NarrowedFamily, Tried, narrowed_famil
 
 @dataclass(frozen=True, slots=True)
 class TimeBound:
-    """No robot does the task in at most so many ``steps``, by ``evidence`` in that task."""
+    """No robot does the task in at most ``steps`` steps; ``evidence`` is about that task."""
 
     steps: int
     evidence: NarrowedFamily
@@ -22,7 +22,7 @@ class TimeBound:
 
 @dataclass(frozen=True, slots=True)
 class _Horizons:
-    """There is time for one sample less a step, of ``longest``."""
+    """Reduce the horizon of ``longest`` steps by one sample per step."""
 
     longest: int
     fewest: int
@@ -32,23 +32,23 @@ class _Horizons:
 
     @property
     def most(self) -> int:
-        """The step at which no motion may take less."""
+        """The step at which the horizon is the fewest steps that a motion may take."""
         return self.longest - self.fewest
 
     def at(self, program: ir.Program, task: ir.Task, step: int) -> tuple[ir.Program, ir.Task]:
-        """The same program with the task in so many samples less at most."""
+        """The same program, with the task's horizon reduced by ``step`` samples."""
         return program, shortened(task, self.longest - step)
 
 
 def time_bound(
     family: RobotFamily, task: ir.Task, context: RunContext, tried: Tried, best: int
 ) -> TimeBound:
-    """A number of steps, fewer than the ``best`` that a design takes, in which no robot does it.
+    """A number of steps, fewer than the ``best`` of any design, in which no robot does the task.
 
-    The task allows motions of fewer steps than ``best``.
+    The task must allow motions of fewer steps than ``best``.
 
     Raises:
-        NoBoundError: none was found.
+        NoBoundError: if no bound was found.
     """
     horizons = _Horizons(task.steps, task.fewest_steps)
     first = task.steps - (best - 1)

@@ -1,4 +1,4 @@
-"""How far the effectors and bodies of a robot in some poses are from what they have to avoid."""
+"""The clearance between a robot, in given poses, and the regions that it must avoid."""
 
 from __future__ import annotations
 
@@ -21,28 +21,29 @@ from solvers.trajectory.position_plan import Dwell, Separation
 from solvers.trajectory.separating_planes import Obstacles, separating_planes
 
 ENOUGH = 0.5
-"""Metres: clearances are told apart up to this."""
+"""Metres: clearances are capped at this."""
 
 
 @dataclass(frozen=True)
 class BodyClearance:
-    """The demands that hold at any instant, to be measured on many poses at once."""
+    """The constraints that hold at every instant, evaluated on many poses at once."""
 
     separations: tuple[Separation, ...]
     dwells: tuple[Dwell, ...]
 
     @cached_property
     def _moving(self) -> tuple[MovingHull, ...]:
-        """The separations by what moves."""
+        """The separations grouped by moving hull."""
         found = dict[tuple[int, ...], list[Separation]]()
         for separation in self.separations:
             found.setdefault(separation.points, []).append(separation)
         return tuple(MovingHull(points, tuple(each)) for points, each in found.items())
 
     def of(self, positions: Array, enough: float = ENOUGH) -> Array:
-        """The least clearance (K,) of positions (K, m, d), in metres, at most ``enough``.
+        """The least clearance (K,) of positions (K, m, d), in metres, capped at ``enough``.
 
-        Negative where a demand is broken: by how much, along the best separating direction.
+        It is negative if a constraint is violated: the violation along the best separating
+        direction.
         """
         return self._least(positions, enough, -np.inf)
 
@@ -51,7 +52,7 @@ class BodyClearance:
         return self._least(positions, margin, margin) >= margin
 
     def _least(self, positions: Array, enough: float, least: float) -> Array:
-        """The clearance (K,), at most ``enough``; where below ``least``, what is known of it."""
+        """The clearance (K,), capped at ``enough``; only an upper bound where below ``least``."""
         found = np.full(len(positions), enough)
         for dwell in self.dwells:
             values = positions[:, dwell.point] @ dwell.region.normals.T
@@ -73,7 +74,7 @@ class BodyClearance:
 
     @cached_property
     def _alike(self) -> tuple[tuple[list[int], NDArray[np.int64]], ...]:
-        """What moves by its number of points: numbers, and the points (n, w) of each."""
+        """The hulls grouped by number of points: their indices, and the points (n, w) of each."""
         found = dict[int, list[int]]()
         for number, hull in enumerate(self._moving):
             found.setdefault(len(hull.points), []).append(number)
@@ -83,9 +84,10 @@ class BodyClearance:
         )
 
     def _boxes(self, positions: Array) -> list[tuple[Array, Array]]:
-        """The lower and upper corners (K, d) of the boxes about all that moves.
+        """The lower and upper corners (K, d) of the bounding boxes of all hulls.
 
-        Point by point over all hulls of so many points: that is a few operations on long arrays.
+        They are computed point by point over all hulls of equal size, with few operations on long
+        arrays.
         """
         found: list[tuple[Array, Array]] = [(positions[:, 0], positions[:, 0])] * len(self._moving)
         for numbers, points in self._alike:
@@ -101,14 +103,14 @@ class BodyClearance:
 
 @dataclass(frozen=True)
 class MovingHull:
-    """Points whose hull keeps its distance from obstacles, by ``separations``."""
+    """Points whose convex hull keeps its distance from the obstacles of ``separations``."""
 
     points: tuple[int, ...]
     separations: tuple[Separation, ...]
 
     @cached_property
     def places(self) -> slice | list[int]:
-        """The points as an index; without copies where they stand one behind the other."""
+        """The points as an index; a slice, which avoids copies, if they are consecutive."""
         first, last = self.points[0], self.points[-1]
         together = self.points == tuple(range(first, last + 1))
         return slice(first, last + 1) if together else list(self.points)
@@ -120,13 +122,13 @@ class MovingHull:
 
     @cached_property
     def _boxes(self) -> tuple[Array, Array, Array]:
-        """The boxes of the obstacles, (O, d) each, and the distances (O,) from them."""
+        """The boxes of the obstacles, (O, d) each, and the required distances (O,)."""
         boxes = [separation.obstacle.box for separation in self.separations]
         distances = np.array([separation.distance for separation in self.separations])
         return np.array([box[0] for box in boxes]), np.array([box[1] for box in boxes]), distances
 
     def box_gaps(self, least: Array, most: Array) -> Array:
-        """Lower bounds (K, O) of the gaps to what is in boxes with these corners, (K, d) each."""
+        """Lower bounds (K, O) on the gaps between obstacles and boxes with these corners (K, d)."""
         lower, upper, distances = self._boxes
         found = np.full((len(least), len(lower)), -np.inf)
         for axis in range(least.shape[1]):
@@ -136,7 +138,7 @@ class MovingHull:
 
 
 def body_clearance(avoidances: Avoidances) -> BodyClearance:
-    """The demands of a task, those of its bounds included."""
+    """The constraints of a task, including those of its bounds."""
     bounds = avoidances.bounds
     effectors = range(len(avoidances.numeric.graph.model.effectors))
     dwells = [Dwell(effector, 0, 0, bounds) for effector in effectors]
@@ -145,19 +147,19 @@ def body_clearance(avoidances: Avoidances) -> BodyClearance:
 
 
 def _facet_gap(moving: Array, separation: Separation) -> Array:
-    """A lower bound (K,) of the gaps, by the facets of the obstacle."""
+    """A lower bound (K,) on the gaps, from the facets of the obstacle."""
     obstacle = separation.obstacle
     ahead = np.min(moving @ obstacle.normals.T, axis=1) - obstacle.offsets
     return np.asarray(np.max(ahead, axis=1) - separation.distance)
 
 
 # --------------------------------------------------------------------------------------------------
-# What a task keeps effectors and bodies away from, and where it keeps them, at every instant.
+# The constraints of a task on effectors and bodies that hold at every instant.
 
 
 @dataclass(frozen=True, slots=True)
 class Avoidances:
-    """The demands of a task on a robot that bind all the time; points count effectors first."""
+    """The constraints of a task that hold at all times; effectors come first among points."""
 
     numeric: NumericRobot
     workspace: ir.Workspace
@@ -173,7 +175,7 @@ class Avoidances:
         return region_set(self.workspace.bounds.shape, self.workspace.dimension)
 
     def separations(self) -> Iterator[Separation]:
-        """What every ``avoid`` keeps apart."""
+        """The separations that the ``avoid`` clauses require."""
         model = self.numeric.graph.model
         count = len(model.effectors)
         for avoid in self.task.avoid:
@@ -190,7 +192,7 @@ class Avoidances:
             yield from self._apart_from_each_other(float(self.task.avoid_self.margin))
 
     def _apart_from_each_other(self, margin: float) -> Iterator[Separation]:
-        """What keeps the differences of the points of two bodies away from zero."""
+        """Separations that keep the differences of the points of two bodies away from zero."""
         model, gaps = self.numeric.graph.model, self.numeric.spanning.gaps
         count, zero = len(model.effectors), point_set(np.zeros(model.dimension))
         for pair, gap in zip(model.apart, gaps, strict=True):
@@ -198,7 +200,7 @@ class Avoidances:
             yield Separation(tuple(count + i for i in gap), zero, reach)
 
     def bodies_within_bounds(self, last: int) -> Iterator[Dwell]:
-        """Where ``bounds with body`` keeps bodies, from sample 0 to the ``last``."""
+        """The dwells that ``bounds with body`` requires, from sample 0 to sample ``last``."""
         if not self.task.bounds_body:
             return
         graph, bounds = self.numeric.graph, self.bounds
@@ -208,7 +210,7 @@ class Avoidances:
                 yield Dwell(len(graph.model.effectors) + i, 0, last, within)
 
     def _thickness(self, collider: Collider) -> float:
-        """A bound on the radius of a collider: search only, the proof reads each one exactly."""
+        """A bound on the radius of a collider, for the search only; the proof uses exact radii."""
         if not isinstance(collider, RodBody | Shape) or collider.radius is None:
             return 0.0
         model = self.numeric.graph.model

@@ -1,9 +1,9 @@
 """Configuration robustness by sequential convex programming (P.Synthesis, problem (i)).
 
-Linearise, solve, measure on the nonlinear robot, repeat.  Moves are priced by their squares, so
-that what the objective leaves open stays as it is (a proximal point method); the price adapts to
-what linearisation was seen to cause, and vanishes from the objective where the iteration ends.
-Fictitious inputs are offered, at an exact penalty, as long as a step needs them.
+Linearise, solve, evaluate on the nonlinear robot, repeat.  Squared moves have a price, so that what
+the objective leaves open stays as it is (a proximal point method).  The price adapts to the
+observed linearisation errors, and its term vanishes at the fixpoint.  Fictitious inputs are
+offered, at an exact penalty, as long as a step needs them.
 """
 
 from __future__ import annotations
@@ -35,40 +35,42 @@ PROXIMAL = 2e-4
 LEAST_PROXIMAL, MOST_PROXIMAL = 1e-5, 10.0
 """The range of the price of moves, per rad^2 or m^2."""
 SAMPLES = 100
-"""The price is that of so many samples that move alike, whatever the grid."""
+"""The price applies to this many samples moving alike, whatever the grid."""
 POLISHING_PROXIMAL = 100.0
 """The price of moves in a polishing step."""
 FUNNEL = 0.05
-"""Defects up to this part of the effort bound are taken for good steps' own."""
+"""Defects up to this share of the effort bound are accepted in good steps."""
 LEVEL_DECAY, LEVEL_GROWTH = 0.7, 2.0
 STEADY = 0.7
-"""A gain of more than this part of the last one shows that the way is long: steps are too short."""
+"""A gain above this share of the last one shows that steps are too short."""
 SMALL = 1e-4
-"""Gains below this part of the effort bound are small."""
+"""Gains below this share of the effort bound are small."""
 PRICES = ((0.2, 0.25), (1.0, 0.5), (4.0, 2.0))
 PROXIMAL_GROWTH = 4.0
-"""By how much the price of moves changes where defects are so many times their level; else."""
+"""``PRICES``: factors for the price of moves up to multiples of the level; beyond, this one."""
 PROXIMAL_DECAY = 0.3
-"""The same after a step that gained nothing."""
+"""The factor after a step that gained nothing."""
 FREE_STEPS = 2
-"""Steps that are taken whatever their defects, to get away from the seed."""
+"""Steps that are accepted whatever their defects, to get away from the seed."""
 NEEDED = 1e-6
 """Steps that concede more than this, relative to the effort bound or in metres, need help."""
 STUCK = 0.9
-"""A step that leaves more of the unavoidable violation than this has hardly helped."""
+"""A step that leaves more than this share of the unavoidable violation has hardly helped."""
 POLISHED_DEFECT = 1e-9
 """A defect in SI at which no polishing is needed."""
 COARSE = 1e-5
-"""The accuracy of programs whose steps cause larger errors themselves; polishing steps have the
-full."""
+"""The accuracy of programs whose steps cause larger errors themselves; polishing steps use the
+
+full one.
+"""
 NEAR = 0.1
-"""Units of length up to which a seed may break its half-planes without fictitious inputs."""
+"""A seed may violate its half-planes by this, in units of length, without fictitious inputs."""
 WORST = 10.0
-"""The largest violation that is told apart, in units of the effort bound."""
+"""Violations are capped at this, in units of the effort bound."""
 LIMIT_EXCESS = 1e-4
-"""The same for joint limits and rates, in rad or m (/s)."""
+"""The excess over joint limits and rates that is absorbed, in rad or m (/s)."""
 DEFECT = 1e-3
-"""Fictitious effort, in units of the bound, up to which simulation closes a defect."""
+"""Fictitious effort, in units of the bound, up to which simulation can close a defect."""
 
 
 @dataclass(slots=True)
@@ -89,7 +91,7 @@ class Iteration:
     level: float = FUNNEL
     conceded: float = np.inf
     gained: float = 0.0
-    """What the last step gained, and what it was worth."""
+    """The gain of the last step; ``best`` is its worth."""
     best: float = -np.inf
 
     def run(self) -> None:
@@ -100,7 +102,7 @@ class Iteration:
             self.polish()
 
     def advance(self) -> bool:
-        """One convex step; whether another one is due."""
+        """Take one convex step; return whether to continue."""
         self.used += 1
         result = self.solved(self.region, max(COARSE, self.budget.accuracy))
         if result is None:
@@ -112,14 +114,14 @@ class Iteration:
         return self.follow(trial, result)
 
     def follow(self, trial: MeasuredMotion, result: StepResult) -> bool:
-        """Go where a convex step leads; whether another one is due."""
+        """Accept the result of a convex step; return whether to continue."""
         self.current = trial
         gained = (self.worth(result, trial) - self.best) / self.problem.scale
         self.adapt(trial, gained)
         return not self.ended(result, trial, gained)
 
     def worth(self, result: StepResult, trial: MeasuredMotion) -> float:
-        """What a step is worth: its margin, less the price of its rates and of its mobility."""
+        """The worth of a step: its margin, less the prices of its rates and its mobility."""
         problem, n = self.problem, self.problem.numeric.n
         paid = problem.rates * float(np.sum(result.trajectory.x[:, n : 2 * n] ** 2))
         if trial.model.mobility is not None:
@@ -127,7 +129,7 @@ class Iteration:
         return result.margin - problem.scale * paid
 
     def solved(self, region: TrustRegion, accuracy: float) -> StepResult | None:
-        """The convex step about where we are; what is tried next changes where there is none."""
+        """The convex step about the current motion; if it fails, adapt what is tried next."""
         at = self.current
         result = self.step.solve(at.model, at.rows, region, accuracy, fictitious=self.fictitious)
         if isinstance(result, StepResult):
@@ -136,28 +138,28 @@ class Iteration:
         return None
 
     def relent(self, failure: NotSolved) -> None:
-        """Offer fictitious inputs after a step that was not solved; if it had them, shorten it."""
+        """After an unsolved step, offer fictitious inputs; if it had them, shorten it."""
         self.ending, self.detail = Ending.UNSOLVED, failure.text
         if self.fictitious:
             self.region = TrustRegion(self.region.radius / 4, self.region.proximal)
         self.fictitious = True
 
     def strayed(self, trial: MeasuredMotion, result: StepResult) -> bool:
-        """Whether linearisation caused defects that are larger than before, and not small."""
+        """Whether linearisation errors are large and larger than before."""
         beyond = trial.infeasibility(self.problem) - _conceded(result, self.problem)
         return self.used > FREE_STEPS and beyond > max(
             FUNNEL, 2 * self.current.infeasibility(self.problem)
         )
 
     def hold(self) -> None:
-        """Make moves dearer and shorter."""
+        """Raise the price of moves and shrink the trust region."""
         proximal = min(MOST_PROXIMAL, 8 * self.region.proximal)
         self.region = TrustRegion(self.region.radius / 2, proximal)
 
     def adapt(self, after: MeasuredMotion, gained: float) -> None:
-        """Price moves so that their defects come down to a level that sinks as gains get small.
+        """Price moves so that defects stay near a level, which falls as gains become small.
 
-        It rises where gains do not get smaller.  A step that loses was too long.
+        The level rises again while gains do not shrink.  A step that lost worth was too long.
         """
         if self.gained > 0 and gained > max(STEADY * self.gained, SMALL):
             self.level = min(FUNNEL, LEVEL_GROWTH * self.level)
@@ -173,7 +175,7 @@ class Iteration:
         self.region = TrustRegion(self.region.radius, price)
 
     def ended(self, result: StepResult, trial: MeasuredMotion, gained: float) -> bool:
-        """Whether nothing is gained any more, or violations remain that no step reduces."""
+        """Whether nothing is gained any more, or no step reduces the remaining violations."""
         conceded = _conceded(result, self.problem)
         self.stuck = self.stuck + 1 if conceded > STUCK * self.conceded > STUCK * NEEDED else 0
         self.conceded, self.best = conceded, self.worth(result, trial)
@@ -194,7 +196,7 @@ class Iteration:
         return self.quiet >= self.budget.quiet
 
     def polish(self) -> None:
-        """Remove what the last moves left of defects and excess, by steps that hardly move."""
+        """Remove the remaining defects and excess by steps that hardly move."""
         region = TrustRegion(self.region.radius, POLISHING_PROXIMAL)
         for _ in range(self.budget.polish_steps):
             at = self.current
@@ -223,9 +225,9 @@ def synthesise_control(
 ) -> ControlOutcome:
     """Iterate convex steps from a seed trajectory to a fixpoint.
 
-    Problem (i) of P.Synthesis: the inputs of the greatest robustness (Definition 7), on the robot
-    linearised again and again.  With ``theta_box``, bounds (p,) below and above, the parameters are
-    unknowns within that box, else they stay as seeded.  ``radius`` is that of the first trust
+    Problem (i) of P.Synthesis: the inputs of maximal robustness (Definition 7), on the repeatedly
+    linearised robot.  With ``theta_box``, lower and upper bounds (p,), the parameters are unknowns
+    within that box; otherwise they keep their seed values.  ``radius`` is that of the first trust
     region, in rad or m.
     """
     iteration = begun(problem, start, theta_box, budget, radius, weights)
@@ -243,10 +245,7 @@ def begun(
     radius: float = 0.5,
     weights: Weights | None = None,
 ) -> Iteration | None:
-    """The iteration at its start; ``theta_box`` are bounds (p,), as of ``synthesise_control``.
-
-    None where nothing can be computed about the start.
-    """
+    """The iteration at its start, as for ``synthesise_control``; None if it cannot be evaluated."""
     current = measured(problem, start)
     if current is None:
         return None
@@ -254,13 +253,13 @@ def begun(
     prices = replace(prices, position=prices.position / problem.unit)
     question = SubproblemSpec(problem.limits, problem.groups, theta_box, prices, unit=problem.unit)
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)
-    # A seed that keeps to its half-planes hardly needs help; if it does, the first step says so.
+    # A seed within its half-planes hardly needs help; otherwise the first step shows it.
     far = current.excess > NEAR * problem.unit
     return Iteration(problem, step, budget, region, current, fictitious=far)
 
 
 def judged(problem: ControlProblem, iteration: Iteration) -> ControlOutcome:
-    """Close the small remaining defects by simulation, then judge."""
+    """Close the small remaining defects by simulation, then evaluate the motion."""
     at = iteration.current
     defect = float(np.max(at.fictitious, initial=0.0))
     found, regulated = None, False
@@ -293,10 +292,7 @@ def judged(problem: ControlProblem, iteration: Iteration) -> ControlOutcome:
 
 
 def as_it_is(problem: ControlProblem, motion: Trajectory) -> ControlOutcome | None:
-    """What a motion that its inputs cause is worth without any change; None where that has no use.
-
-    It is a motion of the robot: what its inputs do not cause counts as a violation.
-    """
+    """The outcome of a motion without any change, where defects count as violations; or None."""
     at = measured(problem, motion)
     if at is None:
         return None
@@ -315,26 +311,26 @@ def as_it_is(problem: ControlProblem, motion: Trajectory) -> ControlOutcome | No
 
 
 def _violation(problem: ControlProblem, at: MeasuredMotion) -> float:
-    """What a motion breaks in all, in units of effort."""
+    """The total violation of a motion, in units of effort."""
     largest = float(np.max(at.fictitious, initial=0.0))
     places = problem.scale * (at.excess / problem.unit + at.outside)
     return min(largest + max(0.0, -at.margin) + places, WORST * problem.scale)
 
 
 def _closed(problem: ControlProblem, motion: Trajectory) -> MeasuredMotion | None:
-    """A motion without defects, if it keeps to what binds it."""
+    """A motion without defects, if it satisfies its constraints; else None."""
     found = measured(problem, motion)
     return found if found is not None and _keeps(problem, found) else None
 
 
 def _keeps(problem: ControlProblem, at: MeasuredMotion) -> bool:
-    """Whether a motion without defects keeps to what binds it, by and large."""
+    """Whether a motion without defects satisfies its constraints, up to small tolerances."""
     near = at.excess <= 3 * problem.excess and at.outside <= LIMIT_EXCESS
     return near and at.margin >= 0
 
 
 def _regulated(problem: ControlProblem, at: MeasuredMotion) -> Trajectory:
-    """The motion with feedback about the one found: an unstable one does not leave it."""
+    """The motion with feedback about the one found, so that an unstable one does not leave it."""
     numeric, about = problem.numeric, at.trajectory
     scales = input_scales(problem.groups, numeric.m)
     gains = regulator(at.model.dynamics, 2 * numeric.n, scales)
@@ -343,9 +339,9 @@ def _regulated(problem: ControlProblem, at: MeasuredMotion) -> Trajectory:
 
 
 def shortfall(problem: ControlProblem, outcome: ControlOutcome, *, posed: bool = False) -> str:
-    """What an infeasible outcome lacks where no force is missing that a drive would have to give.
+    """A phrase for what an infeasible outcome lacks besides force, to follow "the motion found".
 
-    In words that follow "the motion found".  Of a ``posed`` task it may be a pose.
+    For a ``posed`` task it may be a pose.
     """
     if outcome.robustness >= 0:
         return "does not keep to these cells"
@@ -364,7 +360,7 @@ def shortfall(problem: ControlProblem, outcome: ControlOutcome, *, posed: bool =
 
 
 def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
-    """The outcome of a seed about which nothing can be computed."""
+    """The outcome of a seed that cannot be evaluated."""
     k = len(start.u)
     peak = effort_peak(problem.groups, start.u)
     worst = np.full(k, WORST * problem.scale)
@@ -382,7 +378,7 @@ def _hopeless(problem: ControlProblem, start: Trajectory) -> ControlOutcome:
 
 
 def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
-    """The trajectory that the inputs cause from the same initial state."""
+    """The trajectory that the inputs produce from the same initial state."""
     first = _first(problem, trajectory)
     u = within_bounds(problem.groups, trajectory.u)
     states = problem.numeric.simulate(first, u, trajectory.theta, problem.dt, problem.substeps)
@@ -390,7 +386,7 @@ def _simulated(problem: ControlProblem, trajectory: Trajectory) -> Trajectory:
 
 
 def _first(problem: ControlProblem, trajectory: Trajectory) -> Array:
-    """The initial state (N,), with what the task fixes of it."""
+    """The initial state (N,), with the entries that the task fixes."""
     first: Array = trajectory.x[0].copy()
     if problem.limits.start_rates == 0.0:
         first[problem.numeric.n : 2 * problem.numeric.n] = 0.0

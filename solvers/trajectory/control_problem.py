@@ -1,4 +1,4 @@
-"""What a control synthesis is asked, how hard it is to try, and what it answers."""
+"""The question of a control synthesis, its budget, and its answer."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from solvers.trajectory.task_limits import ROUNDING, InputGroup, MotionLimits, e
 from solvers.trajectory.trajectory import Trajectory
 
 RowsOf = Callable[[Array, Array], PositionRows]
-"""Position rows for the positions (k + 1, m, d) of a reference trajectory and its bends (k, m, d),
-by how far its points are from their chords half way through a step (m)."""
+"""Position rows for the positions (k + 1, m, d) of a reference trajectory and its bends (k, m, d):
+the distances (m) of its points from their chords half way through each step."""
 EXCESS = 1e-4
 """Position excess, in units of length, that the margin absorbs."""
 
@@ -37,12 +37,12 @@ EXCESS = 1e-4
 class ControlProblem:
     """A robot, its limits and its time grid; positions are constrained by ``rows_of``.
 
-    A step takes ``dt`` seconds and is integrated in ``substeps`` parts.  ``steps`` makes what
-    solves the convex steps, ``rates`` is the price of squares of rates in them, in SI.
-    ``mobility`` is the price of phi (``mobility.py``) per sample, for efforts at joints that are
-    off by ``errors`` (n,).  What is said of metres is meant of the robot's ``unit`` of length (m).
-    Positions may exceed their rows by ``excess``, in metres.  ``held``: inputs have to be able to
-    balance the robot at its start.  ``loads`` (k, c) are the last inputs, which are given.
+    A step takes ``dt`` seconds and is integrated in ``substeps`` parts.  ``steps`` makes the solver
+    of the convex steps; ``rates`` is the price of squared rates in them, in SI. ``mobility`` is the
+    price of phi (``mobility.py``) per sample, for efforts that are off by ``errors`` (n,) at the
+    joints.  Tolerances in metres refer to the robot's ``unit`` of length (m).  Positions may exceed
+    their rows by ``excess``, in metres.  ``held`` says that inputs must be able to balance the
+    robot at its start.  ``loads`` (k, c) are the last inputs, which are given.
     """
 
     numeric: NumericRobot
@@ -61,7 +61,7 @@ class ControlProblem:
     loads: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def loaded(self, motion: Trajectory) -> Trajectory:
-        """A motion with the loads that are given."""
+        """A motion with the given loads."""
         if not self.loads.size:
             return motion
         steered = motion.u[:, : motion.u.shape[1] - self.loads.shape[1]]
@@ -69,11 +69,11 @@ class ControlProblem:
 
     @property
     def scale(self) -> float:
-        """The unit in which defects are weighed."""
+        """The unit of effort by which defects are weighted."""
         return effort_scale(self.groups)
 
     def rows(self, trajectory: Trajectory, points: Points) -> PositionRows:
-        """The position rows about a trajectory whose points are where they are."""
+        """The position rows about a trajectory with these points."""
         n = self.numeric.n
         bent = bends(points, trajectory.x[:, n : 2 * n], self.dt)
         return self.rows_of(points.value, bent)
@@ -81,13 +81,13 @@ class ControlProblem:
 
 @dataclass(frozen=True, slots=True)
 class IterationBudget:
-    """How hard to try: iterations, the relative gain that ends them, accuracy, polishing.
+    """The effort of a synthesis: iterations, the relative gain that ends them, accuracy, polishing.
 
-    A polishing step is a convex step that hardly moves: it leaves defects of second order only.
-    The iteration ends when so many steps in a row have gained nothing (``quiet``), moves being
-    cheaper from one to the next: while they are dear, a small gain says little.  Nor is it the end
-    while steps cause defects beyond ``calm``, relative to the effort bound.  With violations that
-    remain, it ends after one more.
+    A polishing step is a convex step that hardly moves, so that it leaves only second-order
+    defects.  The iteration ends after ``quiet`` steps in a row without gain; the price of moves
+    falls from each to the next, because a small gain means little while moves are expensive.  It
+    does not end while steps cause defects beyond ``calm``, relative to the effort bound.  If
+    violations remain, it ends after ``quiet`` + 1 steps that do not reduce them.
     """
 
     iterations: int
@@ -104,7 +104,7 @@ SURVEY = IterationBudget(8, 2e-3, 1e-6, 2)
 
 
 class Ending(StrEnum):
-    """How an iteration of convex steps ended."""
+    """The ways in which an iteration of convex steps can end."""
 
     FIXPOINT = "fixpoint"
     LIMIT = "iteration limit"
@@ -116,14 +116,14 @@ class Ending(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ControlOutcome:
-    """Where the iteration ended.
+    """The result of the iteration.
 
-    ``robustness`` is rho (Definition 7) where ``feasible``, else minus the largest violation in
-    units of effort; ``effort_peak`` is in N m, or N.  ``fictitious`` (k,) is the largest component
-    of each v_i, ``excess`` the position excess (m), ``defect`` the largest one that convex steps
-    left (SI), before the motion was simulated.  It was simulated with feedback where it is
-    ``regulated``, as its inputs alone did not cause it.  ``detail`` is what a solver said of a
-    step that it did not solve.
+    ``robustness`` is rho (Definition 7) if ``feasible``, else minus the largest violation in units
+    of effort; ``effort_peak`` is in N m, or N. ``fictitious`` (k,) is the largest component of each
+    v_i, ``excess`` the position excess (m), ``defect`` the largest one left by the convex steps
+    (SI), before the motion was simulated.  If ``regulated``, it was simulated with feedback,
+    because its inputs alone did not produce it.  ``detail`` is a solver's message about a step that
+    it did not solve.
     """
 
     trajectory: Trajectory
@@ -140,10 +140,10 @@ class ControlOutcome:
 
 
 def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:
-    """The least margin of inputs (k, m) over all steps and groups, each as a share of the widest.
+    """The least margin of inputs (k, m) over all steps and groups, each relative to its widest.
 
-    It is given in units of the widest margin of all: with one bound, in those of the inputs.
-    Inputs that have one value only are left out unless they have another one.
+    It is scaled by the widest margin of all groups: with a single bound, it is in units of the
+    inputs.  Inputs with only one admissible value are ignored unless they have another value.
     """
     scale, found = effort_scale(groups), list[float]()
     for group in groups:
@@ -156,9 +156,9 @@ def input_margin(groups: tuple[InputGroup, ...], u: Array) -> float:
 
 
 def effort_weights(model: RobotModel, groups: tuple[InputGroup, ...]) -> Array | None:
-    """What a unit of effort is at each coordinate (n,), as a part of one at the widest bound.
+    """The unit of effort at each coordinate (n,), relative to the one at the widest bound.
 
-    None where all bounds are the same.
+    None if all bounds are equal.
     """
     scale = effort_scale(groups)
     bounds = [group for group in groups if group.effort and group.widest_margin > 0]
@@ -186,7 +186,7 @@ def effort_peak(groups: tuple[InputGroup, ...], u: Array) -> float:
 
 
 def within_bounds(groups: tuple[InputGroup, ...], u: Array) -> Array:
-    """Inputs (k, m) with what rounding left outside their bounds put back on them."""
+    """Inputs (k, m) clipped to their bounds if they exceed them only by rounding errors."""
     kept = u.copy()
     for group in groups:
         columns = list(group.inputs)
@@ -198,16 +198,16 @@ def within_bounds(groups: tuple[InputGroup, ...], u: Array) -> Array:
     return kept
 
 
-# --- A trajectory held against the nonlinear robot: linearised there, with its defects ------------
+# --- A trajectory evaluated on the nonlinear robot: its linearisation and its defects -------------
 
 
 @dataclass(frozen=True, slots=True)
 class MeasuredMotion:
-    """A linearisation with its half-planes, and what the trajectory breaks.
+    """A linearisation with its half-planes, and the violations of the trajectory.
 
     ``fictitious`` (k,) are the largest components of the fictitious inputs that would close the
-    ``defect`` (SI, the largest), ``excess`` is that of positions (m), ``outside`` that of limits
-    (SI), ``margin`` that of the inputs, in their units.
+    defects, ``defect`` the largest of these (SI).  ``excess`` is that of positions (m), ``outside``
+    that of limits (SI), and ``margin`` that of the inputs, in their units.
     """
 
     model: Model
@@ -230,13 +230,13 @@ class MeasuredMotion:
 
 
 STEEPEST = 1e8
-"""A step with larger derivatives says nothing of where it leads: rates are absurd there."""
+"""With larger derivatives, linearisation is meaningless: rates are absurd there."""
 
 
 def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion | None:
-    """Linearise about a trajectory and measure its defects; None where that has no use.
+    """Linearise about a trajectory and evaluate its defects; None if that is not possible.
 
-    Its loads are those of the problem.
+    Its loads are replaced by those of the problem.
     """
     numeric, trajectory = problem.numeric, problem.loaded(trajectory)
     x, u, theta = trajectory.x, trajectory.u, trajectory.theta
@@ -282,18 +282,18 @@ def measured(problem: ControlProblem, trajectory: Trajectory) -> MeasuredMotion 
 
 
 LEAST_MEAN = 0.2
-"""Of what bounds an acceleration, at least this part is left to the mean of a step."""
+"""The mean acceleration of a step is left at least this share of the bound."""
 SHIFTED = 0.05
-"""By no more of the bound is the middle of the ends of a step taken to be off the mean."""
+"""The middle of the end accelerations differs from the mean by at most this share of the bound."""
 JUDGED = 1e-3
-"""It may be exceeded by so much of itself: ten times as much is kept free of what proofs ask."""
+"""Bounds may be exceeded by this share; proofs keep a margin of ten times as much."""
 
 
 def _accelerated(problem: ControlProblem, trajectory: Trajectory) -> tuple[Array | None, float]:
-    """By how much rates may rise and fall in each step, (2, k, n), and the excess (SI).
+    """The rise and fall that rates may have in each step, (2, k, n), and the excess (SI).
 
-    Accelerations at the ends of a step are taken to be off its mean as they are in the trajectory.
-    Without bounds of accelerations nothing is said.
+    The accelerations at the ends of a step are assumed to differ from its mean as they do in the
+    trajectory.  Without bounds on accelerations the answer is None and 0.
     """
     largest, n, dt = problem.limits.accelerations, problem.numeric.n, problem.dt
     if not largest.size:
@@ -301,7 +301,7 @@ def _accelerated(problem: ControlProblem, trajectory: Trajectory) -> tuple[Array
     with np.errstate(all="ignore"):
         least, most = acceleration_ranges(problem.numeric, trajectory)
         mean = np.diff(trajectory.x[:, n : 2 * n], axis=0) / dt
-        # A seed's inputs need not be those of its accelerations, which then shift both ends alike.
+        # A seed's inputs need not match its accelerations, which then shifts both ends alike.
         half = (most - least) / 2 + SHIFTED * np.where(np.isfinite(largest), largest, 0.0)
         off = np.clip(np.array([most - mean, mean - least]), 0.0, half)
         excess = np.max(np.maximum(most, -least) - (1 + JUDGED) * largest, initial=0.0)
@@ -309,9 +309,9 @@ def _accelerated(problem: ControlProblem, trajectory: Trajectory) -> tuple[Array
 
 
 def limit_excess(limits: MotionLimits, x: Array) -> float:
-    """By how much states (k + 1, N) leave the limits of a motion at most; 0 if they keep them.
+    """The largest excess of states (k + 1, N) over the limits of a motion; 0 if there is none.
 
-    It is in SI units: rad or m of coordinates, the same per second of rates.
+    It is in SI units: rad or m for coordinates, the same per second for rates.
     """
     n = limits.joints
     q, v = x[:, :n], x[:, n : 2 * n]

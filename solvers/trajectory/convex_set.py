@@ -1,4 +1,4 @@
-"""Polytopes in floats, with what separating planes need of them."""
+"""Polytopes in floats, with the data that separating planes need."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
 
 FAR = Fraction(1000)
-"""Metres at which an unbounded polytope is cut."""
+"""Metres at which an unbounded polytope is cut off."""
 ON_FACET = 1e-9
 """Metres up to which a vertex lies on a facet."""
 PARALLEL = 1e-9
@@ -30,14 +30,14 @@ class ConvexSet:
 
     @cached_property
     def box(self) -> tuple[Array, Array]:
-        """The least and the greatest coordinates of the vertices, (d,) each."""
+        """The least and greatest coordinates of the vertices, (d,) each."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     @cached_property
     def edge_directions(self) -> Array:
         """Unit directions (e, 3) of the edges in space, parallel ones once; none in the plane.
 
-        Two vertices on two common facets span an edge; more than the edges do no harm.
+        Two vertices on two common facets are taken to span an edge; extra directions do no harm.
         """
         found: list[Array] = []
         if self.vertices.shape[1] == 2:
@@ -62,12 +62,12 @@ def point_set(place: Array) -> ConvexSet:
 
 @lru_cache(maxsize=4096)
 def region_set(shape: ir.RegionShape, dimension: int) -> ConvexSet:
-    """A set of a workspace in floats, made once: searches ask for the same ones again and again."""
+    """The region's set in floats, cached because searches request the same ones repeatedly."""
     return convex_set(polytope_of(shape, dimension))
 
 
 def convex_set(polytope: Polytope) -> ConvexSet:
-    """A polytope in floats; an unbounded one is cut far away."""
+    """A polytope in floats; an unbounded one is cut off far away."""
     if not polytope.is_bounded:
         d = polytope.dimension
         rows = [

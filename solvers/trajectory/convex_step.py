@@ -7,12 +7,12 @@ r"""One convex step: the dynamics and positions linearised about a trajectory.
     x_{i+1} = A_i x_i + B_i u_i + C_i \theta + r_i + B'_i v_i,\quad
     \lVert u_i \rVert \le \bar u - w \rho,\quad \lVert v_i \rVert_\infty \le V,\quad \rho \ge 0
 
-with the path's half-planes (C.1) softened by ``sigma``.  Definition 7 of the paper with the
-fictitious input kept apart from the effort, so that it can never hide in a sum.  S is the largest
-margin of an input, w that of the input at hand over S, so that margins count as shares of what they
-can be at most; v is in units of w.  The first quadratic term makes the optimum unique; the second
-one, about the reference, vanishes where the iteration ends, so that it changes the way and not the
-end.  Rates and mobility may have prices besides (``reference_step.py`` has all terms).
+with the path's half-planes (C.1) softened by ``sigma``.  This is Definition 7 of the paper, but the
+fictitious input is kept separate from the effort, so that it can never hide in a sum.  S is the
+largest margin of any input, and w that of the input in question over S, so that margins are
+relative to their maximum; v is in units of w.  The first quadratic term makes the optimum unique.
+The second one, about the reference, vanishes at the fixpoint, so that it changes the way and not
+the end.  Rates and mobility may also have prices (``reference_step.py`` has all terms).
 """
 
 from __future__ import annotations
@@ -49,16 +49,17 @@ from solvers.trajectory.subproblem import (
 from solvers.trajectory.trajectory import Trajectory
 
 # --------------------------------------------------------------------------------------------------
-# What is done about a convex program that a solver does not solve, by the name of the failure.
+# What happens if a solver does not solve a convex program, by the kind of failure.
 #
 # A program that is infeasible or unbounded is so for every solver.  Any other failure is the
-# solver's own: the program is given to the next one, which scales it otherwise or works otherwise,
-# and at last with a wider tolerance.  What none of them solves is *not solved*, never infeasible.
+# solver's own: the program is passed to the next solver, which scales it differently or uses
+# another method, and finally solved with a wider tolerance.  A program that no solver solves is
+# *not solved*; this never means infeasible.
 
 
 SOLVED = "a convex program was solved"
 WIDER = 100.0
-"""By how much the tolerance is widened in the last attempt."""
+"""The factor by which the tolerance is widened in the last attempt."""
 FINAL = frozenset({Status.INFEASIBLE, Status.UNBOUNDED})
 
 
@@ -68,12 +69,12 @@ def _solvers() -> tuple[ConvexSolver, ...]:
 
 @dataclass(frozen=True, slots=True)
 class SolverPortfolio:
-    """Solvers in the order in which they are tried; the first takes no cones."""
+    """Solvers in the order in which they are tried; the first does not support cones."""
 
     solvers: Sequence[ConvexSolver] = field(default_factory=_solvers)
 
     def solve(self, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
-        """The first optimum that is credible; else the last failure."""
+        """The first credible optimum; else the last failure."""
         answer: Optimum | NotSolved = NotSolved(Status.FAILED, "no solver")
         solvers = self.solvers if program.cones is None else self.solvers[1:]
         attempts = [(solver, tolerance) for solver in solvers]
@@ -88,34 +89,35 @@ class SolverPortfolio:
 
 
 def _guarded(solver: ConvexSolver, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
-    """The solver's answer, if it is credible; a solver that raises has failed."""
+    """The solver's answer, if it is credible; a solver that raises an exception has failed."""
     try:
         return credible(program, solver.solve(program, tolerance))
     except (KeyboardInterrupt, SystemExit):
         raise
-    except BaseException as error:  # a panic of a library in Rust is no Exception
+    except BaseException as error:  # a panic in a Rust library is not an Exception
         return NotSolved(Status.FAILED, f"{type(error).__name__}: {error}")
 
 
 # --------------------------------------------------------------------------------------------------
 # The convex steps of one question, one after the other.
 #
-# Most half-planes are far from what moves.  Of a great many, a program has those of a working set;
-# if its optimum keeps to the others as well, it is that of all, else what it breaks joins the set.
-# The set only grows, so that its pattern, and with it the solver's symbolic work, soon stays.
+# Most half-planes are far from anything that moves.  If there are many, a program contains only
+# those of a working set.  If its optimum satisfies the others too, it is optimal for all; otherwise
+# the violated ones join the set.  The set only grows, so that its sparsity pattern, and with it the
+# solver's symbolic factorisation, soon remains the same.
 
 
 FEW = 800
-"""With fewer half-planes a program has all of them."""
+"""With at most this many half-planes a program contains all of them."""
 CLOSE = 0.05
-"""Half-planes closer than this part of what the trust region allows belong to the working set."""
+"""Half-planes closer than this share of what the trust region allows join the working set."""
 BROKEN = 10.0
-"""Others are broken from so many times the accuracy on."""
+"""The others count as violated from this multiple of the accuracy."""
 
 
 @dataclass(slots=True)
 class ConvexStep:
-    """Convex steps by ``solver``; programs of one structure differ in their numbers only."""
+    """Convex steps by ``solver``; programs of the same structure differ only in their numbers."""
 
     question: SubproblemSpec
     solver: ConvexSolver = field(default_factory=SolverPortfolio)
@@ -125,7 +127,7 @@ class ConvexStep:
 
     @property
     def working(self) -> int:
-        """How many half-planes the last program had."""
+        """The number of half-planes in the last program."""
         return int(np.count_nonzero(self._working))
 
     def solve(
@@ -139,7 +141,7 @@ class ConvexStep:
     ) -> StepResult | NotSolved:
         """The optimum of the step about a trajectory.
 
-        Without ``fictitious`` inputs V is 0: what is then infeasible may be feasible with them.
+        Without ``fictitious`` inputs V is 0: an infeasible step may be feasible with them.
         """
         opened = self.opened(model, rows, region, fictitious=fictitious)
         while True:
@@ -153,7 +155,7 @@ class ConvexStep:
     def opened(
         self, model: Model, rows: PositionRows, region: TrustRegion, *, fictitious: bool = True
     ) -> OpenStep:
-        """The step about a trajectory, for who solves its programs."""
+        """The step about a trajectory, for callers that solve its programs themselves."""
         every = LinearRows.of(model, rows)
         reach = CLOSE * region.radius * np.sum(np.abs(every.by_q), axis=1)
         self._begin(every, reach)
@@ -161,14 +163,14 @@ class ConvexStep:
         return OpenStep(model, every, region, reach, self._working, lay)
 
     def _begin(self, every: LinearRows, reach: Array) -> None:
-        """The working set for half-planes: the last one, if it still fits, and what is close."""
+        """Start the working set: the last one, if it still fits, and the close half-planes."""
         close = every.slack < reach if len(reach) > FEW else np.ones(len(reach), dtype=np.bool_)
         if np.array_equal(self._samples, every.sample):
             close |= self._working
         self._samples, self._working = every.sample, close
 
     def _program(self, model: Model, samples: Indices, *, fictitious: bool) -> StepProgram:
-        """The structure for these rows: the last one, if it still fits."""
+        """The structure for rows at these samples: the last one, if it still fits."""
         known = self._programs.get(fictitious)
         if known is not None and np.array_equal(known.samples, samples):
             return known
@@ -185,10 +187,10 @@ class ConvexStep:
 
 @dataclass(slots=True)
 class OpenStep:
-    """One convex step about a trajectory, until half-planes outside of the working set are kept.
+    """One convex step about a trajectory, until the half-planes outside the working set hold.
 
-    ``rows`` are all half-planes (R,), those whose slack is less than ``reach`` (R,) are close, and
-    ``working`` (R,) are those that programs have; ``lay`` gives the structure for their samples.
+    ``rows`` are all half-planes (R,).  Those with slack below ``reach`` (R,) are close, and
+    ``working`` (R,) are those in the programs.  ``lay`` gives the structure for their samples.
     """
 
     model: Model
@@ -203,16 +205,16 @@ class OpenStep:
     def program(self) -> ConvexProgram:
         """The program with the working set.
 
-        What is infeasible with some of the half-planes is infeasible with all.
+        If some of the half-planes make it infeasible, so do all.
         """
         working = np.flatnonzero(self.working)
         self.laid = self.lay(self.rows.sample[working])
         return self.laid.program(self.model, self.rows.taken(working), self.region)
 
     def result(self, point: Array, accuracy: float) -> StepResult | None:
-        """What the optimum (N,) of the last program says.
+        """The result for the optimum (N,) of the last program.
 
-        None where it breaks other half-planes, which have joined the working set.
+        None if it violates other half-planes, which have now joined the working set.
         """
         z, layout, about = self.laid.point(point), self.laid.layout, self.model.about
         moved = z[layout.theta] if layout.p else np.zeros_like(about.theta)
@@ -228,7 +230,7 @@ class OpenStep:
 
 
 # --------------------------------------------------------------------------------------------------
-# Who solves convex steps: the sparse programs of this package, or a solver that cvxpy reaches.
+# The solvers of convex steps: the sparse programs of this package, or a solver reached by cvxpy.
 
 
 class StepSolver(Protocol):
@@ -243,16 +245,16 @@ class StepSolver(Protocol):
         *,
         fictitious: bool = ...,
     ) -> StepResult | NotSolved:
-        """The optimum of the step about a trajectory, as :meth:`ConvexStep.solve` gives it."""
+        """The optimum of the step about a trajectory, as in :meth:`ConvexStep.solve`."""
         ...
 
 
 StepMaker: TypeAlias = Callable[[SubproblemSpec], StepSolver]
-"""From a question to what solves its convex steps."""
+"""Makes a solver for the convex steps of a question."""
 
 
 def step_maker(solver: str | None) -> StepMaker:
-    """That of a solver by its name in cvxpy; None means the sparse programs."""
+    """The maker for a solver, by its name in cvxpy; None means the sparse programs."""
     if solver is None:
         return ConvexStep
     from solvers.trajectory.reference_step import ReferenceStep

@@ -1,4 +1,4 @@
-"""What a motion along a cell path has to keep to: its poses, and the positions of its points."""
+"""The constraints on a motion along a cell path: on its poses, and on positions of its points."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from solvers.trajectory.task_limits import final_samples
 from solvers.trajectory.task_size import length_unit
 
 # --------------------------------------------------------------------------------------------------
-# What a robot's poses have to keep to on a cell path: the effector's cells, and a clear body.
+# The constraints on a robot's poses on a cell path: the effector's cells, and a clear body.
 
 
 STRAY = 0.02
-"""How far from its cells the effector may be, in parts of their extent."""
+"""The allowed distance of the effector from its cells, relative to their extent."""
 SPACING = 0.02
-"""The way of any point between two poses that are looked at, in the same parts."""
+"""The distance that any point moves between two checked poses, relative to the extent."""
 
 Flags = NDArray[np.bool_]
 Layers = NDArray[np.int64]
@@ -42,11 +42,10 @@ Layers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Corridor:
-    """A robot with parameters ``theta`` whose ``point`` goes through ``cells`` in order.
+    """A robot with parameters ``theta`` whose ``point`` moves through ``cells`` in order.
 
-    ``box`` bounds the coordinates, (n,) each; ``margin`` is the clearance wanted, in metres.
-    ``unit`` is the length that counts as one (m).  With ``start_is_given`` there is one pose to
-    start from.
+    ``box`` bounds the coordinates, (n,) each; ``margin`` is the required clearance, in metres.
+    ``unit`` is the unit of length (m).  With ``start_is_given`` there is a single start pose.
     """
 
     numeric: NumericRobot
@@ -72,7 +71,7 @@ class Corridor:
 
     @cached_property
     def levers(self) -> Array:
-        """Metres that a coordinate can move any point per unit, shape (n,), by random poses."""
+        """The most metres that each coordinate moves any point per unit, (n,), in random poses."""
         drawn = self.drawn(np.random.default_rng(0))
         found: Array = np.full(self.numeric.n, 1e-6)
         for start in range(0, len(drawn.q), MOST_IN_BATCH):
@@ -82,7 +81,7 @@ class Corridor:
         return found
 
     def positions(self, q: Array) -> Array:
-        """Where the points are in poses (K, n), shape (K, m, d)."""
+        """The positions of the points in poses (K, n), shape (K, m, d)."""
         return positions_of(self.numeric, q, self.theta)
 
     def clear(self, q: Array) -> Flags:
@@ -90,19 +89,19 @@ class Corridor:
         return self.clearance.exceeds(self.positions(q), self.margin)
 
     def beyond(self, positions: Array) -> Array:
-        """By how much the point leaves each cell, metres, negative inside, shape (K, cells)."""
+        """The distance (m) by which the point leaves each cell, negative inside, (K, cells)."""
         at = positions[:, self.point]
         columns = [np.max(at @ cell.normals.T - cell.offsets, axis=1) for cell in self.cells]
         return np.stack(columns, axis=1)
 
     def follows(self, q: Array) -> bool:
-        """Whether the point goes along the cells in poses (K, n), from the first to the last."""
+        """Whether the point moves along the cells in poses (K, n), from the first to the last."""
         beyond = self.beyond(self.positions(q))
         ends = [beyond[-1, -1]] if self.start_is_given else [beyond[0, 0], beyond[-1, -1]]
         return bool(max(*ends, np.max(np.min(beyond, axis=1))) <= STRAY * self.extent)
 
     def kept(self, q: Array, first: Layers, last: Layers) -> Flags:
-        """Whether poses (K, n) are clear, with the point in one of the cells first to last."""
+        """Whether poses (K, n) are clear, with the point in a cell from ``first`` to ``last``."""
         positions = self.positions(q)
         numbers = np.arange(len(self.cells))
         others = (numbers < first[:, None]) | (numbers > last[:, None])
@@ -112,22 +111,22 @@ class Corridor:
         return near
 
     def passable(self, starts: Array, ends: Array, first: Layers, last: Layers) -> Flags:
-        """Whether the straight ways in coordinates between poses (E, n) are kept, shape (E,)."""
+        """Whether the straight ways in coordinates between poses (E, n) are allowed, shape (E,)."""
         counts = looked_at(np.abs(ends - starts) @ self.levers, SPACING * self.extent)
         return straight_ways(
             starts, ends, counts, lambda q, edge: self.kept(q, first[edge], last[edge])
         )
 
 
-# --- What binds the positions of a robot that follows a cell path: dwells and separations ---------
+# --- Constraints on the positions of a robot that follows a cell path: dwells and separations -----
 #
-# The cells of the path, the bounds, every ``avoid``, and what a formula asks of which samples.
+# They come from the cells of the path, the bounds, every ``avoid``, and formulas at some samples.
 
 
 CELL_SHARE = 0.25
-"""The part of the margin that samples keep from the facets between cells of the path."""
+"""The share of the margin that samples keep from the facets between cells of the path."""
 ON_FACET = 1e-9
-"""Metres, and cosines of angles, up to which two facets are one."""
+"""Two facets are equal up to this, in metres and in cosines of angles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +148,7 @@ class MotionConstraints:
 
     @property
     def avoidances(self) -> Avoidances:
-        """What binds positions all the time."""
+        """The constraints on positions that hold at all times."""
         return Avoidances(self.numeric, self.workspace, self.task)
 
     @property
@@ -161,14 +160,14 @@ class MotionConstraints:
 
     @property
     def starts_in_its_cell(self) -> bool:
-        """Whether the task asks where the effector of the path starts."""
+        """Whether the task says where the effector of the path starts."""
         own = self.start_effector == self.effector
         return own and isinstance(self.task.start, ir.StartIn)
 
     def dwells(
         self, entries: Entries | None, obligations: Sequence[Obligation]
     ) -> tuple[Dwell, ...]:
-        """Where points stay; without ``entries`` only the two ends of the path bind to cells."""
+        """The dwells of points; without ``entries`` only the two ends of the path bind to cells."""
         k = self.task.steps
         last = convex_set(self.abstraction.cells[self.cells[-1]].polytope)
         found = [Dwell(self.effector, k, k, last)]
@@ -189,18 +188,18 @@ class MotionConstraints:
         return tuple(found)
 
     def relaxed(self, visits: Mapping[int, int]) -> tuple[Dwell, ...]:
-        """As ``dwells``, with the effector in a cell at one sample alone, by places on the path.
+        """The dwells with the effector in cells at single samples, by places on the path.
 
-        Instead of the cells at its ends, the regions bind that the task names.
+        Instead of the cells at the ends of the path, the regions named in the task bind.
         """
         found = [self._stay(self.cells[place], at, at) for place, at in visits.items()]
         return (*found, *self._within_bounds(with_own=True), *self._ends(None))
 
     def _stay(self, cell: int, first: int, last: int) -> Dwell:
-        """A stay in a cell of the path, near enough to the facets that it is entered through.
+        """A stay in a cell of the path, with a smaller margin at the facets between cells.
 
-        Only samples of the planned motion lie in cells, for the proof; the bounds hold all the
-        time, and of disturbed motions.
+        Only samples of the planned motion must lie in cells, for the proof.  The bounds hold at all
+        times, also for disturbed motions.
         """
         region = convex_set(self.abstraction.cells[cell].polytope)
         bounds = region_set(self.workspace.bounds.shape, self.workspace.dimension)
@@ -211,7 +210,7 @@ class MotionConstraints:
         return Dwell(self.effector, first, last, region, shares, bounding.astype(float))
 
     def _within_bounds(self, *, with_own: bool) -> Iterator[Dwell]:
-        """Effectors, and bodies where the task says so, stay inside the bounds."""
+        """Effectors, and bodies if the task says so, stay inside the bounds."""
         k, count = self.task.steps, len(self.model.effectors)
         bounds = self.avoidances.bounds
         for effector in range(count):
@@ -220,7 +219,7 @@ class MotionConstraints:
         yield from self.avoidances.bodies_within_bounds(k)
 
     def _ends(self, but: int | None) -> Iterator[Dwell]:
-        """Start and target of effectors ``but`` the one whose cells bind it there; how they end."""
+        """Start and target of effectors, ``but`` not of the one bound by cells; and final poses."""
         k, start, reach = self.task.steps, self.task.start, self.task.reach
         if isinstance(start, ir.StartIn) and self.start_effector != but:
             yield _planned_start(self.start_effector, self._set(start.region))
@@ -244,7 +243,7 @@ class MotionConstraints:
             yield from pose_dwells(self.numeric, pose, unit, effector, samples, away=away)
 
     def separations(self, obligations: Sequence[Obligation]) -> tuple[Separation, ...]:
-        """What points and bodies stay away from."""
+        """The sets that points and bodies stay away from."""
         found = list(self.avoidances.separations())
         found += [
             Separation((item.effector,), self._set(item.region), 0.0, item.first, item.last)
@@ -258,5 +257,5 @@ class MotionConstraints:
 
 
 def _planned_start(effector: int, region: ConvexSet) -> Dwell:
-    """Where the planned motion starts; disturbed ones may start beside it."""
+    """The dwell at the start of the planned motion; disturbed motions may start next to it."""
     return Dwell(effector, 0, 0, region, spreads=np.zeros(len(region.offsets)))

@@ -6,7 +6,7 @@ fictitious inputs are minimised with
 .. math:: \epsilon \sum_{l<i} g_l \le g_i \qquad (C.6)
 
 which moves them to the end of the path, so that the zeros at the beginning are the part that can
-be followed.  Found for one parameter by sampling: it prunes the search and proves nothing.
+be followed.  This holds for one sampled parameter: it prunes the search and proves nothing.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ RADIUS = 0.5
 def infeasible_sample(
     path_problem: PathProblem, outcome: ControlOutcome, entries: tuple[int, ...]
 ) -> int | None:
-    """The first sample that an infeasible outcome cannot be brought to; None: it is not known.
+    """The first sample that an infeasible outcome cannot reach; None if it is not known.
 
-    One more than there are where all can be got to: something else is in the way.
+    It is k + 1 if all samples can be reached: something else then prevents the motion.
     """
     slacks = _slacks(path_problem, outcome, entries)
     return None if slacks is None else zero_prefix(slacks, THRESHOLD) + 1
@@ -37,7 +37,7 @@ def infeasible_sample(
 def infeasible_prefix(sample: int | None, entries: tuple[int, ...]) -> int:
     """The number of cells, from the start, that are entered up to a sample.
 
-    All of the path's where the sample is not known.
+    It is the number of all cells of the path if the sample is not known.
     """
     if sample is None:
         return len(entries)

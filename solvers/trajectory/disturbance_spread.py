@@ -1,9 +1,9 @@
-"""How far disturbed motions get from the planned one: a search tightens its constraints by it.
+"""The deviation of disturbed motions from the planned one, which tightens the search's constraints.
 
-The spread of the start and of the inputs is carried along the linearised motion, D[i + 1] = A[i]
-D[i] + B[i] d[i], and summed by absolute values, so that every corner counts.  With feedback, what
-is of second order is added as it is in the proof, at the samples (``second_order.py``): sets that
-feed on themselves are found before a proof is spent on them.  Nothing is proved by this.
+The spread of the start and of the inputs is propagated along the linearised motion, D[i + 1] = A[i]
+D[i] + B[i] d[i], and summed by absolute values, so that every corner counts.  With feedback,
+second-order terms are added as in the proof, at the samples (``second_order.py``).  Sets that
+amplify themselves are thus found before a proof is spent on them.  Nothing is proved by this.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from solvers.trajectory.task_limits import final_samples
 from solvers.trajectory.trajectory import Trajectory
 
 MOST_COLUMNS, KEPT_COLUMNS = 16, 10
-"""Times the size of a state: when columns of a set are replaced by a box, and how many are left."""
+"""Multiples of the state size: when columns of a set are replaced by a box, and how many remain."""
 ROUNDS = 3
-"""What is of second order depends on accelerations, and these on it."""
+"""Second-order terms depend on accelerations and vice versa, so they are iterated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,11 +35,11 @@ class DisturbanceSpread:
     """Half-widths of the disturbed motions.
 
     Attributes:
-        points: (k + 1, m) of the positions of all points at the samples, in metres.
-        states: (k + 1, n, 2) of coordinates and rates at the samples, in SI units.
-        inputs: (k, m) of what feedback commands in the steps, in SI units.
-        final: of any rate at the samples where the task binds final rates, in SI units.
-        accelerations: (k, n) of accelerations in the steps; zero where none is bound.
+        points: (k + 1, m), for the positions of all points at the samples, in metres.
+        states: (k + 1, n, 2), for coordinates and rates at the samples, in SI units.
+        inputs: (k, m), for the inputs that feedback commands in the steps, in SI units.
+        final: the largest for rates at the samples at which final rates are bound, in SI units.
+        accelerations: (k, n), for accelerations in the steps; 0 if none is bounded.
     """
 
     points: Array
@@ -50,7 +50,7 @@ class DisturbanceSpread:
 
     @property
     def widest(self) -> float:
-        """The largest of the positions, in metres."""
+        """The largest half-width of a position, in metres."""
         return float(np.max(self.points, initial=0.0))
 
     @property
@@ -60,12 +60,12 @@ class DisturbanceSpread:
 
     @property
     def within_steps(self) -> Array:
-        """Per sample the largest of ``states`` from the one before to the next, (k + 1, n, 2)."""
+        """For each sample the largest ``states`` among it and its two neighbours, (k + 1, n, 2)."""
         wide = np.pad(self.states, ((1, 1), (0, 0), (0, 0)), mode="edge")
         return np.maximum(np.maximum(wide[:-2], wide[1:-1]), wide[2:])
 
     def scaled(self, factor: float) -> DisturbanceSpread:
-        """So many times as wide."""
+        """This spread, multiplied by ``factor``."""
         return DisturbanceSpread(
             factor * self.points, factor * self.states, factor * self.inputs,
             factor * self.final, factor * self.accelerations,
@@ -77,10 +77,10 @@ class SecondOrder:
     """The second derivatives of the equations of motion along a trajectory.
 
     Attributes:
-        hessians: (k, n, N + n, N + n) of what is balanced, in the state and the accelerations.
-        by_state: (k, n, N) of the accelerations.
-        by_input: (k, n, m) of the accelerations.
-        by_force: (k, N, n) of the state after a step, in forces on the joints.
+        hessians: (k, n, N + n, N + n) of the equations, in the state and the accelerations.
+        by_state: (k, n, N), derivatives of the accelerations.
+        by_input: (k, n, m), derivatives of the accelerations.
+        by_force: (k, N, n), derivatives of the state after a step in forces on the joints.
         mass: (k, n, n), M.
     """
 
@@ -93,15 +93,15 @@ class SecondOrder:
     def added(
         self, sample: int, columns: Array, inputs: Array, off: Array, misjudged: Array
     ) -> Array:
-        """What is added to the columns (N, c) of a set after a step, (N, n).
+        """Generators (N, n) to be added to the columns (N, c) of a set after a step.
 
         Args:
             sample: the number of the step.
-            columns: the set after the step, but for this.
+            columns: the set after the step, without these generators.
             inputs: the columns of the inputs held in it, (m, c).
-            off: how far inputs may be from these, (m,).
-            misjudged: how far inputs may be off the planned ones that an uncertain mass turns into
-                other accelerations, (m,).
+            off: the deviation of inputs from these, (m,).
+            misjudged: the deviation of inputs from the planned ones that an uncertain mass turns
+                into other accelerations, (m,).
         """
         by_input, force = self.by_input[sample], self.by_force[sample]
         n, (size, count) = len(by_input), columns.shape
@@ -121,9 +121,9 @@ class SecondOrder:
 
 
 def second_order(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> SecondOrder:
-    """The second derivatives along a trajectory, at its samples but the last.
+    """The second derivatives along a trajectory, at all samples but the last.
 
-    They are zero where the robot's graph has none because it is too large.
+    They are zero if the robot's graph provides none because it is too large.
     """
     graph, n, size = numeric.graph, numeric.n, numeric.size
     x, u, theta = trajectory.x[:-1], trajectory.u, trajectory.theta
@@ -146,7 +146,7 @@ def second_order(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Se
 
 
 def _reduced(columns: Array, first: int) -> Array:
-    """Fewer columns, of a set that holds the set of these; the ``first`` stay as they are."""
+    """Fewer columns, spanning a superset; the ``first`` columns stay as they are."""
     size, count = columns.shape
     if count <= MOST_COLUMNS * size + first:
         return columns
@@ -170,12 +170,11 @@ def disturbance_spread(
 ) -> DisturbanceSpread:
     """The spread of the motions that a task's ``robust`` clauses allow about a trajectory.
 
-    ``step`` is the linearisation of its steps; with ``second`` and ``gains``, what is of second
-    order is added.
-    Inputs are taken to be off by a constant in every step, and accelerations by what uncertain
-    masses take of them.  With ``gains`` (k, m, N) what is measured is fed back.
-    With a ``loop``, its first sample and the generators (N, N) of a set, motions are those from all
-    states of the set from then on.
+    ``step`` is the linearisation of its steps; with ``second`` and ``gains``, second-order terms
+    are added.  Input errors are assumed constant within each step, and accelerations are reduced as
+    uncertain masses do.  With ``gains`` (k, m, N) the measured state is fed back.  With a ``loop``,
+    its first sample and the generators (N, N) of a set, the motions from that sample on are those
+    from all states of the set.
     """
     n, k, theta, model = numeric.n, len(trajectory.u), trajectory.theta, numeric.graph.model
     radii = [float(radius) for radius in disturbance_radii(task, model)]
@@ -215,7 +214,7 @@ def disturbance_spread(
                 pulled[sample] += np.abs(of_u @ misread).sum(axis=1)
             before = columns
             columns = by_x @ columns
-            # The same constant all the time: its effects add up, sign by sign.
+            # The mass error is constant over time, so its effects add up with their signs.
             columns[: 2 * n, 2 * n : 2 * n + count] += heavier[sample]
             columns = np.concatenate([columns, by_u * off, by_u @ misread], axis=1)
             if second is not None and gains is not None:
@@ -232,7 +231,7 @@ def disturbance_spread(
     within = states.reshape(k + 1, 2, n).transpose(0, 2, 1)
     if pulled is None:
         return DisturbanceSpread(points, within, inputs, final)
-    # Until the end of a step they spread about as much as at the beginning of the next.
+    # At the end of a step they spread about as much as at the beginning of the next.
     later = np.maximum(pulled, np.concatenate([pulled[1:], pulled[-1:]]))
     return DisturbanceSpread(points, within, inputs, final, later)
 
@@ -244,7 +243,7 @@ def _slopes(numeric: NumericRobot, trajectory: Trajectory) -> Array:
 
 
 def heavier_masses(numeric: NumericRobot, task: ir.Task, trajectory: Trajectory) -> Array:
-    """What each uncertain mass at its bound adds to coordinates and rates in a step, (k, 2n, c)."""
+    """The effect of each uncertain mass on coordinates and rates in a step, (k, 2n, c)."""
     n, dt = numeric.n, float(task.step)
     masses = uncertain_masses(task, numeric.graph.model)
     if not masses:

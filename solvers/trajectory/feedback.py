@@ -1,4 +1,4 @@
-r"""Time-varying feedback along a motion: gains, and the motion that a robot makes with them.
+r"""Time-varying feedback along a motion: gains, and the robot's motion with them.
 
 The law of a step is u_k = u*_k - K_k (x_k - x*_k), with the gains of the linear quadratic regulator
 of the linearised steps, :math:`\delta_{k+1} = A_k \delta_k + B_k \nu_k`,
@@ -33,10 +33,10 @@ from solvers.trajectory.trajectory import Trajectory
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """Deviations of coordinates and rates, in rad or m (/s), that count like an input at its bound.
+    """Deviations of coordinates and rates, in rad or m (/s), as costly as an input at its bound.
 
-    At first coordinates may be off ``relaxed`` times as far, and rates by the root of that: an
-    error of the start need not be corrected at once.  This fades with a part of the horizon.
+    At first coordinates may deviate ``relaxed`` times as far, and rates by the root of that: an
+    error at the start need not be corrected at once.  This fades exponentially along the horizon.
     """
 
     coordinate: float
@@ -44,7 +44,7 @@ class Sizes:
     relaxed: float = 1.0
 
     def weights(self, shares: Array, joints: int, size: int) -> Array:
-        """The weights (k, N) of a state's entries at parts ``shares`` (k,) of the horizon."""
+        """The weights (k, N) of a state's entries at fractions ``shares`` (k,) of the horizon."""
         more = 1 + (self.relaxed - 1) * np.exp(-shares / FADING)
         weights = np.zeros((len(shares), size))
         weights[:, :joints] = (self.coordinate * more[:, None]) ** -2
@@ -53,7 +53,7 @@ class Sizes:
 
 
 LEAST_PULL = 1e-12
-"""Accelerations per unit of an input that count, in SI."""
+"""The least accelerations per unit of an input that count, in SI."""
 FADING = 0.1
 BEYOND_BOUNDS = 1e3
 MOST_GROWTH = 10.0
@@ -67,15 +67,15 @@ SIZES = (
     Sizes(0.03, 1.0, 12.0),
     Sizes(0.1, 1.0, 4.0),
 )
-"""Which are best depends on the robot and its disturbances; states that are not measured ask for
-small gains."""
+"""Which are best depends on the robot and its disturbances; unmeasured states require small
+gains."""
 
 GENTLE = (Sizes(3.0, 15.0),)
-"""Loops need gains that bring states back for certain, and they have all time."""
+"""Loops need gains that certainly bring states back, and have plenty of time for it."""
 
 
 def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
-    """Per input (count,) its widest margin: what deviations of inputs are weighed against."""
+    """The widest margin of each input (count,), against which its deviations are weighted."""
     scales = np.ones(count)
     for group in groups:
         scales[list(group.inputs)] = group.widest_margin or 1.0
@@ -83,7 +83,7 @@ def input_scales(groups: tuple[InputGroup, ...], count: int) -> Array:
 
 
 ROUNDS = 4
-"""The cost of what lies ahead of a loop is that of so many further rounds."""
+"""The cost-to-go at the end of a loop is that of this many further rounds."""
 
 
 def regulator(
@@ -95,15 +95,15 @@ def regulator(
 ) -> Array:
     """Gains (k, m, N) along linearised steps; only the first ``measured`` entries are fed back.
 
-    ``scales`` (m,) are the sizes of inputs, in their units.  With a ``loop`` the steps from that on
-    come again and again.  Gains are zero where the equations have no finite solution.
+    ``scales`` (m,) are the sizes of inputs, in their units.  With a ``loop`` the steps from there
+    on repeat for ever.  Gains are zero if the equations have no finite solution.
     """
     count, size = steps.state.shape[:2]
     weights = sizes.weights(np.arange(count) / max(1, count), measured // 2, size)
     price = np.diag(scales**-2.0)
     gains = np.zeros((count, len(scales), size))
     ahead = np.diag(weights[-1]) if count else np.zeros((size, size))
-    # As if the last step went on, so that the end is cared for like all that is before.
+    # The last step is repeated, so that the end is weighted like everything before it.
     order = list(reversed([*range(count), *[count - 1] * count]))
     if loop is not None:
         rounds = list(reversed(range(loop, count)))
@@ -130,7 +130,7 @@ def closed_motion(
     dt: float,
     substeps: int,
 ) -> Trajectory:
-    """The motion from ``first`` (N,) with feedback about another, inputs kept in their bounds."""
+    """The motion from ``first`` (N,) with feedback about another; inputs are clipped to bounds."""
     states, inputs = [first], []
     for k, planned in enumerate(about.u):
         u = planned - gains[k] @ (states[-1] - about.x[k])
@@ -145,9 +145,9 @@ def closed_motion(
 # --- The gains and the reference that a certificate states ----------------------------------------
 
 DIGITS = 6
-"""Significant digits of a gain: more do not make a controller better."""
+"""Significant digits of a gain: more do not improve a controller."""
 AGREEMENT = 1e-10
-"""Twice as many parts of a step change no entry of a state by more, in SI."""
+"""Integration is fine enough if doubling the parts changes no state entry by more, in SI."""
 MOST_PARTS = 256
 
 
@@ -162,11 +162,11 @@ def closed_spread(
     *,
     refine: bool = False,
 ) -> tuple[Array, DisturbanceSpread | None]:
-    """The gains (k, m, N) along a trajectory, and how far disturbed motions get with them.
+    """The gains (k, m, N) along a trajectory, and how far disturbed motions deviate with them.
 
-    Of several sizes of deviations, those are taken that let disturbed motions spread least on
-    average, and command little: to second order, unless that grows beyond all bounds.  None for a
-    task without disturbances and loop, and where no set is found that rounds return into.
+    Among several sizes of deviations, those are chosen for which disturbed motions spread least on
+    average and command little: to second order, unless that grows too much.  The spread is None for
+    a task without disturbances and loop, and if no set is found into which rounds return.
 
     Args:
         numeric: the robot.
@@ -174,11 +174,11 @@ def closed_spread(
         trajectory: the planned motion.
         groups: the bounded inputs.
         substeps: the parts of a step.
-        loop: the first sample of a loop, from a set of states that is by ``slack`` larger than
-            estimated; None: the motion ends.
-        slack: a part of the size of that set.
-        refine: whether the best gains are refined, where they may be far from the best ones:
-            modules have states that are not measured, and the motion ends.
+        loop: the first sample of a loop, from a set of states that is larger than estimated by
+            ``slack``; None if the motion ends.
+        slack: a share of the size of that set.
+        refine: whether to refine the best gains, if they may be far from optimal: modules have
+            unmeasured states, and the motion ends.
     """
     dt = float(task.step)
     with np.errstate(all="ignore"):
@@ -219,17 +219,17 @@ def closed_spread(
 
 
 def _forces(numeric: NumericRobot, steps: Linearisation, largest: Array, dt: float) -> Array:
-    """Per input (m,) the least that brings some joint to its largest acceleration, by itself."""
+    """For each input (m,) the least value that brings some joint to its largest acceleration."""
     pulls = np.max(np.abs(steps.input[:, numeric.n : 2 * numeric.n]), axis=0, initial=0.0) / dt
     found: Array = np.min(largest[:, None] / np.maximum(pulls, LEAST_PULL), axis=0)
     return found
 
 
 def spread_cost(spread: DisturbanceSpread, scales: Array, largest: Array) -> float:
-    """How far disturbed motions spread on average, more so if much is commanded against it.
+    """The average spread of disturbed motions, more if much is commanded against it.
 
-    ``scales`` (m,) are the sizes of inputs, in their units, ``largest`` (n,) accelerations that
-    are not to be exceeded, or (0,).
+    ``scales`` (m,) are the sizes of inputs, in their units; ``largest`` (n,) are bounds on the
+    accelerations, or (0,).
     """
     share = float(np.max(spread.inputs / scales, initial=0.0))
     if largest.size:
@@ -253,7 +253,7 @@ def reference_motion(
 ) -> Trajectory:
     """The motion with feedback by gains (k, m, N) about another, from its start, integrated finely.
 
-    It is what a controller does that has it for its own reference.
+    A controller that has this motion as its reference produces it.
     """
     found, parts = about, substeps
     while parts <= MOST_PARTS:

@@ -1,4 +1,4 @@
-"""The motion that inputs cause, integrated more finely than the search does by itself."""
+"""The motion that inputs produce, integrated more finely than in the search."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from solvers.trajectory.task_limits import state_limits
 from solvers.trajectory.trajectory import Trajectory
 
 AGREEMENT = 1e-10
-"""Twice as many steps change no entry of a state by more, in SI."""
+"""Integration is fine enough if doubling the steps changes no state entry by more, in SI."""
 SUBSTEPS = 4
 MOST_PARTS = 128
 
@@ -32,9 +32,9 @@ MOST_PARTS = 128
 def fine_motion(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Trajectory:
     """The trajectory with its states integrated anew, by the same method in shorter steps.
 
-    ``dt`` is the time between samples in seconds.  For tables and pictures, and whoever compares
-    with another simulator; no proof rests on it, so that a limit of time leaves the states as fine
-    as they are by then.  With dry friction it goes from event to event.
+    ``dt`` is the time between samples in seconds.  It serves tables, pictures and comparisons with
+    other simulators.  No proof rests on it, so a time limit leaves the states as fine as they are
+    by then.  With dry friction it is integrated from event to event.
     """
     if dry_friction(numeric.graph.model):
         return replace(trajectory, x=rubbing_motion(numeric, trajectory, dt))
@@ -50,29 +50,29 @@ def fine_motion(numeric: NumericRobot, trajectory: Trajectory, dt: float) -> Tra
 
 
 def _sampled(numeric: NumericRobot, trajectory: Trajectory, dt: float, parts: int) -> Array:
-    """The states at the samples, each step divided into so many parts."""
+    """The states at the samples, with each step divided into ``parts``."""
     u = np.repeat(trajectory.u, parts, axis=0)
     x = numeric.simulate(trajectory.x[0], u, trajectory.theta, dt / parts, SUBSTEPS)
     return x[::parts]
 
 
-# --- How finely a search has to integrate, and what a motion breaks between its samples -----------
+# --- How finely a search has to integrate, and what a motion violates between its samples ---------
 #
-# Feedback brings the robot back at every sample, so that errors of single steps count; without it
-# they add up, and an unstable motion carries them away.
+# Feedback brings the robot back at every sample, so only the errors of single steps count.  Without
+# it errors add up, and an unstable motion amplifies them.
 
 
 INTEGRATION_SHARE = 0.2
-"""The part of the margins that the error of the discretisation may use up."""
+"""The share of the margins that discretisation errors may use up."""
 MOST_SUBSTEPS = 32
 WITHIN = 4
-"""How often limits are looked at within a step once a motion is there."""
+"""The number of instants per step at which limits are checked for a finished motion."""
 BEYOND = 1.25
-"""How much farther a limit is moved than motions went beyond it."""
+"""A limit is moved by this multiple of the excess over it."""
 
 
 def refined(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem:
-    """The same task with as many substeps as a motion needs to be integrated accurately.
+    """The same task with enough substeps to integrate a motion accurately.
 
     Doubling them once more moves no point and no coordinate by more than a share of its margin.
     """
@@ -86,15 +86,15 @@ def refined(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem:
 
 
 def unstable(path_problem: PathProblem, trajectory: Trajectory) -> bool:
-    """Whether inputs alone do not keep the robot near the motion that was found for them.
+    """Whether the inputs alone do not keep the robot near the motion found for them.
 
-    Errors of the integration carry it away, by more than the margin.
+    Integration errors then move it away by more than the margin.
     """
     return not _gaps(path_problem, trajectory, path_problem.substeps)[0] <= path_problem.margin
 
 
 def growth(path_problem: PathProblem, trajectory: Trajectory) -> float:
-    """By how much small deviations of a sample grow until a later one, at most (SI)."""
+    """The largest factor by which a small deviation at a sample grows until the end (SI)."""
     numeric, dt = path_problem.numeric, float(path_problem.task.step)
     with np.errstate(all="ignore"):
         steps = numeric.step(
@@ -102,14 +102,14 @@ def growth(path_problem: PathProblem, trajectory: Trajectory) -> float:
         ).state
         found, most = np.eye(numeric.size), 1.0
         for step in steps[::-1]:
-            # The sum of the sizes of a row bounds what deviations of one size become.
+            # The absolute row sum bounds the effect of deviations of unit size.
             found = found @ step
             most = max(most, float(np.max(np.sum(np.abs(found), axis=1))))
     return most
 
 
 def _gaps(path_problem: PathProblem, trajectory: Trajectory, substeps: int) -> Array:
-    """How far points (m) and states (SI) get apart when so many substeps are doubled, (2,)."""
+    """The change of points (m) and states (SI) if the number of substeps is doubled, (2,)."""
     numeric, n = path_problem.numeric, path_problem.numeric.n
     dt, theta, u = float(path_problem.task.step), trajectory.theta, trajectory.u
     with np.errstate(all="ignore"):
@@ -129,7 +129,7 @@ def _largest_gap(before: Array, after: Array) -> float:
 
 
 def narrowed(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem | None:
-    """The same task with the limits narrowed that a motion passes within its steps, or None."""
+    """The same task with those limits narrowed that a motion exceeds within its steps, or None."""
     n = path_problem.numeric.n
     with np.errstate(all="ignore"):
         x = _within_steps(path_problem, trajectory)
@@ -161,7 +161,7 @@ def _within_steps(path_problem: PathProblem, trajectory: Trajectory) -> Array:
 
 
 def seems_to_satisfy(path_problem: PathProblem, seen: SimulatedMotion) -> bool:
-    """Whether effectors, as they are at the instants of a motion, satisfy the formulas."""
+    """Whether effectors satisfy the formulas at the simulated instants of a motion."""
     formulas = [clause.formula for clause in path_problem.task.satisfy]
     if not formulas:
         return True
@@ -184,7 +184,7 @@ def seems_to_satisfy(path_problem: PathProblem, seen: SimulatedMotion) -> bool:
 
 
 def _plain(atom: ir.Atom) -> ir.Atom:
-    """An atom without poses; one that had some is of a region of its own, with a name for it."""
+    """An atom without poses; if it had some, it gets a region of its own, named after it."""
     if not atom.poses:
         return atom
     return replace(atom, region=formula_text(replace(atom, numbered=False)), poses=())

@@ -1,12 +1,12 @@
-r"""What inputs add against dry friction, so that a robot moves as if it had none.
+r"""Inputs that compensate dry friction, so that a robot moves as if it had none.
 
 A search plans motions of the robot without dry friction, within bounds that leave room for it.  A
-joint that slides all along a step needs its friction on top; over a step in which its rate goes
-from v to w, taken as linear, friction has the mean of its sign,
+joint that slides throughout a step needs its friction in addition.  Over a step in which its rate
+goes linearly from v to w, the mean sign of friction is
 
 .. math:: \bar\sigma = \frac{|w| - |v|}{w - v} .
 
-At rest nothing is added: friction itself then holds what inputs and loads leave.
+At rest nothing is added: friction itself then balances the remaining effort of inputs and loads.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from grammar_lang.ir.constants import to_float
 from solvers.trajectory.trajectory import Trajectory
 
 AT_REST = 1e-3
-"""Rates below this at both ends of a step, in SI, are those of a joint at rest."""
+"""A joint whose rates at both ends of a step are below this, in SI, is at rest."""
 
 
 def joint_friction(model: RobotModel) -> Array:
@@ -33,15 +33,15 @@ def joint_friction(model: RobotModel) -> Array:
 
 
 def input_friction(model: RobotModel) -> Array:
-    """The same for each input that drives a joint itself, (m,); 0 for declared ones."""
+    """The size of dry friction at each input that drives a joint, (m,); 0 for declared inputs."""
     sizes = joint_friction(model)
     return np.array([0.0 if i.dof is None else sizes[i.dof] for i in robot_inputs(model)])
 
 
 def friction_inputs(numeric: NumericRobot, trajectory: Trajectory) -> Array:
-    """What inputs (k, m) add to those of a motion without dry friction.
+    """The inputs (k, m) to add to those of a motion without dry friction.
 
-    Inputs that act on a joint only by states of its module cannot make up for it.
+    Inputs that act on a joint only through states of its module cannot compensate it.
     """
     n, m, size = numeric.n, numeric.m, numeric.size
     sizes = joint_friction(numeric.graph.model)

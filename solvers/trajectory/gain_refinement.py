@@ -1,9 +1,9 @@
-"""Gains refined for the tube that they leave, from those of the regulator on.
+"""Refine the gains of the regulator so that they leave a smaller tube.
 
-The regulator takes the whole state for measured.  What it would feed back of states that modules
-have of their own, which nobody measures, is dropped, and the rest is not the best any more.
-Changes are piecewise linear in time; the method is that of Broyden, Fletcher, Goldfarb and Shanno
-with bounds (L-BFGS-B), with differences for derivatives.
+The regulator assumes that the whole state is measured.  What it would feed back of the modules' own
+states, which nobody measures, is dropped, and the remaining gains are no longer optimal.  Changes
+are piecewise linear in time.  The method is that of Broyden, Fletcher, Goldfarb and Shanno with
+bounds (L-BFGS-B), with finite differences for derivatives.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from compiler.arrays import Array
 
 NODES = 6
-"""Instants between which changes are linear."""
+"""The number of instants between which changes are linear."""
 DIFFERENCE = 1e-3
 REFINEMENTS = 6
 MOST_CHANGE = 1.0
-"""No gain is changed by more, in units of its root mean square."""
+"""The largest change of a gain, in units of its root mean square."""
 
 
 def hats(samples: int, nodes: int) -> Array:
@@ -35,10 +35,10 @@ def refined_gains(
     """Gains (k, m, N) that cost no more, and the change (c,) that leads to them.
 
     Args:
-        gains: the first ones; all but the first ``measured`` columns stay.
-        measured: how many entries of the state are fed back.
-        cost: of gains; infinite or not a number where they are of no use.
-        start: a change to begin with, if that costs less than none.
+        gains: the initial gains; all but the first ``measured`` columns stay.
+        measured: the number of entries of the state that are fed back.
+        cost: the cost of gains; infinite or NaN if they are useless.
+        start: an initial change, used if it costs less than none.
     """
     from scipy.optimize import minimize
 

@@ -1,4 +1,4 @@
-"""Control synthesis where some parameters are given and others are unknowns."""
+"""Control synthesis with some parameters given and the others unknown."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from solvers.trajectory.subproblem import StepResult, SubproblemSpec, TrustRegio
 from solvers.trajectory.trajectory import Trajectory
 
 POLISH_STEPS = 20
-"""So many steps that hardly move remove what is left of defects near a start."""
+"""The number of polishing steps that remove small defects near a start."""
 
 
 def with_given(
@@ -29,11 +29,12 @@ def with_given(
     given: AbstractSet[int],
     budget: IterationBudget,
 ) -> ControlOutcome:
-    """The outcome where the ``given`` parameters, by number, stay as the start has them.
+    """The outcome with the ``given`` parameters, by number, fixed to their values at the start.
 
-    The others are within ``box``, bounds (p,).  Without given ones it is that of
-    ``synthesise_control``.  With them the start is taken for a motion but for small defects: the
-    outcome is near it or where the iteration leads, which may be far away, whichever is better.
+    The others vary within ``box``, bounds (p,).  Without given parameters the result is that of
+    ``synthesise_control``.  With them, the start is assumed to be a motion up to small defects.
+    The outcome is then the better one of a motion near it and of the result of the iteration, which
+    may be far away.
     """
     lower, upper = box
     kept = np.array([i in given for i in range(len(start.theta))], dtype=bool)
@@ -53,7 +54,7 @@ def with_given(
 
 
 def _finite(problem: ControlProblem, outcome: ControlOutcome, start: Trajectory) -> ControlOutcome:
-    """The outcome, or that of a motion that diverged."""
+    """The outcome, or an infeasible one if the motion diverged."""
     if np.isfinite(outcome.robustness):
         return outcome
     worst = -WORST * problem.scale
@@ -62,7 +63,7 @@ def _finite(problem: ControlProblem, outcome: ControlOutcome, start: Trajectory)
 
 @dataclass(frozen=True, slots=True)
 class _Pinned:
-    """Convex steps that leave some parameters as they are, to the last bit."""
+    """Convex steps that keep some parameters exactly as they are."""
 
     step: StepSolver
     kept: NDArray[np.bool_]
@@ -76,7 +77,7 @@ class _Pinned:
         *,
         fictitious: bool = True,
     ) -> StepResult | NotSolved:
-        """The optimum; solvers keep bounds that coincide up to their accuracy only."""
+        """The optimum; solvers respect coinciding bounds only up to their accuracy."""
         found = self.step.solve(model, rows, region, accuracy, fictitious=fictitious)
         if isinstance(found, NotSolved):
             return found

@@ -1,4 +1,4 @@
-"""That some inputs within their bounds balance a robot where it starts, for a search."""
+"""The condition, in a search, that some inputs within bounds balance a robot at its start."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from solvers.trajectory.task_limits import InputGroup
 from solvers.trajectory.trajectory import Trajectory
 
 KEPT = 1e-3
-"""The part of their bounds that these inputs keep free."""
+"""The share of their bounds that these inputs leave free."""
 ROUNDS = 3
 """Steps of Newton's method: accelerations are affine in most inputs."""
 TINY = 1e-300
@@ -24,11 +24,11 @@ def held_start(
     own: Array,
     unit: float,
 ) -> LinearRows:
-    """The bounds of the inputs that balance a robot at its first sample, linearised there.
+    """The bounds on the inputs that balance a robot at its first sample, linearised there.
 
-    Where there are more inputs than joints, they are the nearest ones to the middle of their
-    bounds, in shares of these, which count as lengths in units of ``unit`` (m).  ``own`` (r,) are
-    the modules' own states.
+    If there are more inputs than joints, the balancing inputs are those nearest to the middle of
+    their bounds, relative to these.  Slacks relative to the bounds are converted to lengths by
+    ``unit`` (m).  ``own`` (r,) are the modules' own states.
     """
     n, m, size = numeric.n, numeric.m, numeric.size
     state = trajectory.x[:1].copy()
@@ -56,7 +56,7 @@ def held_start(
 
 
 def _rows(group: InputGroup, u: Array) -> tuple[Array, Array]:
-    """Weights (w, m) of inputs and what is left (w,) of one, as shares of the widest margin."""
+    """Weights (w, m) of inputs and the slack (w,) of a group, relative to its widest margin."""
     own, widest = list(group.inputs), group.widest_margin
     kept = KEPT * widest
     if group.norm2:

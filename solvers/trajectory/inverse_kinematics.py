@@ -1,6 +1,6 @@
 """Inverse kinematics by damped least squares, from many starts at once (Levenberg-Marquardt).
 
-Only a source of seeds: what it does not find may still exist.
+It only provides seeds: poses may exist that it does not find.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ def solve_positions(
 ) -> tuple[Array, Array]:
     """Bring one point to targets from K starts; starts (K, n), theta (p,), targets (K, d) in m.
 
-    Of several points (w) all are brought to targets (K, w d) of their own, one after the other in a
-    row.  Levenberg-Marquardt with a damping of its own for each start.  Returns coordinates (K, n),
-    within the box, and remaining distances (K,) in metres.
+    If ``point`` is a sequence of w points, each has its own target, and targets (K, w d) contain
+    these one after the other.  The method is Levenberg-Marquardt with separate damping for each
+    start.  Returns coordinates (K, n) within the box, and the remaining distances (K,) in metres.
     """
     lower, upper = box
     moved = [point] if isinstance(point, int) else list(point)
@@ -82,8 +82,8 @@ def branches(
 ) -> Array:
     """Distinct coordinates that bring a point nearest to a target, best first, shape (b, n).
 
-    ``count`` bounds the number of branches; random starts are drawn with ``seed`` from the box,
-    from one turn (or SLIDE metres about the target's distance) where it is wider or unlimited.
+    ``count`` bounds the number of branches.  Random starts are drawn with ``seed`` from the box;
+    where it is wider or unlimited, from one turn, or from SLIDE metres about the target's distance.
     """
     turns = _turns(numeric)
     lower, upper = sampled_box(numeric, box, float(np.linalg.norm(target)))
@@ -108,27 +108,27 @@ def _turns(numeric: NumericRobot) -> NDArray[np.bool_]:
 def sampled_box(
     numeric: NumericRobot, box: tuple[Array, Array], distance: float
 ) -> tuple[Array, Array]:
-    """A bounded part (n,), (n,) of the box of coordinates, to draw them from.
+    """A bounded part (n,), (n,) of the box of coordinates, from which to draw samples.
 
-    On either side of its point nearest to zero half a turn, or the ``distance`` in metres of what
-    is to be reached and SLIDE more.
+    It extends from the box's point nearest to zero by half a turn to either side, or by SLIDE plus
+    the ``distance`` of the target in metres.
     """
     lower, upper = box
     width = np.where(_turns(numeric), np.pi, SLIDE + distance)
     centre = np.clip(0.0, lower, upper)
-    # A range that begins or ends beyond zero keeps the whole width on its own side.
+    # A range that does not contain zero in its interior keeps the full width on its side.
     low = np.where(centre == upper, centre - 2 * width, centre - width)
     high = np.where(centre == lower, centre + 2 * width, centre + width)
     return np.maximum(lower, low), np.minimum(upper, high)
 
 
 def apart(numeric: NumericRobot, q: Array, other: Array) -> bool:
-    """Whether two poses (n,) are of different branches."""
+    """Whether two poses (n,) belong to different branches."""
     return _gap(q - other, _turns(numeric)) > APART
 
 
 def _gap(difference: Array, turns: NDArray[np.bool_]) -> float:
-    """How far two coordinate vectors are apart: sin of half the angle, metres for slides."""
+    """The distance between two coordinate vectors: sin of half the angle, metres for slides."""
     apart = np.where(turns, np.abs(np.sin(difference / 2)), np.abs(difference))
     return float(np.max(apart, initial=0.0))
 
@@ -140,9 +140,9 @@ def _gap(difference: Array, turns: NDArray[np.bool_]) -> float:
 POOL = 1024
 """Poses drawn at once."""
 POOL_ROUNDS = 20
-"""Of inverse kinematics: nearly all that ends well has by then."""
+"""Iterations of inverse kinematics, which suffice for nearly all starts that succeed."""
 REACHED = 1e-6
-"""Metres within which a point counts as brought to its target."""
+"""Metres within which a point counts as having reached its target."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,7 +162,7 @@ def pool(
 ) -> Pool:
     """Draw poses of a robot with parameters (p,) from a box, lower and upper bounds (n,).
 
-    Unlimited slides are drawn up to the ``reach`` in metres and some more.
+    Unlimited slides are drawn up to ``reach`` metres and somewhat beyond.
     """
     lower, upper = sampled_box(numeric, box, reach)
     q = rng.uniform(lower, upper, size=(POOL, numeric.n))
@@ -181,8 +181,8 @@ def poses_in(
 ) -> Array:
     """At most ``count`` poses (K, n) with a point in a region.
 
-    As drawn, if there are as many; else also those nearest to the region, with the point brought
-    to random places of it by inverse kinematics.
+    They are taken from those drawn, if there are enough.  Otherwise the poses nearest to the region
+    are added, after inverse kinematics has brought the point to random places in it.
     """
     gap = np.max(drawn.positions[:, point] @ region.normals.T - region.offsets, axis=1)
     order = np.argsort(gap, kind="stable")

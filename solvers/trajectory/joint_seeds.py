@@ -1,9 +1,9 @@
-"""Motions in joint space to begin with: poses where a task binds points, and clear ways in between.
+"""Initial motions in joint space: poses where a task constrains points, and clear ways in between.
 
-Where the effector goes between these places is left open; the cells are read off the motion that
-comes of it.  Poses are found by inverse kinematics from many starts, chosen so that the ways
-between them are short, and ways around obstacles by two trees (``joint_ways.py``).  Only a source
-of seeds.
+The path of the effector between these places is left open; the cells are read off the resulting
+motion.  Poses are found by inverse kinematics from many starts, and chosen so that the ways between
+them are short.  Ways around obstacles are found by two trees (``joint_ways.py``).  All this only
+provides seeds.
 """
 
 from __future__ import annotations
@@ -23,31 +23,31 @@ from solvers.trajectory.monotone_cubic import monotone_cubic
 from solvers.trajectory.position_plan import Dwell
 
 POSES = 16
-"""Poses that are kept at each place, of so many times more that are looked for."""
+"""Poses kept at each place; ``LOOKED`` times as many are tried."""
 LOOKED = 6
 REACHED = 1e-5
-"""The part of the extent up to which a point counts as brought to its target."""
+"""A point within this share of the extent counts as having reached its target."""
 NEARER = 8
-"""Where no point gets to its target, so many times that in its set next to where it came."""
+"""If no point reaches its target, how often targets are moved to nearest places in its set."""
 INNER = 0.9
-"""The part of a set, about its middle, in which these targets are."""
+"""The share of a set, about its middle, that contains these targets."""
 PROJECTIONS = 20
 SEARCHES = 12
-"""Chains of poses whose ways are looked at."""
+"""The number of chains of poses whose ways are checked."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """The sample at which some points are each in a convex set."""
+    """A sample at which some points are each in a convex set."""
 
     sample: int
     aims: tuple[tuple[int, ConvexSet], ...]
 
 
 def stops_of(dwells: Sequence[Dwell], steps: int) -> tuple[Stop, ...]:
-    """Where dwells begin and end, in order; those that last all the time bind no pose.
+    """The samples at which dwells begin and end, in order; dwells over all samples are ignored.
 
-    The first and the last sample are always among them.
+    The first and the last sample are always included.
     """
     own = [each for each in dwells if (each.first, each.last) != (0, steps)]
     samples = sorted({0, steps, *(end for each in own for end in (each.first, each.last))})
@@ -70,9 +70,9 @@ def joint_seeds(
 ) -> list[Array]:
     """Motions (k + 1, n) through all stops, at most ``count``, the shortest first.
 
-    ``drawn`` are random poses; ``first`` (n,) is the only pose to start from, None: any.  Ways that
-    have to be ``straight`` between stops are not led around obstacles.  Sets whose middle is out of
-    reach are only looked at again where their edges count, too (``to_edges``).
+    ``drawn`` are random poses; ``first`` (n,) is the only start pose, or None for any.  With
+    ``straight``, ways between stops are not led around obstacles.  With ``to_edges``, sets whose
+    middle is out of reach are tried again near their edges.
     """
     rng = np.random.default_rng(seed)
     known: dict[tuple[tuple[int, int], ...], Array] = {}
@@ -96,7 +96,7 @@ def _poses(
 ) -> Array:
     """Clear poses (K, n) with the points of a stop in their sets, far from each other.
 
-    Where no point gets to its target, there are new ones up to ``nearer`` times.
+    If no point reaches its target, new targets are chosen up to ``nearer`` times.
     """
     if not stop.aims:
         q = drawn.q[: POSES * LOOKED]
@@ -135,7 +135,7 @@ def _poses(
 
 
 def _places(region: ConvexSet, count: int, rng: np.random.Generator) -> Array:
-    """Places (count, d) in a set, more of them near its middle."""
+    """Places (count, d) in a set, denser near its middle."""
     weights = rng.exponential(size=(count, len(region.vertices)))
     inside = weights @ region.vertices / weights.sum(axis=1, keepdims=True)
     found: Array = (inside + region.vertices.mean(axis=0)) / 2
@@ -143,10 +143,10 @@ def _places(region: ConvexSet, count: int, rng: np.random.Generator) -> Array:
 
 
 def _nearest(region: ConvexSet, points: Array) -> Array:
-    """The places in the inner part of a set next to points (K, d).
+    """The places in the inner part of a set nearest to points (K, d).
 
-    By alternating projections (Boyle & Dykstra, *A method for finding projections onto the
-    intersection of convex sets in Hilbert spaces*, 1986).
+    They are found by alternating projections (Boyle & Dykstra, *A method for finding projections
+    onto the intersection of convex sets in Hilbert spaces*, 1986).
     """
     middle = region.vertices.mean(axis=0)
     offsets = INNER * region.offsets + (1 - INNER) * (region.normals @ middle)
@@ -170,7 +170,7 @@ class _Chains:
     straight: bool
 
     def motions(self, count: int) -> list[Array]:
-        """The motions of the best chains, which end in different poses."""
+        """The motions of the best chains; they end in different poses."""
         costs = [self._costs(number) for number in range(len(self.stops) - 1)]
         ways: dict[tuple[int, int, int], Array | None] = {}
         found: list[Array] = []
@@ -195,14 +195,14 @@ class _Chains:
         return found
 
     def _way(self, start: Array, end: Array) -> Array | None:
-        """Poses (w, n) on a clear way, None where none is found."""
+        """Poses (w, n) on a clear way, or None if none is found."""
         if not self.straight:
             return joint_way(self.space, start, end, self.seed)
         clear = bool(self.space.passable(start[None], end[None])[0])
         return np.array([start, end]) if clear else None
 
     def _costs(self, number: int) -> Array:
-        """The squares of lengths over times, from each pose of a stop to each of the next."""
+        """The squared lengths divided by times, from each pose of a stop to each of the next."""
         before, after = self.poses[number], self.poses[number + 1]
         time = self.stops[number + 1].sample - self.stops[number].sample
         return self.space.lengths(after[None] - before[:, None]) ** 2 / time
@@ -226,7 +226,7 @@ class _Chains:
 
 
 def _best(costs: Sequence[Array]) -> list[int] | None:
-    """The poses of the cheapest chain, by number; None where every chain is impossible."""
+    """The cheapest chain as indices of poses; None if every chain is impossible."""
     total, choices = np.zeros(len(costs[0])), list[Array]()
     for cost in costs:
         sums = total[:, None] + cost

@@ -1,7 +1,7 @@
-"""Ways in joint space that keep clear of what a task avoids, by two trees that grow together.
+"""Collision-free ways in joint space, found by two trees that grow towards each other.
 
-Many samples at once: poses are drawn in batches, and all new edges of a batch are looked at in one
-evaluation.  Only a source of seeds.
+Many samples are processed at once: poses are drawn in batches, and all new edges of a batch are
+checked in one evaluation.  All this only provides seeds.
 
 Source: Kuffner & LaValle, *RRT-Connect: An Efficient Approach to Single-Query Path Planning*.
 """
@@ -21,25 +21,25 @@ from compiler.time_limits.time_limit import check_time
 from solvers.trajectory.body_clearance import BodyClearance
 
 SPACING = 0.02
-"""The way of any point between two poses that are looked at, in parts of the robot's extent."""
+"""The distance that any point moves between two checked poses, relative to the robot's extent."""
 REACH = 0.2
-"""The way of any point along a new edge of a tree, likewise."""
+"""The distance that any point moves along a new edge of a tree, relative to the extent."""
 BATCH = 32
-"""Poses that are drawn at once."""
+"""The number of poses drawn at once."""
 BATCHES = 60
-"""How many times poses are drawn before a way is given up."""
+"""The number of batches after which the search for a way is given up."""
 FEW = 16
-"""One in so many poses on a way is looked at first."""
+"""One in this many poses on a way is checked first."""
 SHORTCUTS = 40
-"""Pairs of places on a way between which a straight one is tried."""
+"""The number of pairs of places on a way between which a straight way is tried."""
 
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 
 def positions_of(numeric: NumericRobot, q: Array, theta: Array) -> Array:
-    """Where the points are in poses (K, n) with parameters (p,), shape (K, m, d), in metres."""
-    # Always as many as fill whole blocks: each size of a batch has a program of its own.
+    """The positions of the points in poses (K, n) with parameters (p,), (K, m, d), in metres."""
+    # Fill whole blocks, because every batch size has a compiled program of its own.
     filled = np.concatenate([q, np.repeat(q[-1:], -len(q) % MOST_IN_BATCH, axis=0)])
     found: Array = numeric.positions(filled, theta)[: len(q)]
     return found
@@ -50,8 +50,9 @@ def straight_ways(
 ) -> Flags:
     """Whether the straight ways between poses (E, n) are good, shape (E,).
 
-    ``good`` says of ``counts`` (E,) poses on each, two at least, with the number of the way of
-    each, which are.  Few of them are looked at first: most ways that are not good show it there.
+    ``counts`` (E,) poses are checked on each way, at least two.  ``good`` takes poses and the index
+    of the way of each, and returns which are good.  A few are checked first, because most bad ways
+    are recognised by these.
     """
     edge = np.repeat(np.arange(len(starts)), counts)
     place = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -68,17 +69,17 @@ def straight_ways(
 
 
 def looked_at(ways: Array, spacing: float) -> Indices:
-    """How many poses are looked at on ways of so many metres (E,), both ends included."""
+    """The number of poses checked on ways of these lengths (E,) in metres, both ends included."""
     found: Indices = np.maximum(2, np.ceil(ways / spacing).astype(np.int64) + 1)
     return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClearSpace:
-    """The poses of a robot with parameters ``theta`` (p,) that are clear.
+    """The collision-free poses of a robot with parameters ``theta`` (p,).
 
-    ``box`` bounds the coordinates, (n,) each, and poses are drawn from it; ``levers`` (n,) are the
-    metres that a coordinate can move any point per unit, ``extent`` (m) is the robot's size.
+    ``box`` bounds the coordinates, (n,) each, and poses are drawn from it.  ``levers`` (n,) are the
+    most metres that a coordinate moves any point per unit; ``extent`` (m) is the robot's size.
     ``clear`` is the clearance (m) from which a pose counts as clear.
     """
 
@@ -104,25 +105,25 @@ class ClearSpace:
         return straight_ways(starts, ends, counts, lambda q, _edge: self.are_clear(q))
 
     def lengths(self, moves: Array) -> Array:
-        """The lengths (...) of moves (..., n) in metres that points go at most."""
+        """The lengths (...) of moves (..., n), in metres, by the most that points move."""
         return np.asarray(np.linalg.norm(moves * self.levers, axis=-1))
 
 
 @dataclass(slots=True)
 class _Tree:
-    """Poses with the number of the one that each was reached from; the root's is -1."""
+    """Poses, each with the index of the one from which it was reached; -1 at the root."""
 
     q: list[Array]
     before: list[int] = field(default_factory=lambda: [-1])
 
     def nearest(self, space: ClearSpace, to: Array) -> Array:
-        """The numbers (K,) of the poses nearest to some (K, n)."""
+        """The indices (K,) of the poses in the tree nearest to poses (K, n)."""
         nodes = np.array(self.q)
         found: Array = np.argmin(space.lengths(nodes[None] - to[:, None]), axis=1)
         return found
 
     def way(self, number: int) -> list[Array]:
-        """The poses from the root to one."""
+        """The poses from the root to a given one."""
         found = [self.q[number]]
         while (number := self.before[number]) >= 0:
             found.append(self.q[number])
@@ -132,7 +133,7 @@ class _Tree:
 def joint_way(space: ClearSpace, start: Array, end: Array, seed: int) -> Array | None:
     """Poses (w, n) from ``start`` to ``end``, with clear straight ways between them.
 
-    None where none is found.
+    None if none is found.
     """
     if space.passable(start[None], end[None])[0]:
         return np.array([start, end])
@@ -155,7 +156,7 @@ def joint_way(space: ClearSpace, start: Array, end: Array, seed: int) -> Array |
 
 
 def _grow(space: ClearSpace, tree: _Tree, towards: Array) -> list[int]:
-    """Steps of a tree towards poses (K, n); the numbers of those that are clear."""
+    """Extend a tree towards poses (K, n); return the indices of the clear new poses."""
     near = tree.nearest(space, towards)
     starts = np.array([tree.q[i] for i in near])
     moves = towards - starts
@@ -170,7 +171,7 @@ def _grow(space: ClearSpace, tree: _Tree, towards: Array) -> list[int]:
 
 
 def _shortened(space: ClearSpace, way: Array, rng: np.random.Generator) -> Array:
-    """The way with straight ways between places of it where these are clear."""
+    """The way, with straight shortcuts where these are clear."""
     for _ in range(SHORTCUTS):
         if len(way) < 3:
             break

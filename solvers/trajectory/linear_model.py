@@ -1,4 +1,4 @@
-"""A robot linearised about a trajectory, with the half-planes that bind its positions."""
+"""A robot linearised about a trajectory, with the half-planes that constrain its positions."""
 
 from __future__ import annotations
 
@@ -27,18 +27,19 @@ class PositionRows:
     offset: Array
 
     def excess(self, points: Points) -> Array:
-        """Signed violation (R,) of each row, metres; positive where violated."""
+        """The signed violation (R,) of each row, in metres; positive if violated."""
         at = points.value[self.sample, self.point]
         return np.asarray(np.einsum("rd,rd->r", self.normal, at) - self.offset)
 
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """Everything linearised about one trajectory.
+    """The linearisation about one trajectory.
 
-    ``fictitious`` is B' of C.2, shape (k, N, N); ``mobility`` is given where it has a price,
-    ``holding`` says which inputs balance the robot at its start, where some have to; ``rises``
-    where accelerations are bound: by how much rates may rise and fall in each step, (2, k, n).
+    ``fictitious`` is B' of C.2, shape (k, N, N).  ``mobility`` is given if it has a price.
+    ``holding`` constrains the inputs that balance the robot at its start, if this is required.
+    ``rises`` (2, k, n) is how much rates may rise and fall in each step, if accelerations are
+    bounded.
     """
 
     about: Trajectory
@@ -64,7 +65,7 @@ class LinearRows:
 
     @staticmethod
     def of(model: Model, rows: PositionRows) -> LinearRows:
-        """Those of a model."""
+        """The rows of a model, linearised."""
         points, pick, normal = model.points, (rows.sample, rows.point), rows.normal[:, None, :]
         by_q, by_theta = (
             np.matmul(normal, slopes[pick])[:, 0, :] for slopes in (points.by_q, points.by_theta)
@@ -75,11 +76,11 @@ class LinearRows:
 
     @property
     def excess(self) -> float:
-        """By how much rows are violated at most, 0 where none is."""
+        """The largest violation of the rows, 0 if there is none."""
         return float(np.max(-self.slack, initial=0.0))
 
     def joined(self, other: LinearRows) -> LinearRows:
-        """These rows and others."""
+        """These rows, followed by others."""
         return LinearRows(
             np.concatenate([self.sample, other.sample]),
             np.concatenate([self.by_q, other.by_q]),
@@ -88,7 +89,7 @@ class LinearRows:
         )
 
     def taken(self, some: Indices) -> LinearRows:
-        """Some of the rows, by their numbers (w,)."""
+        """Some of the rows, by their indices (w,)."""
         return LinearRows(self.sample[some], self.by_q[some], self.by_theta[some], self.slack[some])
 
     def left(self, moves: Array, parameters: Array) -> Array:
@@ -102,9 +103,9 @@ def fictitious_inputs(
 ) -> Array:
     """B' of C.2 in Definition 7, (k, N, N): a unit slack is the effort that causes it in a step.
 
-    An effort f held for ``dt`` seconds moves a coordinate by dt^2/2 M^-1 f and its rate by
-    dt M^-1 f.  A state of a module's own is moved by dt in its own unit.  Of coordinates with
-    ``weights`` (n,) a slack of 1 is that much of an effort.
+    An effort f held for ``dt`` seconds moves a coordinate by dt^2/2 M^-1 f and its rate by dt M^-1
+    f.  A module's own state is moved by dt in its own unit.  For coordinates with ``weights`` (n,),
+    a slack of 1 is that multiple of the unit effort.
     """
     n, k = numeric.n, len(trajectory.u)
     inverse = np.linalg.inv(
@@ -129,10 +130,10 @@ def acceleration_ranges(numeric: NumericRobot, trajectory: Trajectory) -> Array:
 
 
 def bends(points: Points, rates: Array, dt: float) -> Array:
-    """How far points are from their chords half way through the steps, (k, m, d), in metres.
+    """The distance of points from their chords halfway through the steps, (k, m, d), in metres.
 
-    ``rates`` are (k + 1, n), a step takes ``dt`` seconds.  The deviation of a cubic is the largest
-    there; of the true motion it is that to third order.
+    ``rates`` are (k + 1, n), a step takes ``dt`` seconds.  For a cubic this is where the deviation
+    is largest; for the true motion this holds to third order.
     """
     velocities = np.einsum("kmdn,kn->kmd", points.by_q, rates)
     found = np.asarray(dt / 8 * (velocities[:-1] - velocities[1:]))

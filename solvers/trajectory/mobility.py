@@ -8,7 +8,7 @@ before any feedback can answer.  The price of a motion is the mean over its samp
 
 with W the diagonal matrix of the errors.  It is small where the inertia that a joint sees is
 large: for a stretched arm a push at its last joint turns the light link alone, for a bent one it
-moves more.  Source of the mobility tensor: Hogan, *Impedance Control* (1985), part II.
+moves more.  The mobility tensor is from Hogan, *Impedance Control* (1985), part II.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from grammar_lang import ir
 from solvers.trajectory.trajectory import Trajectory
 
 STEP = 1e-5
-"""Of central differences, in rad or m."""
+"""The step of central differences, in rad or m."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ class Mobility:
 
 
 def joint_errors(numeric: NumericRobot, task: ir.Task) -> Array:
-    """How far the effort at each joint (n,) may be off, in N m or N; zero without an input."""
+    """The largest error of the effort at each joint (n,), in N m or N; 0 without an input."""
     model = numeric.graph.model
     parts, most = input_errors(task, model)
     errors = np.array([float(value) for value in most])
@@ -53,10 +53,10 @@ def joint_errors(numeric: NumericRobot, task: ir.Task) -> Array:
 
 
 def mobility(numeric: NumericRobot, trajectory: Trajectory, errors: Array, dt: float) -> Mobility:
-    """That at all samples but the last, for efforts off by ``errors`` (n,), held ``dt`` seconds.
+    """Mobility at all samples but the last; efforts are off by ``errors`` (n,) for ``dt`` seconds.
 
     Raises:
-        numpy.linalg.LinAlgError: a mass matrix is singular.
+        numpy.linalg.LinAlgError: if a mass matrix is singular.
     """
     q, theta = trajectory.x[:-1, : numeric.n], trajectory.theta
     n, p = numeric.n, len(theta)

@@ -1,7 +1,7 @@
 """A monotone cubic through given values, at rest at both ends (Fritsch & Carlson 1980).
 
-With the slopes of Fritsch & Butland (1984), weighted harmonic means. Importing scipy's takes longer
-than the search of a small task.
+The slopes are those of Fritsch & Butland (1984), weighted harmonic means.  It is implemented here
+because importing scipy takes longer than the search of a small task.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from compiler.arrays import Array
 
 
 def monotone_cubic(times: Array, values: Array, at: Array) -> Array:
-    """The values (s,) at instants (s,) within the increasing ``times`` (w,), of ``values`` (w,)."""
+    """The cubic through ``values`` (w,) at increasing ``times`` (w,), evaluated at ``at`` (s,)."""
     steps = np.diff(times)
     secants = np.diff(values) / steps
     slopes = np.zeros(len(times))

@@ -1,4 +1,4 @@
-"""A robot, a task and a cell path made into a control problem: timing, seeds and half-planes."""
+"""The control problem of a robot, a task and a cell path: timing, seeds and half-planes."""
 
 from __future__ import annotations
 
@@ -62,32 +62,31 @@ if TYPE_CHECKING:
 
 SUBSTEPS = 2
 ABSORBED = 0.05
-"""The part of the margin by which the control synthesis may exceed it."""
+"""The share of the margin by which the control synthesis may exceed it."""
 LIMIT_MARGIN = 1e-3
-"""Joint and rate limits are kept at this distance, in rad or m (/s), for the proof to pass."""
+"""The distance kept from joint and rate limits, in rad or m (/s), so that proofs succeed."""
 OVERSHOOT = 4.0
-"""A wider position margin widens that distance so much faster: motions overshoot within steps."""
+"""Widening the position margin widens that distance by this factor: motions overshoot."""
 
 
 @dataclass(frozen=True, slots=True)
 class PathProblem:
-    """An effector of a robot that has to follow a path of cells, and what else binds the robot.
+    """An effector of a robot that has to follow a path of cells, and all other constraints.
 
-    ``margin`` is kept from what binds positions, in metres.  ``recorded`` is the effector that
-    starts (unless the task names another) and reaches, None: the one that follows the path.
-    ``insets`` narrows the limits of joints and rates further, shape (n, 2, 2): motions were seen to
-    pass them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the paths of
-    other effectors in it, and ``timing`` is when the cells are entered, where smooth timing will
-    not do.  ``spread`` is by how much disturbed motions tighten the constraints beyond the margins.
-    With ``feedback`` a controller keeps robots near the motion; where it ``refines``, time is spent
-    on its gains.  With a ``loop``, the sample at which it begins, the motion ends where it is
-    there, and in the same cell; the set of the loop is larger than its estimate by the part
-    ``slack``.  Where it is not ``bound`` to its cells, only those at both ends bind, whatever the
-    entries.  ``in_joints`` says that seeds are ways in joint space, which know nothing of cells in
-    between.  ``rates`` and ``mobility`` are the prices of squares of rates and of phi
-    (``mobility.py``), as means over the samples, in SI.  ``solver`` is the name in cvxpy of what
-    solves the convex steps, None: our own programs.  ``box`` are bounds (p,) of the parameters,
-    None: their ranges.
+    ``margin`` is the clearance kept from position constraints, in metres.  ``recorded`` is the
+    effector that starts (unless the task names another) and reaches; None means the one that
+    follows the path.  ``insets`` (n, 2, 2) narrows the limits of joints and rates further, because
+    motions exceeded them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the
+    paths of other effectors in it.  ``timing`` gives the entries of cells if smooth timing will not
+    do.  ``spread`` is the tightening of the constraints for disturbed motions, beyond the margins.
+    With ``feedback`` a controller keeps robots near the motion; with ``refines``, its gains are
+    refined.  ``loop`` is the sample at which a loop begins: the motion must end in the state and
+    the cell that it has there.  The set of the loop is larger than its estimate by the share
+    ``slack``.  If not ``bound`` to its cells, the motion is constrained only by those at both ends.
+    ``in_joints`` says that seeds are ways in joint space, which ignore the cells in between.
+    ``rates`` and ``mobility`` are the prices of squared rates and of phi (``mobility.py``), as
+    means over the samples, in SI. ``solver`` is the solver of the convex steps, by its name in
+    cvxpy; None for our own.  ``box`` are bounds (p,) on the parameters, None for their ranges.
     """
 
     numeric: NumericRobot
@@ -124,12 +123,12 @@ class PathProblem:
 
     @property
     def unit(self) -> float:
-        """The length that counts as one, in metres."""
+        """The unit of length, in metres."""
         return length_unit(self.workspace)
 
     @property
     def constraints(self) -> MotionConstraints:
-        """What binds positions."""
+        """The constraints on positions."""
         recorded = self.effector if self.recorded is None else self.recorded
         return MotionConstraints(
             self.numeric, self.workspace, self.task, self.abstraction, self.effector, recorded,
@@ -138,7 +137,7 @@ class PathProblem:
 
     @property
     def groups(self) -> tuple[InputGroup, ...]:
-        """The bounded inputs, narrowed by what feedback may command besides."""
+        """The bounded inputs, narrowed by what feedback may command in addition."""
         groups = input_groups(self.model, self.task)
         if self.spread is None or not self.spread.inputs.any():
             return groups
@@ -152,7 +151,7 @@ class PathProblem:
 
     @property
     def limits(self) -> MotionLimits:
-        """The limits of the motion, narrowed so that the proof passes."""
+        """The limits of the motion, narrowed so that proofs succeed."""
         insets = 0.0 if self.insets is None else self.insets
         tightening = 0.0 if self.spread is None else self.spread.within_steps[..., None]
         final = 0.0 if self.spread is None else self.spread.final
@@ -174,7 +173,7 @@ class PathProblem:
         return line.at(along), entries
 
     def along(self, cells: tuple[int, ...], entries: Entries) -> PathProblem:
-        """The same task on another path, of which the entries are known."""
+        """The same task on another path with known entries."""
         return replace(self, cells=cells, timing=None if self.formula is None else entries)
 
     def word(self, entries: Entries) -> Word:
@@ -184,7 +183,7 @@ class PathProblem:
         return word_of(self.abstraction, own, self.task.steps)
 
     def allows(self, entries: Entries) -> bool:
-        """Whether the path may be entered so: every cell has samples, and the formula holds."""
+        """Whether these entries are allowed: every cell has samples, and the formula holds."""
         if not in_order(entries, self.task.steps):
             return False
         if self.loop and self.cells[bisect_right(entries, self.loop) - 1] != self.cells[-1]:
@@ -192,14 +191,14 @@ class PathProblem:
         return self.formula is None or holds(self.formula, self.word(entries))
 
     def obligations(self, entries: Entries) -> tuple[Obligation, ...]:
-        """What the formula needs of the motion; none where it does not hold."""
+        """The obligations of the motion by the formula; empty if it does not hold."""
         formula = self.formula
         return () if formula is None else obligations(formula, self.word(entries)) or ()
 
     # --- constraints ----------------------------------------------------------------------------
 
     def plan(self, entries: Entries, *, released: bool = False) -> PositionPlan:
-        """All half-planes for given entry steps; ``released``, only both ends bind to cells."""
+        """All half-planes for given entries; if ``released``, only the cells at both ends bind."""
         place, needs = self.waypoints()[0], self.obligations(entries)
         constraints, released = self.constraints, released or not self.bound
         return PositionPlan(
@@ -214,7 +213,7 @@ class PathProblem:
         )
 
     def problem(self, entries: Entries, *, released: bool = False) -> ControlProblem:
-        """The control problem for given entry steps, or with all cells but the ends released."""
+        """The control problem for given entries; if ``released``, only cells at both ends bind."""
         task, spread = self.task, 0.0 if self.spread is None else self.spread.within_steps[:, :, 1]
         samples = carried_samples(self.obligations(entries), len(task.carries))
         limits = resting_at(self.limits, task, samples, spread)
@@ -231,10 +230,10 @@ class PathProblem:
     # --- seeds and solutions --------------------------------------------------------------------
 
     def seeds(self, theta: Array) -> list[Trajectory]:
-        """Seed trajectories for theta (p,), the most hopeful first.
+        """Seed trajectories for theta (p,), the most promising first.
 
-        One per branch of the inverse kinematics at the start; where the task binds bodies, those
-        that are clear, or such as a roadmap of clear poses gives.
+        There is one per branch of the inverse kinematics at the start.  If the task constrains
+        bodies, they are those that are clear, or ways from a roadmap of clear poses.
         """
         limits = self.limits
         ways = self.joint_ways(theta, straight=False) if self.in_joints else []
@@ -255,7 +254,7 @@ class PathProblem:
         return [self._seed(q, theta) for q in motions]
 
     def _seed(self, q: Array, theta: Array) -> Trajectory:
-        """The trajectory of coordinates (k + 1, n)."""
+        """The seed trajectory with coordinates (k + 1, n)."""
         v = np.gradient(q, float(self.task.step), axis=0)
         v[0] = 0.0
         own = np.tile(self.limits.own_start, (len(q), 1))
@@ -263,7 +262,7 @@ class PathProblem:
         return Trajectory(np.concatenate([q, v, own], axis=1), u, theta)
 
     def joint_ways(self, theta: Array, *, straight: bool, to_edges: bool = False) -> list[Array]:
-        """Coordinates (k + 1, n) of ways through the places that bind points (``joint_seeds``)."""
+        """Ways (k + 1, n) in joint space through the places that bind points (``joint_seeds``)."""
         corridor, entries, numeric = self.corridor(theta), self.waypoints()[1], self.numeric
         drawn = corridor.drawn(np.random.default_rng(self.seed))
         far = float(np.max(np.abs(drawn.positions)))
@@ -280,12 +279,12 @@ class PathProblem:
 
     @property
     def binds_bodies(self) -> bool:
-        """Whether the task asks anything of bodies."""
+        """Whether the task constrains bodies."""
         named = any(avoid.subject == "body" for avoid in self.task.avoid)
         return named or self.task.bounds_body or self.task.avoid_self is not None
 
     def corridor(self, theta: Array) -> Corridor:
-        """What poses have to keep to on the path, for theta (p,)."""
+        """The constraints on poses along the path, for theta (p,)."""
         limits, avoidances = self.limits, self.constraints.avoidances
         cells = tuple(convex_set(self.abstraction.cells[cell].polytope) for cell in self.cells)
         return Corridor(
@@ -313,7 +312,7 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
-        """As ``solve``, with the cells between the ends released; what else binds still does."""
+        """Control synthesis as in ``solve``, but without the cells between the ends of the path."""
         return self.solved(self.problem(entries, released=True), start, box, budget, radius)
 
     def solved(
@@ -324,9 +323,9 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
-        """Control synthesis of a problem of this path; ``box`` are bounds (p,), or None."""
+        """Control synthesis for a problem of this path; ``box`` are bounds (p,), or None."""
         problem = turning(problem, start)
-        # Trial motions may diverge; what is not finite counts as infeasible.
+        # Trial motions may diverge; a value that is not finite counts as infeasible.
         with np.errstate(all="ignore"):
             outcome = synthesise_control(problem, start, box, budget, radius)
         if np.isfinite(outcome.robustness):
@@ -339,7 +338,7 @@ class PathProblem:
         return replace(self, margin=margin)
 
     def spreading(self, trajectory: Trajectory, factor: float) -> PathProblem:
-        """The same task, tightened by so many spreads of the disturbed motions."""
+        """The same task, tightened by ``factor`` times the spread of the disturbed motions."""
         if self.feedback:
             found = self.controlled(trajectory)[1]
         else:
@@ -348,13 +347,12 @@ class PathProblem:
         return self if found is None else replace(self, spread=found.scaled(factor))
 
     def round_set(self, trajectory: Trajectory, gains: Array | None) -> RoundSet | None:
-        """The set of states that rounds of the loop begin in.
+        """The set of states in which rounds of the loop begin, or None if none is found.
 
-        It is the one from which motions with ``gains`` (k, m, N) spread least; None where none is
-        found.
+        Of several sets, it is the one from which motions with ``gains`` (k, m, N) spread least.
 
         Raises:
-            ValueError: the motion ends.
+            ValueError: if the motion has no loop.
         """
         if self.loop is None:
             raise ValueError("the motion ends")
@@ -377,7 +375,7 @@ class PathProblem:
             return disturbance_spread(self.numeric, self.task, trajectory, steps, gains, None, loop)
 
     def _cost(self, trajectory: Trajectory, gains: Array | None, start: RoundSet | None) -> float:
-        """How far disturbed motions spread, more so if much is commanded against it."""
+        """The average spread of disturbed motions, more if much is commanded against it."""
         spread = self._spread(trajectory, gains, start)
         scales = input_scales(input_groups(self.model, self.task), self.numeric.m)
         return spread_cost(spread, scales, acceleration_limits(self.model))

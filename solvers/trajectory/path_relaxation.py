@@ -1,4 +1,4 @@
-"""A path problem without some of what binds the effector that follows the path."""
+"""A path problem without some of the constraints on the effector that follows the path."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ RADIUS = 0.5
 
 @dataclass(frozen=True, slots=True)
 class PathRelaxation:
-    """Motions that visit some cells of a path, each at one sample: ``visits``, by places from 0.
+    """Motions that visit some cells of a path, each at one sample, as ``visits`` says by place.
 
-    The regions that the task starts in and reaches, the bounds of the workspace, and the limits of
-    joints, rates and efforts always bind; what is to be avoided does where it is ``apart``.
+    The start and target regions of the task, the bounds of the workspace, and the limits of joints,
+    rates and efforts always bind; separations bind only if ``apart``.
     """
 
     path_problem: PathProblem
@@ -30,7 +30,7 @@ class PathRelaxation:
     apart: bool
 
     def problem(self, entries: Entries) -> ControlProblem:
-        """The control problem for the samples at which the path enters its cells."""
+        """The control problem; ``entries`` are the samples at which the path enters its cells."""
         path_problem = self.path_problem
         whole = path_problem.plan(entries)
         plan = replace(
@@ -47,12 +47,12 @@ class PathRelaxation:
         box: tuple[Array, Array] | None,
         budget: IterationBudget,
     ) -> ControlOutcome:
-        """Control synthesis from a seed; ``box`` bounds the parameters (p,) that are unknowns."""
+        """Control synthesis from a seed; ``box`` bounds the parameters (p,), or is None."""
         return self.path_problem.solved(self.problem(entries), start, box, budget, RADIUS)
 
 
 def straight_visits(path_problem: PathProblem, places: Sequence[int]) -> dict[int, int]:
-    """When places (from 0) are visited on a straight way through their cells, by samples."""
+    """The samples at which a straight way through the cells visits places (from 0)."""
     cells, steps = path_problem.cells, path_problem.task.steps
     return visit_times(path_problem.abstraction, cells, places, steps)
 
@@ -60,7 +60,7 @@ def straight_visits(path_problem: PathProblem, places: Sequence[int]) -> dict[in
 def nearest_visits(
     path_problem: PathProblem, places: Sequence[int], motion: Trajectory
 ) -> dict[int, int]:
-    """When a motion comes nearest to the cells at some places (from 0), in turn, by samples."""
+    """The samples at which a motion comes nearest to the cells at places (from 0), in order."""
     numeric, steps = path_problem.numeric, path_problem.task.steps
     with np.errstate(all="ignore"):
         points = numeric.places(motion.x[:, : numeric.n], motion.theta)

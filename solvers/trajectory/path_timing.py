@@ -1,6 +1,6 @@
-"""When an effector passes along a cell path: a polyline and the samples at which cells are entered.
+"""The timing of an effector along a cell path: a polyline and the samples that enter cells.
 
-Only a seed for the control synthesis, and a choice of samples that a formula allows.
+It is only a seed for the control synthesis, and a choice of samples that a formula allows.
 """
 
 from __future__ import annotations
@@ -26,31 +26,31 @@ Entries: TypeAlias = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Polyline:
-    """Points (w, d), in m, in order; ``gates`` are the indices of those where a cell is entered."""
+    """Points (w, d), in m, in order; ``gates`` are the indices at which cells are entered."""
 
     points: Array
     gates: tuple[int, ...]
 
     @property
     def along(self) -> Array:
-        """The length of the line up to each point, (w,), metres."""
+        """The length of the line up to each point, (w,), in metres."""
         lengths = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(lengths)])
 
     @property
     def stretches(self) -> list[float]:
-        """The lengths (m) at which the line enters each cell, from 0, and its whole length."""
+        """The lengths (m) at which the line enters each cell, from 0, and its total length."""
         return [0.0, *self.along[list(self.gates)].tolist(), float(self.along[-1])]
 
     def at(self, along: Array) -> Array:
-        """The places (s, d) at some lengths (s,) along the line, all in metres."""
+        """The places (s, d) at lengths (s,) along the line, all in metres."""
         axes = range(self.points.shape[1])
         columns = [np.interp(along, self.along, self.points[:, axis]) for axis in axes]
         return np.stack(columns, axis=1)
 
 
 def polyline(abstraction: Abstraction, cells: tuple[int, ...]) -> Polyline:
-    """Centre of the first cell, centres of the facets passed, centre of the last cell.
+    """The centre of the first cell, the centres of the facets passed, the centre of the last cell.
 
     A cell that is left through the facet by which it was entered is visited at its centre.
     """
@@ -66,7 +66,7 @@ def polyline(abstraction: Abstraction, cells: tuple[int, ...]) -> Polyline:
 
 
 def _gate(abstraction: Abstraction, before: int, cell: int) -> Array:
-    """The centre of the facet between two cells; of those that have none, half way."""
+    """The centre of the facet between two cells; if they share none, the middle between them."""
     if cell in abstraction.neighbours[before]:
         return abstraction.facet_centre(before, cell)
     return (_centre(abstraction, before) + _centre(abstraction, cell)) / 2
@@ -79,9 +79,9 @@ def _centre(abstraction: Abstraction, cell: int) -> Array:
 def visit_times(
     abstraction: Abstraction, cells: tuple[int, ...], places: Sequence[int], steps: int
 ) -> dict[int, int]:
-    """The sample at which each of some places on a path is visited, on a way through these alone.
+    """The samples at which places on a path are visited, on a way through these places only.
 
-    It leads straight from the centre of the first cell through theirs to that of the last one.
+    It leads straight from the centre of the first cell through their centres to that of the last.
     """
     inner = [place for place in places if 0 < place < len(cells) - 1]
     points = [_centre(abstraction, cells[place]) for place in (0, *inner, len(cells) - 1)]
@@ -95,10 +95,10 @@ def visit_times(
 def smooth_timing(line: Polyline, steps: int, stops: Sequence[int] = ()) -> tuple[Array, Entries]:
     """Lengths (steps + 1,) in m along the line, from rest to rest, and the entries.
 
-    Minimum jerk (Flash & Hogan 1985) over the whole line, or over its legs between the cells, by
-    their places on the path, half way through which it ``stops``; legs take times in proportion to
-    the roots of their lengths, as their accelerations do then.  Every cell gets a sample of its
-    own.
+    Minimum jerk (Flash & Hogan 1985) over the whole line.  With ``stops``, places of cells on the
+    path, it is applied to each leg between the middles of these cells; legs take times proportional
+    to the square roots of their lengths, which gives them equal accelerations.  Every cell gets a
+    sample of its own.
     """
     lengths = line.stretches
     ends = [*((lengths[cell] + lengths[cell + 1]) / 2 for cell in stops), lengths[-1]]
@@ -113,7 +113,7 @@ def smooth_timing(line: Polyline, steps: int, stops: Sequence[int] = ()) -> tupl
     way = np.array(ends)[leg] - before
     s = before + (10 * part**3 - 15 * part**4 + 6 * part**5) * way
     passed = np.searchsorted(s, line.along[list(line.gates)] + 1e-12)
-    # Every cell holds one sample at least, in order.
+    # Every cell contains at least one sample, in order.
     entries = [0]
     for number, entry in enumerate(passed):
         rest = len(passed) - 1 - number
@@ -124,8 +124,8 @@ def smooth_timing(line: Polyline, steps: int, stops: Sequence[int] = ()) -> tupl
 def timing_of(line: Polyline, entries: Entries, steps: int, stops: Sequence[int] = ()) -> Array:
     """Lengths (steps + 1,) in m along the line that enter the cells at given samples.
 
-    Monotone cubics through the gates, half a step before each entry, at rest at both ends and at
-    the samples ``stops``, half way through the cells of these.
+    Monotone cubics through the gates, half a step before each entry.  They are at rest at both ends
+    and at the samples ``stops``, halfway through the cells of these.
     """
     lengths = line.stretches
     known = dict(
@@ -144,7 +144,7 @@ def timing_of(line: Polyline, entries: Entries, steps: int, stops: Sequence[int]
 
 
 def rests_of(obligations: Iterable[Obligation], effector: int) -> tuple[int, ...]:
-    """The samples, in order, at which an effector (from 0) takes a load up or puts it down."""
+    """The samples, in order, at which an effector (from 0) picks a load up or puts it down."""
     found = (one for one in obligations if one.transfer is not None and one.effector == effector)
     return tuple(sorted(one.first for one in found))
 
@@ -156,11 +156,11 @@ def gentle_entries(
     allowed: Callable[[Entries], bool],
     stops: Sequence[int] = (),
 ) -> Entries:
-    """Allowed entries with little haste, from allowed ones that were ``planned``.
+    """Allowed entries that need little haste, starting from the allowed ones ``planned``.
 
-    Smooth timing with its ``stops`` where it is allowed; else groups of entries are moved together
-    as long as that lowers the sum of squared lengths over durations, which even speed would make
-    least.
+    Smooth timing with its ``stops`` is used if it is allowed.  Otherwise groups of entries are
+    moved together as long as that lowers the sum of squared lengths over durations, which even
+    speed would minimise.
     """
     _, smooth = smooth_timing(line, steps, stops)
     if allowed(smooth):
@@ -179,14 +179,14 @@ def gentle_entries(
 
 
 def _haste(line: Polyline, entries: Entries, steps: int) -> float:
-    """The sum over the stretches between gates of length squared by duration in steps."""
+    """The sum of squared length over duration, in steps, of the stretches between gates."""
     lengths = np.diff([0.0, *line.along[list(line.gates)], line.along[-1]])
     times = np.diff([0.0, *(entry - 0.5 for entry in entries[1:]), float(steps)])
     return float(np.sum(lengths**2 / times))
 
 
 def _moves(entries: Entries, steps: int) -> Iterator[Entries]:
-    """The entries with some in a row moved by the same number of samples, far moves first."""
+    """The entries with a run of them moved by the same number of samples, far moves first."""
     count = len(entries)
     shift = 1 << max(steps.bit_length() - 1, 0)
     while shift:
@@ -206,7 +206,7 @@ def word_of(
     """The propositions of the cells of effectors at the samples 0 .. ``steps``.
 
     A path is the number of the effector (from 0), its cells and the samples at which it enters
-    them; letters number effectors from 1, as formulas do.
+    them.  Letters number effectors from 1, as formulas do.
     """
     letters: list[dict[int, frozenset[str]]] = [{} for _ in range(steps + 1)]
     for effector, cells, entries in paths:

@@ -1,8 +1,8 @@
-"""Poses of an effector in a search: what its axes are asked, and as dwells of these.
+"""Poses of an effector in a search: conditions on its axes, and dwells for these conditions.
 
-An axis e within an angle of a direction t is one with t . e at least its cosine, as both have the
-length one.  A whole frame is within an angle where the sum of three such products is large enough;
-dwells ask each of them to be a third of that.
+A unit axis e is within an angle of a unit direction t if t . e is at least the cosine of the angle.
+A whole frame is within an angle if the sum of three such products is large enough; dwells require
+each of them to be at least a third of that.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ def pose_dwells(
     *,
     away: bool = False,
 ) -> Iterator[Dwell]:
-    """What keeps an effector (from 0) in a pose, from a first sample to a last one, or out of it.
+    """Dwells that keep an effector (from 0) in a pose between two samples, or out of it (``away``).
 
-    Near its bound a row counts angles as lengths, a ``unit`` in metres for a rad, so that margins
-    suit it.  The directions themselves are the places that inverse kinematics brings the axes to.
+    Near its bound a row measures angles as lengths, one ``unit`` in metres per rad, so that margins
+    fit.  The directions themselves are the targets to which inverse kinematics brings the axes.
     """
     target = pose_target(pose, numeric.d, FLOATS)
     level = target.along(cos(target.within)) / len(target.axes)
@@ -48,7 +48,7 @@ def pose_dwells(
 def in_poses(
     numeric: NumericRobot, poses: Sequence[ir.Pose], effector: int, points: Array
 ) -> NDArray[np.bool_]:
-    """Whether an effector (from 0) is in all poses, for points of the robot (K, m, d): (K,)."""
+    """Whether an effector (from 0) is in all poses, (K,), for points of the robot (K, m, d)."""
     found = np.ones(len(points), dtype=bool)
     for pose in poses:
         target = pose_target(pose, numeric.d, FLOATS)
@@ -61,7 +61,7 @@ def in_poses(
 def _directed(
     numeric: NumericRobot, target: PoseTarget[float], effector: int
 ) -> Iterator[tuple[int, Array]]:
-    """The points that stand for the axes of an effector's frame, and what they are turned to."""
+    """The points that represent the axes of an effector's frame, and their target directions."""
     first, axes = len(numeric.graph.model.effectors), numeric.spanning.axes[effector]
     for axis, direction in zip(target.axes, target.directions, strict=True):
         yield first + axes[axis], np.array(direction)

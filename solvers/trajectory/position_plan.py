@@ -1,8 +1,9 @@
 """The half-planes that keep a trajectory on its path: cells at samples, separation in between.
 
-An effector that has to follow a cell path is held in one convex cell per sample.  Between two
+An effector that has to follow a cell path is kept in one convex cell per sample.  Between two
 samples every avoided set is kept on the far side of one half-plane that holds for the points of
-both samples, so that the chord cannot cut a corner; it is chosen afresh about each reference.
+both samples, so that the chord cannot cut a corner.  The half-plane is chosen anew about each
+reference.
 """
 
 from __future__ import annotations
@@ -21,25 +22,25 @@ from solvers.trajectory.separating_planes import Obstacles, facet_planes, separa
 from solvers.trajectory.subproblem import Indices
 
 MANY = 16
-"""With more separations than this, those far away at a step are left out there."""
+"""With more separations than this, those far away at a step are omitted there."""
 MOST_CORNERS = 8
-"""Of what has more points, so many that are nearest to the half-plane are held behind it."""
+"""Of larger hulls, only this many points nearest to the half-plane are constrained."""
 NEARBY = 0.3
-"""What is farther away than this part of the extent of the motion counts as far."""
+"""Separations are far if farther away than this share of the extent of the motion."""
 ASTRAY = 0.02
-"""Distance from which a reference counts as having left its cell, in units of length."""
+"""Distance, in units of length, beyond which a reference counts as outside its cell."""
 
 Rows: TypeAlias = tuple[Indices, Indices, Array, Array]
-"""Samples, points, normals and offsets, as ``PositionRows`` has them."""
+"""Samples, points, normals and offsets, as in ``PositionRows``."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
     """A point stays in a convex set at the samples ``first`` to ``last`` (included).
 
-    ``shares`` (m,) says what part of the margin is kept from each facet; None: all of it.
-    ``spreads`` (m,) says the same of the spread of disturbed motions, and of what a motion takes up
-    between samples.
+    ``shares`` (m,) is the share of the margin kept from each facet; None means all of it.
+    ``spreads`` (m,) is the same for the spread of disturbed motions and for the deviation of a
+    motion between samples.
     """
 
     point: int
@@ -54,7 +55,7 @@ class Dwell:
 class Separation:
     """The hull of some points stays ``distance`` metres from a convex set, also between samples.
 
-    From sample ``first`` to sample ``last`` (None: to the end).
+    It binds from sample ``first`` to sample ``last`` (None: to the end).
     """
 
     points: tuple[int, ...]
@@ -64,9 +65,9 @@ class Separation:
     last: int | None = None
 
     def spans(self, count: int) -> tuple[Indices, Indices]:
-        """The first and the last sample, (steps,) each, of every step it binds, of ``count`` steps.
+        """The first and last samples, (steps,) each, of every step it binds, of ``count`` steps.
 
-        A single sample is bound alone: both are that sample.
+        If it binds a single sample, both are that sample.
         """
         last = count if self.last is None else self.last
         if self.first == last:
@@ -77,7 +78,7 @@ class Separation:
 
 @dataclass(frozen=True)
 class _Alike:
-    """Separations of equally many points from obstacles of one kind, by their numbers (s,).
+    """Separations with the same number of points and kind of obstacle, by their indices (s,).
 
     ``points`` are (s, p), ``distances`` (s,) in metres.
     """
@@ -90,7 +91,7 @@ class _Alike:
 
     @staticmethod
     def of(numbered: list[tuple[int, Separation]]) -> _Alike:
-        """Separations with their numbers."""
+        """Group separations given with their indices."""
         separations = tuple(separation for _, separation in numbered)
         return _Alike(
             separations,
@@ -101,7 +102,7 @@ class _Alike:
         )
 
     def steps(self, count: int) -> tuple[Indices, Indices, Indices]:
-        """Which separation, and the first and the last sample, of all steps that are bound."""
+        """The separation, and the first and the last sample, of all steps that are bound."""
         spans = [separation.spans(count) for separation in self.separations]
         which = np.repeat(np.arange(len(spans)), [len(first) for first, _ in spans])
         first, last = (np.concatenate(ends) for ends in zip(*spans, strict=True))
@@ -110,7 +111,7 @@ class _Alike:
     def close(
         self, positions: Array, far: float, steps: tuple[Indices, Indices, Indices]
     ) -> tuple[Indices, Indices, Indices]:
-        """The steps in which the box about what moves is not ``far`` from that of the obstacle."""
+        """The steps in which the box of the moving points is not ``far`` from the obstacle's."""
         which, first, last = steps
         moving = positions[:, self.points]
         low, high = moving.min(axis=2), moving.max(axis=2)
@@ -123,12 +124,12 @@ class _Alike:
 
     @cached_property
     def _boxes(self) -> tuple[Array, Array]:
-        """The least and the greatest coordinates of the obstacles, (s, d) each."""
+        """The least and greatest coordinates of the obstacles, (s, d) each."""
         lower, upper = zip(*(each.box for each in self.obstacles.sets), strict=True)
         return np.array(lower), np.array(upper)
 
     def planes(self, swept: Array, which: Indices, far: float) -> tuple[Array, Array]:
-        """The best half-planes (k, d) and (k,); those of facets where the obstacle is far away."""
+        """The best half-planes (k, d) and (k,); for distant obstacles, those of facets."""
         normal, support, gap = facet_planes(swept, self.obstacles, which)
         near = np.flatnonzero(gap <= far + self.distances[which])
         if len(near):
@@ -140,11 +141,11 @@ class _Alike:
 
 @dataclass(frozen=True)
 class PositionPlan:
-    """All that binds positions; ``margin`` (m) shrinks dwells and widens separations.
+    """All constraints on positions; ``margin`` (m) shrinks dwells and widens separations.
 
     ``anchors`` (k + 1, d) are positions of point ``anchored`` inside its dwells.  Half-planes are
     chosen about them wherever the reference has left its dwell by ``astray`` (m), so that a bad
-    reference cannot ask for a side that the path excludes.  ``spread`` (k + 1, m), in metres,
+    reference cannot impose a side that the path excludes.  ``spread`` (k + 1, m), in metres,
     tightens the constraints beyond the margin, for disturbed motions.
     """
 
@@ -160,8 +161,8 @@ class PositionPlan:
     def rows(self, positions: Array, bends: Array | None = None) -> PositionRows:
         """The half-planes about reference positions of shape (k + 1, m, d).
 
-        With its ``bends`` (k, m, d), half-planes hold half way through the steps, too, as far as
-        these are those of the reference.
+        With the ``bends`` (k, m, d) of the reference, they also hold halfway through the steps, as
+        far as other motions bend as the reference does.
         """
         parts = [*self._dwelling(bends), *self._separated(self._anchored(positions), bends)]
         d = positions.shape[2]
@@ -174,11 +175,11 @@ class PositionPlan:
 
     @cached_property
     def _dwell_rows(self) -> tuple[Rows, ...]:
-        """The half-planes of the dwells, which are those of the sets wherever the reference is."""
+        """The half-planes of the dwells, which do not depend on the reference."""
         return tuple(self._dwell(dwell) for dwell in self.dwells)
 
     def _dwelling(self, bends: Array | None) -> tuple[Rows, ...]:
-        """The half-planes of the dwells, also half way through the steps between their samples."""
+        """The half-planes of the dwells, also for the middle of the steps between their samples."""
         if bends is None:
             return self._dwell_rows
         return tuple(
@@ -187,7 +188,7 @@ class PositionPlan:
         )
 
     def _anchored(self, positions: Array) -> Array:
-        """The reference with the anchored point brought back where it has left its dwells."""
+        """The reference with the anchored point moved back where it has left its dwells."""
         if self.anchored is None or self.anchors is None:
             return positions
         about = positions.copy()
@@ -215,7 +216,7 @@ class PositionPlan:
 
     @cached_property
     def _alike(self) -> tuple[_Alike, ...]:
-        """The separations by kind."""
+        """The separations grouped by kind."""
         kinds: dict[tuple[int, ...], list[tuple[int, Separation]]] = {}
         for number, separation in enumerate(self.separations):
             kind = len(separation.points), *Obstacles.kind(separation.obstacle)
@@ -223,9 +224,10 @@ class PositionPlan:
         return tuple(_Alike.of(numbered) for numbered in kinds.values())
 
     def _separated(self, positions: Array, bends: Array | None) -> list[Rows]:
-        """The half-planes of the separations, in their order.
+        """The half-planes of the separations, in order.
 
-        Of a great many, those whose boxes are far from what moves in a step are left out there.
+        If there are many, those whose boxes are far from the moving points in a step are omitted
+        there.
         """
         far = NEARBY * float(
             np.linalg.norm(np.ptp(positions.reshape(-1, positions.shape[2]), axis=0))
@@ -273,7 +275,7 @@ class PositionPlan:
         if self.spread is not None:
             offset -= self.spread[sample.ravel(), point.ravel()]
         if bends is not None:
-            # Chords keep so much more distance that the curves keep enough.
+            # Chords keep extra distance, so that the curves keep enough.
             moving = (first < last)[:, None]
             bent = bends[np.minimum(first, len(bends) - 1)[:, None], point]
             toward = np.where(moving, -np.einsum("kpd,kd->kp", bent, normal), 0.0)
@@ -282,7 +284,7 @@ class PositionPlan:
 
 
 def _within(dwell: Dwell, rows: Rows, bends: Array) -> Rows:
-    """The rows of a dwell with the room that the motion takes up in the steps next to a sample."""
+    """The rows of a dwell, with room for the bends in the steps next to each sample."""
     if dwell.first == dwell.last:
         return rows
     sample, point, normal, offset = rows

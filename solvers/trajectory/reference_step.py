@@ -1,4 +1,4 @@
-r"""One convex step as it is written on paper, in cvxpy: the reference for the sparse one.
+r"""One convex step as written on paper, in cvxpy: the reference for the sparse one.
 
 About a trajectory :math:`\hat x, \hat u, \hat\theta`, with the step linearised there
 (:math:`f_i, A_i, B_i, C_i`), unit fictitious inputs :math:`B'_i` and points :math:`p(i, j)`,
@@ -15,15 +15,15 @@ About a trajectory :math:`\hat x, \hat u, \hat\theta`, with the step linearised 
     \text{(C.4), (C.5)}\quad & \lVert v_i \rVert_\infty \le V
 
 within the limits of the motion and the trust region.  With :math:`\epsilon` (Problem 4) every step
-has a slack of its own, the sum of which is paid for, and rho is worth nothing:
+has its own slack, the sum of the slacks has a price, and rho has no weight:
 
 .. math::
     \text{(C.6)}\quad \lVert v_i \rVert_\infty \le g_i, \qquad \epsilon \sum_{l<i} g_l \le g_i.
 
-S is the largest margin of an input, w that of one over S.  Where rates have a price :math:`w_v`,
-that times the sum of their squares is taken off; where mobility has a price :math:`w_\varphi`,
-that times the sum of :math:`\varphi_i`, linearised, without its value at the trajectory.  Further
-terms, the same tiny share of the square of every other unknown, make the optimum unique.
+S is the largest margin of any input, and w that of one input over S.  If rates have a price
+:math:`w_v`, it times the sum of their squares is subtracted.  If mobility has a price
+:math:`w_\varphi`, it times the linearised change of the sum of :math:`\varphi_i` is subtracted.
+The same tiny multiple of the square of every other unknown makes the optimum unique.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class ReferenceStep:
 
 @dataclass(slots=True)
 class _Step:
-    """The unknowns of one step, and what binds them."""
+    """The unknowns of one step, and their constraints."""
 
     question: SubproblemSpec
     model: Model
@@ -106,7 +106,7 @@ class _Step:
     # --- the objective --------------------------------------------------------------------------
 
     def objective(self) -> cp.Expression:
-        """What is maximised."""
+        """The expression to maximise."""
         weights, scale, about = self.question.weights, self.question.scale, self.model.about
         moves = cp.sum_squares(self.x[:, : self.n] - about.x[:, : self.n])
         if self.free:
@@ -128,7 +128,7 @@ class _Step:
         )
 
     def pushed(self) -> cp.Expression:
-        """By how much phi grows at all samples together, to first order."""
+        """The growth of phi, summed over the samples, to first order."""
         given, about = self.model.mobility, self.model.about
         if given is None:
             return cp.Constant(0.0)
@@ -138,7 +138,7 @@ class _Step:
     # --- the constraints ------------------------------------------------------------------------
 
     def constraints(self) -> list[cp.Constraint]:
-        """All of them."""
+        """All constraints."""
         return [
             *self.positions(),
             *self.dynamics(),
@@ -150,7 +150,7 @@ class _Step:
         ]
 
     def positions(self) -> list[cp.Constraint]:
-        """C.1: points in the half-planes of the path, and of what is avoided."""
+        """C.1: points in the half-planes of the path and of the separations."""
         rows, points, about = self.rows, self.model.points, self.model.about
         if not len(rows.sample):
             return []
@@ -186,7 +186,7 @@ class _Step:
         return found
 
     def inputs(self) -> list[cp.Constraint]:
-        """C.3: inputs keep equal shares of their widest margins; that of the largest is rho."""
+        """C.3: inputs keep equal shares of their widest margins; rho is that of the largest one."""
         free = any(group.widest_margin > 0 for group in self.question.groups)
         found = [] if free else [self.rho <= 0]
         for group in self.question.groups:
@@ -205,7 +205,7 @@ class _Step:
         return found
 
     def slacks(self) -> list[cp.Constraint]:
-        """C.4 and C.5: fictitious inputs up to V; or C.6, the least of them first."""
+        """C.4 and C.5: fictitious inputs up to V; or C.6, which moves slacks to the end."""
         epsilon = self.question.epsilon
         if not self.fictitious:
             return [self.v == 0, self.g == 0, self.largest == 0]
@@ -216,7 +216,7 @@ class _Step:
         return [*own, epsilon * (earlier @ self.g) <= self.g, self.largest == 0]
 
     def limits(self) -> list[cp.Constraint]:
-        """Joints, rates and the two ends."""
+        """Limits of joints and rates, and conditions at the two ends."""
         limits, n = self.question.limits, self.n
         first = 0 if limits.start_values is None else 1
         q, rates, own = self.x[:, :n], self.x[:, n : 2 * n], self.x[0, 2 * n :]
@@ -239,7 +239,7 @@ class _Step:
         return found
 
     def trust(self) -> list[cp.Constraint]:
-        """Where the linearisation is believed, and the box of the parameters."""
+        """The trust region, and the box of the parameters."""
         limits, radius, about = self.question.limits, self.region.radius, self.model.about
         first = 0 if limits.start_values is None else 1
         centre = np.clip(about.x[:, : self.n], limits.lower, limits.upper)[first:]
@@ -274,7 +274,7 @@ def _rowwise(matrix: Array, unknown: cp.Expression) -> cp.Expression:
 def _between(
     values: cp.Expression, lower: Array, upper: Array, first: int = 0
 ) -> list[cp.Constraint]:
-    """Columns within bounds from a row on, as far as these are finite."""
+    """Columns within bounds, from row ``first`` on, if the bounds are finite."""
     found = []
     ends = (np.broadcast_to(end, values.shape)[first:].T for end in (lower, upper))
     for j, (low, high) in enumerate(zip(*ends, strict=True)):

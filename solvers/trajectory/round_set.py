@@ -2,7 +2,7 @@ r"""A set of states that every round of a motion with feedback returns into, to 
 
 The deviations at the beginning of one round and of the next are related by
 :math:`\delta' = \Phi \delta + W r + d`, with the monodromy matrix :math:`\Phi` of the linearised
-closed loop, columns W of what disturbs one round, and the drift d of the motion itself.  For
+closed loop, the columns W of the disturbances of one round, and the drift d of the motion.  For
 coordinates :math:`\delta = V z` the box :math:`|z| \le s` is invariant if
 
 .. math:: |V^{-1} \Phi V|\, s + |V^{-1} (W, d)|\, 1 \le s .
@@ -29,11 +29,11 @@ from solvers.trajectory.rounding_allowance import rounding_allowance
 from solvers.trajectory.trajectory import Trajectory
 
 FLOOR = 1e-5
-"""In SI; no set is smaller, so that rounding and remainders of a proof find room."""
+"""In SI; no set is smaller, so that rounding errors and remainders in a proof fit in."""
 LEAST_SLACK = 0.1
-"""By such a part a set is larger than estimated at least; where the prefix ends it is no more."""
+"""The least share by which a set exceeds its estimate; at the end of the prefix, exactly this."""
 MOST_ROUNDS = 500
-"""A set that has not stopped growing after so many rounds is none."""
+"""A set that still grows after this many rounds is rejected."""
 SETTLED = 1e-9
 
 
@@ -47,7 +47,7 @@ class RoundSet:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _RoundMap:
-    """One round to first order: ``by_state`` (N, N), and columns (N, c) of all that is added."""
+    """One round to first order: ``by_state`` (N, N), and the columns (N, c) that are added."""
 
     by_state: Array
     columns: Array
@@ -63,17 +63,17 @@ def round_sets(
     substeps: int,
     slack: float,
 ) -> tuple[RoundSet, ...]:
-    """Some sets with ``slack``, a part of their size; none where none is found.
+    """Invariant sets with ``slack``, a share of their size; empty if none is found.
 
     Args:
         numeric: the robot.
-        task: the task, whose disturbances are borne.
-        motion: the motion, which comes back at its end to where it is at the sample ``loop``, but
-            for whole turns.
+        task: the task, which names the disturbances.
+        motion: the motion, which at its end returns to its state at sample ``loop``, up to whole
+            turns.
         gains: (k, m, N) of the feedback.
         loop: the first sample of the loop.
         substeps: the parts of a step.
-        slack: so much larger a set is than the estimate.
+        slack: the share by which a set is larger than the estimate.
     """
     if not numeric.size:
         return (RoundSet(motion.x[loop], np.zeros((0, 0))),)
@@ -88,9 +88,9 @@ def round_sets(
 
 
 def whole_turns(model: RobotModel, motion: Trajectory, loop: int) -> Array:
-    """By how many whole turns (n,) joints are farther at the end than at the sample ``loop``.
+    """The whole turns (n,) by which joints have advanced from the sample ``loop`` to the end.
 
-    A joint that a whole turn changes makes none.
+    It is 0 for joints that are not periodic.
     """
     n = len(model.dofs)
     farther = motion.x[-1, :n] - motion.x[loop, :n]
@@ -98,7 +98,7 @@ def whole_turns(model: RobotModel, motion: Trajectory, loop: int) -> Array:
 
 
 def turning(problem: ControlProblem, seed: Trajectory) -> ControlProblem:
-    """The problem where joints turn as often from the loop's sample to the end as in a seed."""
+    """The problem in which joints turn as often from the loop's sample to the end as in a seed."""
     numeric, loop = problem.numeric, problem.limits.loop
     if loop is None:
         return problem
@@ -131,7 +131,7 @@ def _round_map(
             entering, columns = columns, np.zeros((size, width + count))
         by_x, by_u = step.state[k] - step.input[k] @ gains[k], step.input[k]
         columns = by_x @ columns
-        # The same mass all the time: its effects add up, sign by sign.
+        # The mass error is constant over time, so its effects add up with their signs.
         columns[:width, width : width + count] += heavier[k]
         pushed = by_u * (share * np.abs(u) + added)
         misread = by_u @ gains[k][:, :width] @ noise
@@ -144,7 +144,7 @@ def _round_map(
 
 
 def _boxes(once: _RoundMap, slack: float) -> Iterator[Array]:
-    """The generators of invariant parallelotopes along some axes."""
+    """The generators of invariant parallelotopes along several choices of axes."""
     for basis in _bases(once):
         if not np.isfinite(basis).all() or abs(np.linalg.det(basis)) == 0:
             continue
@@ -165,7 +165,7 @@ def _boxes(once: _RoundMap, slack: float) -> Iterator[Array]:
 
 
 def _bases(once: _RoundMap) -> Iterator[Array]:
-    """The axes of the states, those of the spread of all rounds, and those of the round map."""
+    """The axes of the state space, of the spread over all rounds, and of the round map."""
     size = len(once.by_state)
     yield np.eye(size)
     spread, share = np.zeros((size, size)), once.columns @ once.columns.T

@@ -1,4 +1,4 @@
-"""How far a computer's rounding may take inputs from the law of a controller: what is asked for."""
+"""Allowances for rounding errors of a computer that evaluates the law of a controller."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from grammar_lang import ir
 from solvers.trajectory.trajectory import Trajectory
 
 SINGLE, DOUBLE = 2.0**-24, 2.0**-53
-"""The part of a number by which single and double precision round it at most."""
+"""The largest relative rounding errors of single and double precision."""
 DEVIATION = 1.0
-"""A deviation from the reference for which rounding is estimated, in SI units."""
+"""The deviation from the reference for which rounding is estimated, in SI units."""
 ROUNDED_TWICE = 2.0
 TAKING_OFF = 6.0
-"""So many times the turns that are taken off an angle are rounded at most."""
+"""The rounding of subtracting turns from an angle is at most that of this multiple of them."""
 MOST_ROUNDING = 1e-4
-"""Of half the range of an input; more would cost motions."""
+"""The largest share of half the range of an input; more would exclude motions."""
 
 
 def rounding_allowance(
@@ -28,13 +28,13 @@ def rounding_allowance(
     task: ir.Task,
     turning: Array | None = None,
 ) -> Array:
-    """Per input (m,) how far rounding may take it: enough for single precision, mostly.
+    """For each input (m,) the allowed rounding error: usually enough for single precision.
 
-    Without disturbances it is enough for doubles alone: the tube is narrow there, and a wide one
-    takes several times as long.  ``gains`` are (k, m, 2n).  A rounded measurement and a rounded
-    reference count with the gain; the rest counts with the deviation.  The angles of ``turning``
-    joints (n,), None: of none, may be read within any one turn; whole turns are then taken off.
-    What is carried is no number to be rounded.
+    Without disturbances it is enough only for doubles: the tube is narrow then, and a wide one
+    takes several times as long.  ``gains`` are (k, m, 2n).  Rounding errors of measurements and
+    references grow with their sizes, those of the other operations with the deviation; the gain
+    multiplies both.  The angles of ``turning`` joints (n,), None for none, may be measured in any
+    one turn, and whole turns are then subtracted.  Load inputs are not rounded.
     """
     size, unit = gains.shape[2], DOUBLE if task.robust is None else SINGLE
     sizes = 2 * np.abs(motion.x[:-1, :size]) + DEVIATION

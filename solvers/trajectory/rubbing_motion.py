@@ -1,8 +1,8 @@
 """The motion of a robot with dry friction, in floats, from event to event.
 
-Between events every joint slides with a sign or is at rest.  An event is a joint that comes to
-rest, or that friction does not hold any more; what joints at rest do then is the choice that agrees
-with the law of Coulomb best.  For tables, pictures and comparisons: no proof rests on it.
+Between events every joint either slides with a sign or rests.  An event is a joint that comes to
+rest, or one that friction no longer holds.  What joints at rest do next is the choice that agrees
+best with Coulomb's law.  This is for tables, pictures and comparisons: no proof rests on it.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from solvers.trajectory.friction_inputs import AT_REST, joint_friction
 from solvers.trajectory.trajectory import Trajectory
 
 STILL = 1e-11
-"""Rates below this, in SI, are those of joints at rest."""
+"""A joint whose rate is below this, in SI, is at rest."""
 SPARE = 1e-12
-"""An effort that is held may be so much more than friction, in N m or N, before a joint moves."""
+"""A holding effort may exceed friction by this, in N m or N, before the joint moves."""
 RELATIVE, ABSOLUTE = 1e-11, 1e-13
 CLOSE, MOST_CORRECTIONS = 1e-9, 6
-"""Rates at the end of a step that are as wanted, in SI; how often inputs are corrected."""
+"""The accuracy of rates at the end of a step, in SI; how often inputs are corrected."""
 MOST_EVENTS = 200
-"""In a step."""
+"""The most events in a step."""
 
 Signs: TypeAlias = tuple[int, ...]
-"""What each joint does: 1 and -1 slide, 0 rests."""
+"""The state of each joint: 1 and -1 slide, 0 rests."""
 
 
 def rubbing_motion(
@@ -39,7 +39,7 @@ def rubbing_motion(
 ) -> Array:
     """The states (k parts + 1, N) from the first one under inputs (k, m), held for ``dt`` s each.
 
-    They are NaN from where no steps are found, and stay as they are once time is up.
+    They are NaN from where integration fails, and stay constant once time is up.
     """
     robot = _RubbingRobot(numeric, trajectory.theta)
     states = [trajectory.x[0]]
@@ -61,20 +61,20 @@ def rubbing_inputs(
     substeps: int,
     final: int,
 ) -> Array:
-    """Inputs (k, m) under which a robot moves as planned without dry friction, as far as they can.
+    """Inputs (k, m) under which a robot moves as planned without dry friction, if possible.
 
-    A joint that turns back within a step makes what is ``added`` (k, m) against friction too much,
-    or too little: it is changed until rates at the end of each step are what they would be without
-    friction, feedback keeping the motion to the plan, and as planned at the last samples.
+    If a joint reverses within a step, the friction compensation ``added`` (k, m) is too much or too
+    little.  It is corrected until the rates at the end of each step are those without friction,
+    with feedback that keeps the motion to the plan; at the last samples, until they are as planned.
 
     Args:
         numeric: the robot.
         planned: a motion without dry friction.
-        added: what its inputs need at least.
+        added: the first estimate of the friction compensation.
         gains: of feedback from sample to sample, (k, m, N).
         dt: the time of a step, in seconds.
-        substeps: into how many parts a step is divided without friction.
-        final: at how many of the last samples rates are as planned, wherever the robot is.
+        substeps: the number of parts of a step without friction.
+        final: the number of last samples at which rates are as planned, wherever the robot is.
     """
     robot, x = _RubbingRobot(numeric, planned.theta), planned.x[0]
     n, found = numeric.n, np.array(planned.u)
@@ -89,7 +89,7 @@ def rubbing_inputs(
         for _ in range(MOST_CORRECTIONS):
             end = robot.moved(x, u, dt)
             off = end[rates] - target
-            # No input makes a joint creep that friction holds.
+            # No input makes a joint that friction holds move at such a small rate.
             off[(np.abs(end[rates]) <= STILL) & (np.abs(target) <= AT_REST)] = 0.0
             if not np.max(np.abs(off)) < best:
                 break
@@ -106,7 +106,7 @@ def rubbing_inputs(
 def rubbing_loop(
     numeric: NumericRobot, reference: Trajectory, gains: Array, dt: float
 ) -> Trajectory:
-    """The motion under feedback, with the inputs that it commands; ``gains`` are (k, m, N)."""
+    """The motion under feedback, with the inputs it commands; ``gains`` are (k, m, N)."""
     robot, states = _RubbingRobot(numeric, reference.theta), [reference.x[0]]
     inputs = list[Array]()
     for u, gain, wanted in zip(reference.u, gains, reference.x[:-1], strict=True):
@@ -116,7 +116,7 @@ def rubbing_loop(
 
 
 def rates_of_change(numeric: NumericRobot, x: Array, u: Array, theta: Array) -> Array:
-    """The derivatives (k, N) of states (k, N) right after inputs (k, m) are held there."""
+    """The derivatives (k, N) of states (k, N) just after inputs (k, m) are applied."""
     if not dry_friction(numeric.graph.model):
         n, rates = numeric.n, numeric.acceleration(x, u, theta)[0]
         return np.concatenate([x[:, n : 2 * n], rates], axis=1)
@@ -149,7 +149,7 @@ class _RubbingRobot:
         return self._rates(x, u, self._next_signs(x, u))[0]
 
     def _next_signs(self, x: Array, u: Array) -> Signs:
-        """What joints do next."""
+        """The signs of the joints' motion from here on."""
         rates = x[self._n : 2 * self._n]
         choices = [
             (0,) if not size else (int(np.sign(v)),) if abs(v) > STILL else (0, 1, -1)
@@ -165,7 +165,7 @@ class _RubbingRobot:
         return found
 
     def _wrong(self, x: Array, u: Array, signs: Signs) -> float:
-        """By how much joints at rest break the law; 0 where they do not."""
+        """The largest violation of Coulomb's law by joints at rest; 0 if there is none."""
         n = self._n
         rates, held = self._rates(x, u, signs)
         wrong = [0.0]
@@ -177,7 +177,7 @@ class _RubbingRobot:
         return float(max(wrong))
 
     def moved(self, x: Array, u: Array, seconds: float) -> Array:
-        """The state after so many seconds; NaN where no steps are found."""
+        """The state after ``seconds``; NaN if integration fails."""
         from scipy.integrate import solve_ivp
 
         time, n = 0.0, self._n
@@ -210,7 +210,7 @@ class _RubbingRobot:
 
         def event(_: float, y: Array) -> float:
             if sign:
-                # From rest a rate has grown before it can get back there.
+                # The offset keeps a joint that starts from rest from triggering at once.
                 return float(sign * y[n + joint] + STILL / 10)
             held = self._rates(y, u, signs)[1]
             return float(self._friction[joint] + SPARE - abs(held[joint]))

@@ -1,7 +1,7 @@
-"""Which motions to begin with where a task binds the whole body: clear ones first.
+"""The initial motions if a task constrains the whole body: collision-free ones first.
 
-Half-planes between bodies and obstacles are chosen about the seed, so that one that passes an
-obstacle on the wrong side leads nowhere.
+Half-planes between bodies and obstacles are chosen about the seed, so a seed that passes an
+obstacle on the wrong side fails.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from solvers.trajectory.monotone_cubic import monotone_cubic
 from solvers.trajectory.path_timing import Entries
 
 TOUCHING = -0.02
-"""Clearance, in units of length, down to which a seed counts as clear: programs mend the rest."""
+"""A seed counts as clear down to this, in units of length: programs repair the rest."""
 WAYS = 2
-"""Motions that are taken from a roadmap."""
+"""The number of motions taken from a roadmap."""
 HOPELESS = 2
-"""Seeds that are kept, of those that collide, where none is clear."""
+"""The number of colliding seeds kept if none is clear."""
 
 
 def body_seeds(
     corridor: Corridor, tracked: list[Array], entries: Entries, count: int, seed: int
 ) -> list[Array]:
-    """Motions (k + 1, n) to begin with, the most hopeful first, at most ``count`` that are clear.
+    """Initial motions (k + 1, n), the most promising first, at most ``count`` that are clear.
 
     ``tracked`` are motions that try to follow the path of the effector, at least one.  Those that
-    do and are clear are kept; where there is none, and for redundant arms, a roadmap is searched.
-    Where that finds nothing either, those are kept that collide the least.
+    succeed and are clear are kept.  If there are none, and for redundant arms, a roadmap is
+    searched.  If that finds nothing either, those that collide least are kept.
     """
     clearances = [float(np.min(corridor.clearance.of(corridor.positions(q)))) for q in tracked]
     follow = [corridor.follows(q) for q in tracked]
@@ -50,8 +50,7 @@ def roadmap_motions(
 ) -> list[Array]:
     """Motions (k + 1, n) along ways of a roadmap, the shortest way first.
 
-    ``like`` is a motion of as many samples; its first pose is kept where the coordinates cannot
-    start elsewhere.
+    ``like`` is a motion with as many samples; its first pose is kept if the start is given.
     """
     first = like[0] if corridor.start_is_given else None
     paths = joint_paths(corridor, first, count, seed)
@@ -61,42 +60,42 @@ def roadmap_motions(
 # --------------------------------------------------------------------------------------------------
 # A roadmap of collision-free poses along a cell path, searched lazily for ways in joint space.
 #
-# Nodes are poses with the effector in a cell of the path and the body clear; edges go to near nodes
-# in the same cell and in the next one.  The shortest way is searched first, its edges are looked
-# at, and what is not passable is left out, until a way stands.  Only a source of seeds.
+# Nodes are poses with the effector in a cell of the path and the body clear; edges lead to near
+# nodes in the same cell and in the next one.  The shortest way is sought, its edges are checked and
+# removed if not passable, until a way remains.  All this only provides seeds.
 #
 # Sources: Kavraki, Svestka, Latombe & Overmars, *Probabilistic Roadmaps for Path Planning in
 # High-Dimensional Configuration Spaces*; Bohlin & Kavraki, *Path Planning Using Lazy PRM*.
 
 
 NODES = 32
-"""Poses that are looked for in each cell."""
+"""The number of poses sought in each cell."""
 DRAWN = 3
-"""Poses with the effector in a cell that are looked at for each that is kept."""
+"""Poses with the effector in a cell that are checked for each one kept."""
 THOROUGH = 4
-"""How many times more are looked at where none is clear."""
+"""The factor by which this grows if none is clear."""
 NEAREST = 10
 """Neighbours of a node in each of the two cells."""
 SEARCHES = 30
-"""Ways that are looked at."""
+"""The number of ways that are checked."""
 NARROW = 0.02
-"""Edges count up to twice as long where the clearance is small for this part of the extent."""
+"""Edges count up to twice as long if clearances are below about this share of the extent."""
 ROUNDS = 2
-"""Roadmaps that are made for redundant arms, each with more poses, until there is a way."""
+"""Roadmaps made for redundant arms, each with more poses, until there is a way."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointPath:
-    """Poses (w, n) that straight ways in coordinates join, and the place on the path of each."""
+    """Poses (w, n) joined by straight ways in coordinates, and the place on the path of each."""
 
     q: Array
     layers: Layers
 
 
 def joint_paths(corridor: Corridor, first: Array | None, count: int, seed: int) -> list[JointPath]:
-    """At most ``count`` ways with different last poses, the shortest first; none if none is found.
+    """At most ``count`` ways with different last poses, the shortest first; empty if none is found.
 
-    ``first`` (n,) is the only pose to start from, None: any.
+    ``first`` (n,) is the only start pose, or None for any.
     """
     rng = np.random.default_rng(seed)
     redundant = corridor.numeric.n > corridor.numeric.d
@@ -113,9 +112,9 @@ def joint_paths(corridor: Corridor, first: Array | None, count: int, seed: int) 
 def _roadmap(
     corridor: Corridor, first: Array | None, count: int, rng: np.random.Generator
 ) -> Roadmap | None:
-    """A roadmap with nodes in every cell; None where a cell has none."""
+    """A roadmap with nodes in every cell; None if a cell has none."""
     drawn = corridor.drawn(rng)
-    # The ends first: they are the narrow ones.
+    # The ends come first because they are narrow.
     places = sorted(range(len(corridor.cells)), key=lambda i: min(i, len(corridor.cells) - 1 - i))
     nodes: dict[int, Array] = {}
     for place in places:
@@ -135,7 +134,7 @@ def _roadmap(
 def _clear_poses(
     corridor: Corridor, drawn: Pool, place: int, count: int, rng: np.random.Generator
 ) -> Array:
-    """The clear ones of ``count`` poses in a cell; of more, where none of them is."""
+    """The clear ones of ``count`` poses in a cell; of more poses, if none of them is clear."""
     q = np.zeros((0, corridor.numeric.n))
     for more in (1, THOROUGH):
         q = poses_in(
@@ -149,7 +148,7 @@ def _clear_poses(
 
 
 def _spread(points: Array, count: int) -> list[int]:
-    """At most ``count`` of some points (K, n) that are far from each other, the first one first.
+    """At most ``count`` of the points (K, n), far from each other, beginning with the first one.
 
     Source: Gonzalez, *Clustering to Minimize the Maximum Intercluster Distance*.
     """
@@ -210,13 +209,13 @@ class Roadmap:
         return found
 
     def _shortest(self, last: Layers) -> Layers | None:
-        """The nodes of the shortest way to one of the last nodes that is not ruled out."""
-        # Loaded where they are needed: they take a tenth of the time of a short run.
+        """The nodes of the shortest way to one of the nodes ``last``, by edges not ruled out."""
+        # Imported here because it takes a tenth of the time of a short run.
         from scipy.sparse import csr_matrix
         from scipy.sparse.csgraph import dijkstra
 
         finite = np.isfinite(self._lengths)
-        # A zero entry would be no edge at all.
+        # A zero entry would mean that there is no edge.
         weights = np.where(finite, np.maximum(self._lengths, 1e-12), 0.0)
         starts = np.flatnonzero(self.layers == 0)
         distance, before, _ = dijkstra(
@@ -231,7 +230,7 @@ class Roadmap:
         return np.array(way[::-1])
 
     def _passable(self, way: Layers) -> bool:
-        """Look at the edges of a way, and at those about it if one of them is not passable."""
+        """Check the edges of a way, and those around it if one of them is not passable."""
         starts, ends = way[:-1], way[1:]
         self._look(starts, ends)
         if bool(np.all(np.isfinite(self._lengths[starts, ends]))):
@@ -242,7 +241,7 @@ class Roadmap:
         return False
 
     def _look(self, starts: Layers, ends: Layers) -> None:
-        """Look at edges; those that are not passable are left out from now on."""
+        """Check edges and remove those that are not passable."""
         new = ~self._known[starts, ends]
         starts, ends = starts[new], ends[new]
         if not len(starts):
@@ -252,13 +251,13 @@ class Roadmap:
         )
         self._known[starts, ends] = True
         self._lengths[starts[~good], ends[~good]] = np.inf
-        # Within a cell an edge is one in both directions.
+        # Within a cell edges are undirected.
         same = self.layers[starts] == self.layers[ends]
         self._known[ends[same], starts[same]] = True
         self._lengths[ends[same & ~good], starts[same & ~good]] = np.inf
 
     def _shortened(self, way: Layers) -> JointPath:
-        """The way with nodes left out where straight ways pass them by."""
+        """The way without the nodes that straight ways can skip."""
         kept, at = [int(way[0])], 0
         while at < len(way) - 1:
             ahead = np.arange(len(way) - 1, at, -1)
@@ -273,20 +272,20 @@ class Roadmap:
 
 
 # --------------------------------------------------------------------------------------------------
-# When a robot is where on a way in joint space: smooth, from rest to rest, with given entries.
+# The timing of a way in joint space: smooth, from rest to rest, with given entries.
 
 
 DENSE = 400
-"""Poses on a way that are looked at for when cells are entered."""
+"""The number of poses on a way that are checked to find when cells are entered."""
 ROUNDED = 0.06
-"""Corners are rounded over this part of the time."""
+"""Corners are rounded over this share of the time."""
 
 
 def timed(corridor: Corridor, path: JointPath, entries: Entries, steps: int) -> Array:
     """Coordinates (steps + 1, n) along a way that enter the cells at given samples.
 
-    A monotone cubic in time through the gates, half a step before each entry; corners are rounded
-    where the body stays clear.
+    A monotone cubic in time through the gates, half a step before each entry.  Corners are rounded
+    if the body stays clear.
     """
     ways = np.linalg.norm(np.diff(path.q, axis=0) * corridor.levers, axis=1)
     along = np.concatenate([[0.0], np.cumsum(ways)])
@@ -305,14 +304,14 @@ def timed(corridor: Corridor, path: JointPath, entries: Entries, steps: int) -> 
 
 def _at(path: JointPath, along: Array, places: Array) -> Array:
     """Coordinates at lengths along a way."""
-    # Nodes that coincide have no way between them.
+    # Coinciding nodes are dropped: interpolation needs increasing lengths.
     kept = np.concatenate([[True], np.diff(along) > 0])
     columns = [np.interp(places, along[kept], column) for column in path.q[kept].T]
     return np.stack(columns, axis=1)
 
 
 def _gates(corridor: Corridor, q: Array) -> list[int]:
-    """The first of dense poses (s, n) that belongs to each cell behind the first."""
+    """The first of dense poses (s, n) that belongs to each cell after the first one."""
     beyond = corridor.beyond(corridor.positions(q))
     gates, at = [], 0
     for cell in range(1, beyond.shape[1]):
@@ -323,7 +322,7 @@ def _gates(corridor: Corridor, q: Array) -> list[int]:
 
 
 def _rounded(q: Array, steps: int) -> Array:
-    """Means over a window of samples; both ends stay, as the motion goes on backwards there."""
+    """Moving averages over the samples; both ends stay, by point reflection of the motion there."""
     half = max(1, round(ROUNDED * steps / 2))
     if len(q) <= 2 * half:
         return q

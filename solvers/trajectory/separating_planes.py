@@ -1,12 +1,14 @@
 """The best half-planes between sets of points and convex obstacles, many at once.
 
 Candidates are the obstacle's facets; in the plane also the lines through two of the points, in
-space the planes through three of them and those along one edge of either.  The sets are disjoint
-iff one of these separates them (separating axis theorem); the lines from corners to points make the
-best gap the distance where two corners are nearest.  Where an obstacle is one point, or there are
-many points, the line between the nearest points of both is taken, if they are apart.
+space the planes through three of them and those parallel to one edge of either set.  The sets are
+disjoint iff one of these separates them (separating axis theorem).  Directions from corners to
+points make the best gap the distance if two corners are nearest.  If an obstacle is a single point,
+or there are many points, the direction between the nearest points of both is used, if they are
+apart.
 
-Arrays have rows last and coordinates first, so that every operation is one on long vectors.
+Rows are the last axis of arrays and coordinates the first, so that every operation acts on long
+vectors.
 """
 
 from __future__ import annotations
@@ -24,24 +26,24 @@ from solvers.trajectory.convex_set import ConvexSet
 from solvers.trajectory.subproblem import Indices
 
 SHORTEST = 1e-9
-"""Metres, or products of them: what is shorter has no direction."""
+"""Metres, or products of them: anything shorter has no direction."""
 MOST_POINTS = 8
-"""Of more points the nearest one is looked for: candidates grow with the cube of their number."""
+"""For more points the nearest pair is used, as candidates grow with the cube of their number."""
 MOST_DIFFERENCES = 1 << 17
-"""More differences of points from vertices go in blocks."""
+"""The most differences of points and vertices in a block."""
 MOST_ROWS = 256
-"""More rows go in blocks, so that the candidates stay in the processor's cache."""
+"""The most rows in a block, so that the candidates stay in the processor's cache."""
 
 
 @dataclass(frozen=True)
 class Obstacles:
-    """Convex sets that have equally many facets, vertices and directions of edges."""
+    """Convex sets with equal numbers of facets, vertices and edge directions."""
 
     sets: tuple[ConvexSet, ...]
 
     @staticmethod
     def kind(of: ConvexSet) -> tuple[int, ...]:
-        """What sets that are put together have in common."""
+        """The numbers that sets in one collection must have in common."""
         return len(of.normals), len(of.vertices), len(of.edge_directions)
 
     @cached_property
@@ -66,7 +68,7 @@ class Obstacles:
 
 
 def facet_planes(swept: Array, obstacles: Obstacles, which: Indices) -> tuple[Array, Array, Array]:
-    """The best of the facets, as ``separating_planes`` gives it, and its distance, (k,) in m."""
+    """The best of the facets, as in ``separating_planes``, and its distance, (k,) in m."""
     points = np.ascontiguousarray(swept.transpose(2, 1, 0))
     facets, support = obstacles.facets[:, :, which], obstacles.facet_supports[:, which]
     gaps = _heights(facets, points).min(axis=0) - support
@@ -82,11 +84,11 @@ def separating_planes(
     Args:
         swept: the points, (k, w, d).
         obstacles: the obstacles.
-        which: for each set of points the number of its obstacle, (k,); without it, the only one.
+        which: the index of the obstacle for each set of points, (k,); None if there is only one.
 
     Returns:
         Unit normals (k, d) that point away from the obstacle, and the obstacle's support (k,) in
-        those directions.
+            those directions.
     """
     k, _, d = swept.shape
     if obstacles.vertices.shape[1] == 1 or swept.shape[1] > MOST_POINTS:
@@ -107,10 +109,10 @@ def separating_planes(
 def _between_nearest(
     swept: Array, obstacles: Obstacles, which: Indices | None
 ) -> tuple[Array, Array]:
-    """The half-planes across the lines between the nearest points of sets and obstacles.
+    """The half-planes perpendicular to the lines between the nearest points of sets and obstacles.
 
-    Where both meet, the best of other candidates: of all where there are few points, else of the
-    facets and the direction from the middle of one to that of the other.
+    If a pair intersects, the best of other candidates is taken: of all if there are few points,
+    else of the facets and the direction between the centres.
     """
     k, width, d = swept.shape
     sets = np.zeros(k, dtype=int) if which is None else which
@@ -155,7 +157,7 @@ def _best(points: Array, facets: Array, vertices: Array, edges: Array) -> tuple[
     away = _unit(away.reshape(d, -1, k), fallback)
     facets = np.broadcast_to(facets, (d, facets.shape[1], k))
     candidates = np.concatenate([facets, across, -across, away], axis=1)
-    # What lies behind a plane across lies before its opposite.
+    # Supports and fronts of -across follow from those of across.
     ours, theirs = _heights(across, points), _heights(across, vertices)
     others = np.concatenate([facets, away], axis=1)
     nearest = _heights(others, points).min(axis=0)
@@ -178,7 +180,7 @@ def _heights(normals: Array, points: Array) -> Array:
 
 
 def _unit(vectors: Array, fallback: Array) -> Array:
-    """Vectors (d, c, k) of length 1; those too short for that are the ``fallback``, (d, 1, k)."""
+    """Vectors (d, c, k) scaled to length 1; too short ones become the ``fallback``, (d, 1, k)."""
     length = np.sqrt(np.sum(vectors**2, axis=0))
     return np.where(length > SHORTEST, vectors / np.maximum(length, SHORTEST / 1000), fallback)
 
@@ -189,7 +191,7 @@ def _planar(edge: Array) -> Array:
 
 
 def _spatial(edge: Array, points: Array, edges: Array) -> Array:
-    """Normals (3, c, k): edge times edge, and the planes through three of the points."""
+    """Normals (3, c, k): products of two edges, and of the planes through three of the points."""
     k, width = points.shape[2], points.shape[1]
     count = edge.shape[1] * edges.shape[1]
     crossed = _cross(edge[:, :, None], edges[:, None]).reshape(3, count, k)

@@ -1,10 +1,10 @@
-"""Motions of several robots that have parameters in common: the least of their robustness at most.
+"""Motions of several robots with common parameters: maximise the least of their robustness.
 
-One robot does several tasks, or robots are rebuilt from task to task and kept modules keep their
-values.  Linearise all motions, solve one program for all of them (``shared_step.py``), measure each
-on its own robot, repeat; every motion has its own trust region, price of moves and fictitious
-inputs, by the rules of ``control.py``.  A step is taken by all of them or by none.  In the end each
-motion is solved for alone, with the parameters that it shares given.
+One robot does several tasks, or robots are rebuilt between tasks and kept modules keep their
+values.  Linearise all motions, solve one program for all of them (``shared_step.py``), evaluate
+each on its own robot, repeat.  Every motion has its own trust region, price of moves and fictitious
+inputs, by the rules of ``control.py``.  A step is accepted for all of them or for none.  At the end
+each motion is solved separately, with the shared parameters fixed.
 """
 
 from __future__ import annotations
@@ -41,22 +41,22 @@ from solvers.trajectory.subproblem import StepResult, TrustRegion
 from solvers.trajectory.trajectory import Trajectory
 
 RADIUS = 0.5
-"""The first trust region, and the largest one."""
+"""The radius of the first trust region, which is also the largest one."""
 NEAR_RADIUS, NEAR_PROXIMAL = 0.1, 1e-2
-"""The first trust region of careful iterations, about motions that are feasible already."""
+"""The first trust region of careful iterations, about motions that are already feasible."""
 GROWTH = 1.5
-"""Trust regions grow by so much after steps that caused small defects."""
+"""The growth factor of trust regions after steps with small defects."""
 ROUNDS = 8
-"""So many times all motions are solved for together and then each alone at most."""
+"""The most rounds in which all motions are solved together and then separately."""
 WORTHWHILE = 1e-3
-"""A share that a time has to gain to be worth another one."""
+"""The least gain of the share by which a round counts as progress."""
 Box = tuple[Array, Array]
 """Lower and upper bounds (p,) of parameters, in SI units."""
 
 
 @dataclass(frozen=True, slots=True)
 class SharedTask:
-    """A control problem, where its motion starts, and bounds of its parameters."""
+    """A control problem, the start of its motion, and bounds on its parameters."""
 
     problem: ControlProblem
     start: Trajectory
@@ -65,10 +65,10 @@ class SharedTask:
 
 @dataclass(frozen=True, slots=True)
 class SharedOutcome:
-    """An outcome for every problem; parameters that are linked are equal bit by bit.
+    """An outcome for every problem; linked parameters are equal bit by bit.
 
-    ``shares`` are robustness as a part of what it can be at most, or minus what is violated; 1
-    where inputs have one value each, so that nothing can be kept from their bounds.
+    ``shares`` are robustness relative to its maximum, or minus the violation.  A share is 1 if all
+    inputs have only one admissible value, so that no margin to their bounds is possible.
     """
 
     outcomes: tuple[ControlOutcome, ...]
@@ -81,29 +81,29 @@ class SharedOutcome:
 
     @property
     def robustness(self) -> tuple[float, ...]:
-        """Rho of each motion, or minus what it violates, in units of its own effort."""
+        """Rho of each motion, or minus its violation, in units of its own effort."""
         return tuple(each.robustness for each in self.outcomes)
 
     @property
     def feasible(self) -> bool:
-        """Whether all motions are."""
+        """Whether all motions are feasible."""
         return all(each.feasible for each in self.outcomes)
 
     @property
     def share(self) -> float:
-        """The least of the shares, which is what is maximised."""
+        """The least of the shares, which is maximised."""
         return min(self.shares)
 
 
 def share_of(problem: ControlProblem, outcome: ControlOutcome) -> float:
-    """What ``SharedOutcome.shares`` says of an outcome."""
+    """The share of an outcome, as in ``SharedOutcome.shares``."""
     if outcome.feasible and not _chooses(problem):
         return 1.0
     return outcome.robustness / problem.scale
 
 
 def _chooses(problem: ControlProblem) -> bool:
-    """Whether some input has more than one value."""
+    """Whether some input has more than one admissible value."""
     return any(group.widest_margin > 0 for group in problem.groups)
 
 
@@ -112,14 +112,14 @@ def shared_control(
     links: Iterable[Iterable[tuple[int, int]]],
     budget: IterationBudget = FULL,
 ) -> SharedOutcome | None:
-    """Motions with linked parameters equal whose least share of robustness is locally the greatest.
+    """Motions with linked parameters equal whose least share of robustness is locally maximal.
 
-    A link names parameters by the number of the problem and by their own number there.  Where the
+    A link lists parameters, each by the index of its problem and its own index there.  If the
     starts differ in linked parameters, their mean is the start.  Problems that share nothing are
-    solved apart.  None where linked parameters have no value in common.
+    solved separately.  None if linked parameters have no common value.
 
     Raises:
-        ValueError: a link names a parameter that there is not.
+        ValueError: if a link names a parameter that does not exist.
     """
     joined = merged(links)
     common = in_common(tasks, joined)
@@ -141,7 +141,7 @@ def shared_control(
 
 
 def merged(links: Iterable[Iterable[tuple[int, int]]]) -> tuple[Link, ...]:
-    """Links without parameters in common that say the same, in order; single ones are left out."""
+    """Equivalent links without common parameters, in order; links of one parameter are dropped."""
     groups = list[set[tuple[int, int]]]()
     for link in links:
         new = set(link)
@@ -151,7 +151,7 @@ def merged(links: Iterable[Iterable[tuple[int, int]]]) -> tuple[Link, ...]:
 
 
 def _components(count: int, links: Sequence[Link]) -> list[list[int]]:
-    """The problems that share parameters, directly or by way of others, in order."""
+    """Groups of problems that share parameters, directly or indirectly, in order."""
     found = [{task} for task in range(count)]
     for link in links:
         tasks = {task for task, _ in link}
@@ -161,10 +161,10 @@ def _components(count: int, links: Sequence[Link]) -> list[list[int]]:
 
 
 def in_common(tasks: Sequence[SharedTask], links: Sequence[Link]) -> list[SharedTask] | None:
-    """The tasks with linked parameters equal, and bound by all bounds of them; None: impossible.
+    """The tasks with linked parameters equal and their bounds intersected; None if impossible.
 
     Raises:
-        ValueError: a link names a parameter that there is not.
+        ValueError: if a link names a parameter that does not exist.
     """
     thetas = [task.start.theta.copy() for task in tasks]
     lower, upper = ([task.box[end].astype(float) for task in tasks] for end in (0, 1))
@@ -190,7 +190,7 @@ def in_common(tasks: Sequence[SharedTask], links: Sequence[Link]) -> list[Shared
 
 @dataclass(slots=True)
 class _SharedIteration:
-    """Control syntheses that go on together."""
+    """Control syntheses that are iterated together."""
 
     members: list[Iteration]
     step: SharedStep
@@ -199,7 +199,7 @@ class _SharedIteration:
     """Whether no step may cause large defects, not even the first ones."""
     used: int = 0
     calm: list[Trajectory] = field(default_factory=list[Trajectory])
-    """The motions of the greatest least share that the robots all but do, as far as known."""
+    """The motions with the greatest least share whose defects were small, if any are known."""
     _best: float = -np.inf
 
     def run(self) -> None:
@@ -208,7 +208,7 @@ class _SharedIteration:
             pass
 
     def advance(self) -> bool:
-        """One convex step of all; whether another one is due."""
+        """Take one convex step for all; return whether to continue."""
         members = self.members
         self.used += 1
         for each in members:
@@ -239,7 +239,7 @@ class _SharedIteration:
             self.calm, self._best = [each.trajectory for each in trials], share
         for each, defect in zip(members, caused, strict=True):
             if defect <= each.level:
-                # Motions that were held back for the sake of others get their way again.
+                # Motions that were held back because of others may move farther again.
                 radius = min(RADIUS, GROWTH * each.region.radius)
                 each.region = TrustRegion(radius, each.region.proximal)
         return any(due)
@@ -249,9 +249,9 @@ class _SharedIteration:
         return all(each.region.radius >= SMALLEST_RADIUS for each in self.members)
 
     def _share(self, results: Sequence[StepResult]) -> float:
-        """The least share of the margins, which is what a step gains for every motion.
+        """The least share of the margins, which is the gain of a step for every motion.
 
-        Inputs that have one value each have no margin, and do not count.
+        Motions whose inputs have only one admissible value have no margin and do not count.
         """
         shares = [
             result.margin / each.problem.scale
@@ -261,7 +261,7 @@ class _SharedIteration:
         return min(shares, default=0.0)
 
     def _relent(self, failure: NotSolved) -> None:
-        """Offer fictitious inputs to those without; only if there are none, shorten the steps."""
+        """Offer fictitious inputs to members without them; if all have them, shorten the steps."""
         lacking = [each for each in self.members if not each.fictitious]
         for each in lacking or self.members:
             each.relent(failure)
@@ -270,13 +270,13 @@ class _SharedIteration:
 def _solved(
     tasks: Sequence[SharedTask], links: tuple[Link, ...], budget: IterationBudget
 ) -> list[ControlOutcome]:
-    """The outcomes of tasks that share parameters, or of one that shares none."""
+    """The outcomes of tasks that share parameters, or of a single task that shares none."""
     if len(tasks) == 1 and not links:
         (task,) = tasks
         return [with_given(task.problem, task.start, task.box, frozenset(), budget)]
     best = _known(tasks)
     if best is None:
-        # Motions, if there are some for these parameters, lead farther than seeds do.
+        # Feasible motions for these parameters are better starts than seeds.
         tasks = [
             _moving(task, own, budget)
             for task, own in zip(tasks, _given(tasks, links), strict=True)
@@ -295,7 +295,7 @@ def _solved(
         if gained > WORTHWHILE:
             careful = True
         elif careful:
-            # What no short step improves, long ones may leave for better motions.
+            # If no short step improves the motions, long ones may reach better ones.
             careful = False
         else:
             break
@@ -303,21 +303,21 @@ def _solved(
 
 
 def _known(tasks: Sequence[SharedTask]) -> list[ControlOutcome] | None:
-    """The outcomes of the starts as they are, where all are feasible motions."""
+    """The outcomes of the starts as they are; None unless all are feasible motions."""
     before = [as_it_is(task.problem, task.start) for task in tasks]
     found = [each for each in before if each is not None and each.feasible]
     return found if len(found) == len(tasks) else None
 
 
 def _given(tasks: Sequence[SharedTask], links: Sequence[Link]) -> list[frozenset[int]]:
-    """The parameters that each task shares, by number."""
+    """The parameters that each task shares, by index."""
     return [
         frozenset(i for link in links for k, i in link if k == own) for own in range(len(tasks))
     ]
 
 
 def _moving(task: SharedTask, given: frozenset[int], budget: IterationBudget) -> SharedTask:
-    """The task from a feasible motion with the given parameters, if one is found."""
+    """The task starting from a feasible motion with the given parameters, if one is found."""
     found = as_it_is(task.problem, task.start)
     if found is None or not found.feasible:
         found = with_given(task.problem, task.start, task.box, given, budget)
@@ -332,7 +332,7 @@ def _least(tasks: Sequence[SharedTask], outcomes: Sequence[ControlOutcome]) -> f
 def _round(
     tasks: Sequence[SharedTask], links: tuple[Link, ...], budget: IterationBudget, *, careful: bool
 ) -> list[ControlOutcome]:
-    """All motions together, and then each of them with the parameters that this has given."""
+    """Solve all motions together, then each separately with the resulting shared parameters."""
     region = TrustRegion(NEAR_RADIUS, NEAR_PROXIMAL) if careful else TrustRegion(RADIUS, PROXIMAL)
     members = list[Iteration]()
     for task in tasks:
@@ -347,7 +347,7 @@ def _round(
     iteration.run()
     found = _ended(tasks, [each.current.trajectory for each in members], links, budget)
     if iteration.calm and not all(each.feasible for each in found):
-        # The last steps were too long to be made up for.
+        # The defects of the last steps were too large to be closed.
         return max(found, _ended(tasks, iteration.calm, links, budget), key=partial(_least, tasks))
     return found
 
@@ -358,11 +358,11 @@ def _ended(
     links: tuple[Link, ...],
     budget: IterationBudget,
 ) -> list[ControlOutcome]:
-    """The outcome of each task from its motion, the parameters that it shares as they are there."""
+    """The outcome of each task from its motion, with its shared parameters fixed."""
     return [
         with_given(
             task.problem, replace(motion, theta=np.clip(motion.theta, *task.box)), task.box, own,
             budget,
-        )  # solvers keep bounds nearly
+        )  # solvers respect bounds only approximately
         for task, motion, own in zip(tasks, motions, _given(tasks, links), strict=True)
     ]  # fmt: skip

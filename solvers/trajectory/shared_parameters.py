@@ -1,7 +1,7 @@
-"""Motions along paths by robots that have parameters in common, as robust as the least of them.
+"""Motions along paths by robots with common parameters: maximise the least robustness.
 
-One robot does several tasks, or robots are rebuilt from task to task and kept modules keep their
-values.  How such motions are found is in ``shared_control.py``.
+One robot does several tasks, or robots are rebuilt between tasks and kept modules keep their
+values.  The method is in ``shared_control.py``.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ def shared_motion(
     """Motions with linked parameters equal; the least of their shares of robustness is maximised.
 
     Arguments are those of ``shared_control``.  ``entries`` are the samples at which each path
-    enters its cells, its own timing if None; ``boxes`` (p,) bound the parameters of each problem,
-    their ranges if None.  None where linked parameters have no value in common: values of lists
-    stay as they are.
+    enters its cells, None for its own timing.  ``boxes`` (p,) bound the parameters of each problem,
+    None for their ranges.  None is returned if linked parameters have no common value: discrete
+    values stay fixed.
 
     Raises:
-        ValueError: a link names a parameter that there is not.
+        ValueError: if a link names a parameter that does not exist.
     """
     timing = [each.waypoints()[1] for each in problems] if entries is None else entries
     given = [None] * len(problems) if boxes is None else boxes
@@ -57,7 +57,7 @@ def shared_motion(
 
 
 def parameter_box(path_problem: PathProblem, theta: Array) -> Box:
-    """The ranges (p,) of parameters about theta (p,); those with lists of values stay."""
+    """The ranges (p,) of parameters about theta (p,); discrete ones stay fixed."""
     ranges = parameter_space(path_problem.model).free_box(theta)
     if ranges is None:
         return theta, theta

@@ -1,4 +1,4 @@
-r"""Convex steps of several motions at once, the parameters that they share tied by equations.
+r"""Convex steps of several motions at once, with shared parameters tied by equations.
 
 With the programs of the motions k (``convex_step.py``) side by side,
 
@@ -6,8 +6,8 @@ With the programs of the motions k (``convex_step.py``) side by side,
     \max\ s + \sum_k (\lambda \rho_k - w_V V_k) / S_k - \ldots \quad\text{s.t.}\quad
     s \le \rho_k / S_k, \qquad \theta_{k,i} = \theta_{l,j} \text{ for linked } (k, i), (l, j)
 
-and everything else as each of them has it.  The share s is the least margin as a part of what it
-can be at most.  The small weight lambda keeps motions good that are not the worst one.
+and all other terms as in each of them.  The share s is the least margin relative to its maximum.
+The small weight lambda also improves motions other than the worst one.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from solvers.trajectory.subproblem import Indices, StepResult, TrustRegion
 from solvers.trajectory.trajectory import Trajectory
 
 OTHERS = 1e-3
-"""The weight of the margin of a motion that need not be the worst one."""
+"""The weight of the margins of motions other than the worst one."""
 REGULAR = 1e-9
-"""The weight of the square of the share, for the solver's sake."""
+"""The weight of the squared share, which regularises the program."""
 
 Link: TypeAlias = tuple[tuple[int, int], ...]
-"""Parameters that are equal, each by the number of its problem and its own number there."""
+"""Equal parameters, each by the index of its problem and its own index there."""
 
 
 @dataclass(slots=True)
 class SharedStep:
     """The convex steps of several motions with linked parameters, one after the other.
 
-    Every one of ``steps`` has its parameters as unknowns.
+    The parameters are unknowns in every one of ``steps``.
     """
 
     steps: tuple[ConvexStep, ...]
@@ -54,9 +54,9 @@ class SharedStep:
         accuracy: float,
         fictitious: Sequence[bool],
     ) -> list[StepResult] | NotSolved:
-        """The optimum about motions of which linked parameters are equal; those of it are so, too.
+        """The optimum about motions whose linked parameters are equal, as they are in the result.
 
-        Each motion has a trust region, and fictitious inputs or not.
+        Each motion has its own trust region, and may have fictitious inputs.
         """
         arguments = zip(self.steps, about, regions, fictitious, strict=True)
         opened = [
@@ -78,14 +78,14 @@ class SharedStep:
         return [replace(each, trajectory=at) for each, at in zip(found, motions, strict=True)]
 
     def _joined(self, programs: list[ConvexProgram], opened: list[OpenStep]) -> ConvexProgram:
-        """The programs as one; the last unknown is the share."""
+        """The programs combined into one; the last unknown is the share."""
         starts = _starts(programs)
         width = int(starts[-1]) + 1
         layouts = [each.laid.layout for each in opened]
         rho = np.array([start + each.rho for start, each in zip(starts, layouts, strict=False)])
         linear = np.concatenate([*(each.linear for each in programs), [-1.0]])
         upper = np.concatenate([*(each.upper for each in programs), [1.0]])
-        # Of a motion whose inputs have one value each, the margin is zero and says nothing.
+        # If all inputs of a motion have only one value, its margin is 0 and is ignored.
         counted = rho[upper[rho] > 0]
         shares = _rows(counted, linear[counted], width - 1, width)
         linear[rho] *= OTHERS
@@ -117,7 +117,7 @@ class SharedStep:
 
 
 def tied(motions: Sequence[Trajectory], links: Sequence[Link]) -> list[Trajectory]:
-    """The motions with linked parameters equal bit by bit: as the first of each link has them."""
+    """The motions with linked parameters equal bit by bit, as in the first of each link."""
     thetas = [motion.theta.copy() for motion in motions]
     for (k, i), *others in links:
         for other, j in others:
@@ -126,14 +126,14 @@ def tied(motions: Sequence[Trajectory], links: Sequence[Link]) -> list[Trajector
 
 
 def _starts(programs: Sequence[ConvexProgram]) -> Indices:
-    """Where the unknowns of each program begin, (K,), and where they all end."""
+    """The index at which the unknowns of each program begin, (K,), and the total number."""
     return np.cumsum([0, *(len(each.linear) for each in programs)])
 
 
 def _rows(
     columns: Indices, values: np.ndarray, second: Indices | int, width: int, value: float = 1.0
 ) -> csc_matrix:
-    """Rows with two entries each: ``values`` (r,) in columns (r,), ``value`` in second ones."""
+    """Rows with two entries each: ``values`` (r,) in ``columns``, ``value`` in ``second``."""
     rows, count = np.arange(len(columns)), len(columns)
     entries = np.concatenate([values, np.full(count, value)])
     places = np.concatenate([columns, np.broadcast_to(second, (count,))])
@@ -141,7 +141,7 @@ def _rows(
 
 
 def _stacked(blocks: list[csc_matrix], below: csc_matrix) -> csc_matrix:
-    """Blocks along the diagonal, a column of zeros, and further rows below."""
+    """Blocks along the diagonal, then a zero column, with further rows below."""
     whole = block_diag(blocks, format="csc")
     whole.resize((whole.shape[0], below.shape[1]))
     return csc_matrix(block_array([[whole], [below]], format="csc"))

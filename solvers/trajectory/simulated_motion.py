@@ -1,9 +1,9 @@
-"""The motion that the decimals of a certificate cause, simulated, and what it clearly violates.
+"""A simulation of the motion of a certificate's decimals, and the conditions it clearly violates.
 
-A search looks at it before it spends a proof on it.  States between the samples are balls about
-simulated ones, as wide as the error of the integration is estimated.  The verifier's own conditions
-are held against these: one counts as violated only where it is so for the whole ball.  Nothing is
-proved here; what is not violated may still fail to be proved.
+A search runs it before it spends a proof.  States between the samples are balls about simulated
+ones, as wide as the estimated integration error.  The verifier's own conditions are evaluated on
+these balls, and one counts as violated only if it is violated for the whole ball.  Nothing is
+proved here: a condition that is not violated may still fail to be proved.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ from solvers.verifier.proofs.trajectory_proof import cell_path
 from solvers.verifier.proofs.tube_checks import Constraint, Inside, Status
 
 INSTANTS = 4
-"""So many times per step a motion is looked at; formulas twice as often."""
+"""The number of instants per step at which a motion is checked; twice as many for formulas."""
 AGREEMENT = 1e-8
-"""Twice as many parts of a step change no entry of a state by more, in SI."""
+"""Integration is fine enough if doubling the parts changes no state entry by more, in SI."""
 MOST_PARTS = 64
 FLOOR = 1e-9
-"""No error of the integration is thought to be smaller, in SI."""
+"""The least assumed integration error, in SI."""
 DOUBT = 1e-6
-"""Conditions that hold by more in floats, in metres, are not looked at in balls."""
+"""Conditions that hold by more than this in floats, in metres, are not evaluated on balls."""
 PRECISION = 64
-"""In bits: that of the balls, so that they are hardly wider than the errors."""
+"""The precision of the balls in bits, so that they are hardly wider than the errors."""
 
 
 # --- The motion -----------------------------------------------------------------------------------
@@ -56,11 +56,11 @@ class SimulatedMotion:
 
     Attributes:
         states: (k fine + 1, N), in SI units.
-        errors: how far they may be off, of the same shape.
-        inputs: those that are commanded, (k, m).
-        off: how far these may be off, (k, m).
+        errors: their estimated errors, of the same shape.
+        inputs: the commanded inputs, (k, m).
+        off: the estimated errors of these, (k, m).
         theta: the parameters, (p,).
-        fine: how many instants a step has.
+        fine: the number of instants per step.
     """
 
     states: Array
@@ -74,14 +74,14 @@ class SimulatedMotion:
 def simulated_motion(
     numeric: NumericRobot, motion: Motion, dt: float, substeps: int, fine: int = 2 * INSTANTS
 ) -> SimulatedMotion | None:
-    """The motion of exact decimals, closed by their law if they have one; None if it diverges.
+    """The motion of exact decimals, with their control law if they have one; None if it diverges.
 
     Args:
         numeric: the robot.
         motion: the decimals.
         dt: the time between samples, in seconds.
-        substeps: into how many parts a step is divided at least.
-        fine: so many times per step a state is kept.
+        substeps: the least number of parts of a step.
+        fine: the number of states kept per step.
     """
     theta = np.array([float(value) for value in motion.theta])
     own = [
@@ -121,7 +121,7 @@ def _fine_states(
     fine: int,
     parts: int,
 ) -> tuple[Array, Array]:
-    """States ``fine`` times per step, each of these divided into so many parts, and the inputs."""
+    """States at ``fine`` instants per step, with ``parts`` parts between them, and the inputs."""
     if gains is None:
         often = np.repeat(about.u, fine, axis=0)
         return numeric.simulate(first, often, about.theta, dt / fine, parts), about.u
@@ -134,16 +134,16 @@ def _fine_states(
     return np.concatenate(states), np.array(inputs).reshape(about.u.shape)
 
 
-# --- What it violates -----------------------------------------------------------------------------
+# --- Its violations -------------------------------------------------------------------------------
 
 
 def clear_violations(
     scene: Scene, motion: Motion, numeric: NumericRobot, seen: SimulatedMotion
 ) -> tuple[CheckedCondition, ...]:
-    """The conditions on the planned motion that it violates for certain, if errors are no larger.
+    """The conditions on the planned motion that it certainly violates, if errors are no larger.
 
-    ``margin`` says by how much at worst, where the condition has one.  Formulas, and what is asked
-    of all motions of a loop, are not looked at.
+    ``margin`` is the worst violation, if the condition has a margin.  Formulas and conditions on
+    all motions of a loop are not checked.
     """
     with working_precision(PRECISION):
         review, worst = _Review(scene, motion, numeric, seen), dict[str, CheckedCondition]()
@@ -156,7 +156,7 @@ def clear_violations(
 
 @dataclass(frozen=True)
 class _Review:
-    """A simulated motion in balls, held against the conditions of a task."""
+    """A simulated motion in balls, compared with the conditions of a task."""
 
     scene: Scene
     motion: Motion
@@ -195,7 +195,7 @@ class _Review:
 
     @cached_property
     def points(self) -> Tape:
-        """From coordinates, theta and k to the positions of all points."""
+        """The map from coordinates, theta and k to the positions of all points."""
         return tape(self.scene.graph.points)
 
     def places(self, number: int) -> list[list[arb]]:
@@ -205,17 +205,17 @@ class _Review:
         return [flat[i : i + d] for i in range(0, len(flat), d)]
 
     def instant(self, number: int) -> Slice:
-        """An instant as the conditions of a tube look at it."""
+        """An instant in the form that the conditions of a tube take."""
         return at_instant(self.places(number), number * self.step / INSTANTS)
 
     @cached_property
     def about(self) -> Array:
-        """Where the points of the graph are at the instants in floats, (instants, points, d)."""
+        """The points of the graph at the instants in floats, (instants, points, d)."""
         states = self.seen.states[:: self.seen.fine // INSTANTS, : self.numeric.n]
         return self.numeric.graph_points(states, self.seen.theta)
 
     def doubtful(self, condition: Constraint) -> list[int]:
-        """The instants at which a condition is not seen to hold by the facets of its set."""
+        """The instants at which the facets of a condition's set do not show that it holds."""
         if not isinstance(condition, (Inside, Apart)):
             return list(range(len(self.states)))
         normals = np.array([[float(x) for x in row.normal] for row in condition.rows])
@@ -224,7 +224,7 @@ class _Review:
             for column in zip(*((row.offset, row.length) for row in condition.rows), strict=True)
         )
         heights = self.about[:, list(condition.points)] @ normals.T
-        # Whatever a shape adds is no farther from its points than all weights together reach.
+        # A shape extends beyond its points by at most the sum of its farthest extensions.
         about = sum(
             np.linalg.norm([float(x) for x in each.farthest]) for each in condition.extensions
         )
@@ -237,11 +237,11 @@ class _Review:
         return np.flatnonzero(unsure).tolist()
 
     def at_start(self) -> list[CheckedCondition]:
-        """Where and how the motion begins."""
+        """The conditions on the beginning of the motion."""
         return start_conditions(self.scene, self.motion, self.states[0], self.tail, self.places(0))
 
     def always(self) -> Iterator[CheckedCondition]:
-        """The bounds, clearances, ranges and rates that are violated."""
+        """The violated bounds, clearances, ranges and rates."""
         constraints = position_conditions(self.scene, self.tail)
         limits = state_limits(self.scene, 2 * len(self.scene.model.dofs))
         for item in constraints:
@@ -260,7 +260,7 @@ class _Review:
                     yield CheckedCondition(limit.name, Status.FAILS, margin, limit.unit, time)
 
     def at_end(self) -> Iterator[CheckedCondition]:
-        """The target, and the rates there: at the last instant, or for as long as they bind."""
+        """The target and the final rates: at the last instant, or for as long as they bind."""
         task, last = self.scene.task, len(self.states) - 1
         if task.reach is None or task.repeat:
             return

@@ -1,10 +1,10 @@
-"""The convex step as sparse arrays: its structure is built once, then only numbers are filled in.
+"""The convex step as sparse arrays: the structure is built once, then only numbers are filled in.
 
-States and parameters are deviations from those of the trajectory, so that nothing is lost to
-rounding where the iteration ends; inputs are inputs.
+States and parameters are deviations from those of the trajectory, so that no accuracy is lost to
+rounding near the fixpoint; inputs are absolute.
 
-The structure depends on the robot, the limits, the grid and on which sample every position row is
-about; it is built anew when one of these changes.
+The structure depends on the robot, the limits, the grid and the sample of every position row.  It
+is rebuilt when one of these changes.
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ class StepProgram:
     question: SubproblemSpec
     layout: StepLayout
     samples: Indices
-    """The sample that each position row is about, (R,)."""
+    """The sample of each position row, (R,)."""
     _equal: EntryPattern = field(init=False)
     _given: Indices = field(init=False)
-    """Places of the states that are given, in the states laid out in a row."""
+    """Indices of the fixed states within the flattened states."""
     _given_values: Array = field(init=False)
     _less: EntryPattern = field(init=False)
     _less_tail: Array = field(init=False)
     _less_right: Array = field(init=False)
     _changes: int = field(init=False)
-    """The inequality from which on they are about changes of rates."""
+    """The index of the first inequality on changes of rates."""
     _cones: Cones | None = field(init=False)
     _columns: Array = field(init=False)
-    """The sizes of the unknowns, by which a program divides them."""
+    """The sizes of the unknowns, by which a program scales them."""
     _rows: Array = field(init=False)
-    """Those of the inequalities."""
+    """The sizes of the inequalities."""
 
     def __post_init__(self) -> None:
         self._lay_equalities()
@@ -56,13 +56,13 @@ class StepProgram:
 
     @property
     def _fictitious(self) -> tuple[Indices, Indices]:
-        """The places in B' (N, N) that need not be zero."""
+        """The places in B' (N, N) that may be nonzero."""
         n, own = self.layout.n, np.arange(2 * self.layout.n, self.layout.width)
         row, column = np.divmod(np.arange(n * n), n)
         return np.concatenate([row, n + row, own]), np.concatenate([column, n + column, own])
 
     def _lay_equalities(self) -> None:
-        """C.2, one block of N rows per step, then values given at the ends, and a closed loop."""
+        """C.2, one block of N rows per step, then fixed values at the ends, and a closed loop."""
         layout, limits = self.layout, self.question.limits
         k, width, n = layout.k, layout.width, layout.n
         entries = EntryList()
@@ -92,7 +92,7 @@ class StepProgram:
         self._given_values = np.concatenate([values for _, values in given])
 
     def _lay_inequalities(self) -> None:
-        """C.1, then C.4 and C.5 with C.6, then C.3, then bounds of accelerations."""
+        """C.1, then C.4 and C.5 with C.6, then C.3, then bounds on accelerations."""
         layout, question = self.layout, self.question
         entries, tail, right = EntryList(), list[Array](), list[Array]()
         rows = len(self.samples)
@@ -133,9 +133,9 @@ class StepProgram:
         self._less_right = np.concatenate([*right, np.zeros(0)])
 
     def _second_order(self) -> Cones | None:
-        """C.3 for groups of inputs that are bounded together: |u|_2 <= bound - w rho.
+        """C.3 for groups of inputs with a bounded norm: |u|_2 <= bound - w rho.
 
-        Where inputs keep a distance from the bound, |u|_2 <= bound - kept besides.
+        If inputs keep a distance from the bound, also |u|_2 <= bound - kept.
         """
         layout, sizes = self.layout, list[int]()
         entries, values, right = EntryList(), list[Array](), list[Array]()
@@ -161,7 +161,7 @@ class StepProgram:
         return Cones(matrix, np.concatenate(right), tuple(sizes))
 
     def _lay_sizes(self) -> None:
-        """Lengths and efforts are near one in a program, whatever the size of the robot."""
+        """Scale lengths and efforts to about one in a program, whatever the size of the robot."""
         layout, (length, effort) = self.layout, self.question.sizes
         self._columns, self._rows = np.ones(layout.size), np.ones(self._less.empty.shape[0])
         self._columns[layout.u] = self._columns[layout.v] = effort
@@ -173,7 +173,7 @@ class StepProgram:
         self._rows[len(self.samples) : self._changes] = effort
 
     def point(self, scaled: Array) -> Array:
-        """The unknowns (N,), in SI, of the optimum (N,) of a program."""
+        """The unknowns (N,), in SI, from the optimum (N,) of a program."""
         return scaled * self._columns
 
     # --- numbers --------------------------------------------------------------------------------
@@ -225,7 +225,7 @@ class StepProgram:
         return values, np.concatenate([known.ravel(), given, back])
 
     def _bounds(self, model: Model, radius: float) -> tuple[Array, Array]:
-        """Limits and trust region together; a centre outside the limits is moved onto them."""
+        """Limits and trust region combined; a centre outside the limits is moved onto them."""
         layout, question, about = self.layout, self.question, model.about
         n, limits = layout.n, question.limits
         lower, upper = np.full(layout.size, -np.inf), np.full(layout.size, np.inf)
@@ -238,7 +238,7 @@ class StepProgram:
         centre = np.clip(q, low, high)
         lower[layout.x[:, :n]] = np.maximum(low, centre - radius) - q
         upper[layout.x[:, :n]] = np.minimum(high, centre + radius) - q
-        if limits.start_values is not None:  # an equality says it
+        if limits.start_values is not None:  # fixed by an equality
             lower[layout.x[0, :n]], upper[layout.x[0, :n]] = -np.inf, np.inf
         low, high = rate_bounds(limits, layout.k)
         lower[layout.x[:, n : 2 * n]], upper[layout.x[:, n : 2 * n]] = low - v, high - v
@@ -279,14 +279,14 @@ class StepProgram:
         if layout.p:
             if pushed is not None:
                 linear[layout.theta] = weights.mobility * pushed.by_theta.sum(axis=0)
-            # A parameter bears on every sample.
+            # A parameter affects every sample.
             size = np.maximum(np.abs(model.about.theta), LEAST)
             quadratic[layout.theta] = 2 * proximal * (layout.k + 1) / size**2
         return quadratic, linear
 
 
 def _divided(matrix: csc_matrix, rows: Array, columns: Array) -> csc_matrix:
-    """A matrix for unknowns that are divided by their sizes, its rows divided by theirs."""
+    """A matrix for unknowns divided by their sizes, with its rows divided by theirs."""
     if np.all(rows == 1.0) and np.all(columns == 1.0):
         return matrix
     found = copy(matrix)
@@ -295,7 +295,7 @@ def _divided(matrix: csc_matrix, rows: Array, columns: Array) -> csc_matrix:
 
 
 def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:
-    """Bounds of the rates (k + 1, n); infinite at ends at rest, where an equality says it."""
+    """Bounds on the rates (k + 1, n); infinite at ends at rest, which equalities fix."""
     shape = (steps + 1, limits.joints)
     low = np.array(np.broadcast_to(limits.rate_lower, shape))
     high = np.array(np.broadcast_to(limits.rate_upper, shape))
@@ -309,9 +309,9 @@ def rate_bounds(limits: MotionLimits, steps: int) -> tuple[Array, Array]:
 
 
 def rate_steps(limits: MotionLimits, model: Model) -> list[Array]:
-    """How much more rates may rise in a step than about a trajectory, and how much less, (s,).
+    """The further rise of rates allowed in a step, relative to a trajectory, and the fall, (s,).
 
-    Of the joints whose accelerations are bound alone; without any, nothing.
+    Only joints with bounded accelerations are included; empty if there are none.
     """
     if model.rises is None:
         return []
@@ -322,12 +322,12 @@ def rate_steps(limits: MotionLimits, model: Model) -> list[Array]:
 
 
 def _end_rates(limits: MotionLimits, steps: int) -> tuple[tuple[slice, float], ...]:
-    """The samples at the two ends, with the bounds of their rates."""
+    """The samples at the two ends, with the bounds on their rates."""
     final = slice(steps + 1 - limits.final_samples, steps + 1)
     return (slice(0, 1), limits.start_rates), (final, limits.final_rates)
 
 
-# --- A sparse matrix whose entries are known in place before they are known in value --------------
+# --- A sparse matrix with a fixed pattern, whose values are filled in later -----------------------
 
 
 @dataclass(slots=True)
@@ -339,7 +339,7 @@ class EntryList:
     column: list[Indices] = field(default_factory=list[Indices])
 
     def add(self, *blocks: Indices) -> None:
-        """Further rows, with one entry in each of the columns of blocks of shape (rows, width)."""
+        """Add rows, with one entry in each of the columns of blocks of shape (rows, width)."""
         count = len(blocks[0])
         numbers = np.arange(self.rows, self.rows + count)
         for columns in blocks:
@@ -348,7 +348,7 @@ class EntryList:
         self.rows += count
 
     def compressed(self, width: int) -> EntryPattern:
-        """The pattern of a matrix with so many columns."""
+        """The pattern of a matrix with ``width`` columns."""
         none = np.zeros(0, dtype=np.int64)
         row = np.concatenate([*self.row, none])
         column = np.concatenate([*self.column, none])
@@ -361,16 +361,16 @@ class EntryList:
 
 @dataclass(frozen=True, slots=True)
 class EntryPattern:
-    """Compressed columns whose data are values of entries in the order of the list."""
+    """A compressed-column pattern, filled with values in the order of the list."""
 
     order: Indices
     empty: csc_matrix
-    """The pattern with zeros."""
+    """The pattern with zero values."""
 
     def matrix(self, values: Sequence[Array]) -> csc_matrix:
         """The matrix with values (entries,), block by block as the entries were listed."""
         flat = np.concatenate([*values, np.zeros(0)])
-        # The pattern is known to be sound: a copy is forty times as fast as building it anew.
+        # The pattern is valid, and copying it is forty times as fast as building a new one.
         matrix = copy(self.empty)
         matrix.data = flat[self.order]
         return matrix

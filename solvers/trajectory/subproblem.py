@@ -1,4 +1,4 @@
-"""The convex subproblem of one step: what it is asked, where its unknowns lie, what it answers."""
+"""The convex subproblem of one step: its specification, the layout of its unknowns, its result."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from compiler.arrays import Array
 from solvers.trajectory.task_limits import InputGroup, MotionLimits, effort_scale
 from solvers.trajectory.trajectory import Trajectory
 
-# --- What a convex step is asked and what it answers ----------------------------------------------
+# --- The specification of a convex step and its result --------------------------------------------
 
 
 LEAST = 0.1
@@ -22,11 +22,11 @@ LEAST = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """Penalties of the convex step: per unit of effort (V), per metre (sigma), of squares.
+    """Penalties of the convex step: per unit of effort (V), per metre (sigma), on squares.
 
-    Squares of inputs are in units of the largest margin; ``regular`` is given to every other
-    unknown, for the solver's sake.  ``rates`` is the price of the squares of all rates, in SI,
-    and ``mobility`` that of phi at every sample, linearised.
+    Squares of inputs are in units of the largest margin; ``regular`` applies to every other unknown
+    and regularises the program.  ``rates`` is the price of the squares of all rates, in SI, and
+    ``mobility`` that of the linearised phi at every sample.
     """
 
     fictitious: float = 20.0
@@ -39,9 +39,9 @@ class Weights:
 
 @dataclass(frozen=True, slots=True)
 class TrustRegion:
-    """Where a linearisation is believed.
+    """The region in which a linearisation is trusted.
 
-    ``radius`` bounds the moves of coordinates (rad or m) and, relative, of parameters;
+    ``radius`` bounds the moves of coordinates (rad or m) and the relative moves of parameters;
     ``proximal`` is the price of their squares.
     """
 
@@ -51,10 +51,9 @@ class TrustRegion:
 
 @dataclass(frozen=True, slots=True)
 class SubproblemSpec:
-    """What of a convex step stays the same from one to the next.
+    """The data that the convex steps of an iteration have in common.
 
-    With ``epsilon`` every step has a slack of its own under C.6; ``unit`` is the length (m) that
-    counts as one.
+    With ``epsilon`` every step has its own slack under C.6; ``unit`` is the unit of length (m).
     """
 
     limits: MotionLimits
@@ -71,7 +70,7 @@ class SubproblemSpec:
 
     @property
     def sizes(self) -> tuple[float, float]:
-        """Powers of ten by which lengths and efforts are divided in programs; mostly 1."""
+        """The unit of length, and the power of 1000 by which efforts are scaled in programs."""
         return self.unit, 1000.0 ** round(log10(self.scale) / 3)
 
 
@@ -91,7 +90,7 @@ class StepResult:
 
 
 # --------------------------------------------------------------------------------------------------
-# Where the unknowns of a convex step live in one vector z: motion, parameters, scalars, slacks.
+# The layout of a convex step's unknowns in one vector z: motion, parameters, scalars, slacks.
 
 
 Indices: TypeAlias = NDArray[np.int64]
@@ -102,7 +101,7 @@ class StepLayout:
     """``n`` coordinates, states of ``width`` entries, ``m`` inputs, ``k`` steps, ``p`` parameters.
 
     ``fictitious`` says whether there are fictitious inputs v and their bound V; ``slacks``, whether
-    each step has a slack g of its own.
+    each step has its own slack g.
     """
 
     n: int
@@ -146,7 +145,7 @@ class StepLayout:
 
     @property
     def largest(self) -> int:
-        """V, the bound of the fictitious inputs; only where there are any."""
+        """V, the bound on the fictitious inputs; valid only if there are any."""
         return self._after_v + self.p + 2
 
     @property

@@ -1,4 +1,4 @@
-"""What bounds a motion apart from positions, in floats: inputs, joints, rates, its two ends."""
+"""The constraints on a motion other than positions, in floats: inputs, joints, rates, both ends."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from grammar_lang import ir
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.friction_inputs import input_friction
 
-# --- What a robot and a task bound, in floats: joints and rates, inputs ---------------------------
+# --- Bounds from a robot and a task, in floats: joints and rates, inputs --------------------------
 
 
 NARROW = 0.1
-"""Limits are narrowed at most by this part of a range's width."""
+"""Limits are narrowed by at most this share of a range's width."""
 RATE_MARGIN = 0.5
-"""Final rates are bound by at most this fraction of what the task says."""
+"""Final rates are limited to at most this fraction of the task's bound."""
 ROUNDING = 1e-7
-"""Inputs that leave their bounds by no more, relatively, have left them by rounding."""
+"""Inputs that exceed their bounds by no more, relatively, do so because of rounding."""
 ACCELERATION_PART = 10.0
-"""Limits of accelerations are narrowed by so much of themselves per unit of what limits are kept at
-a distance by, which is 1 % at first."""
+"""Limits of accelerations are narrowed by this share per unit of the distance kept from limits,
+which gives 1 % at first."""
 MOST_NARROWED = 0.3
 LEAST_RATE = 0.05
-"""They are so by at least this fraction, however far disturbed motions spread."""
+"""But they are limited to no less than this fraction, however far disturbed motions spread."""
 
 
 def state_limits(model: RobotModel) -> Array:
-    """Ranges and rate limits of the joints, shape (n, 2, 2); infinite where there are none.
+    """Ranges and rate limits of the joints, shape (n, 2, 2); infinite if there are none.
 
-    Row i holds the range (rad or m) of joint i and its rate limits (the same per second), each
+    Row i contains the range (rad or m) of joint i and its rate limits (the same per second), each
     as lower and upper end.
     """
 
@@ -51,9 +51,9 @@ def state_limits(model: RobotModel) -> Array:
 
 
 def acceleration_limits(model: RobotModel) -> Array:
-    """Bounds (n,) of the sizes of the joints' accelerations, in rad/s^2 or m/s^2; infinite: none.
+    """Bounds (n,) on the joints' accelerations, in rad/s^2 or m/s^2; infinite if there is none.
 
-    Nothing where no joint has one, (0,).
+    Empty, (0,), if no joint has a bound.
     """
     if all(dof.accel is None for dof in model.dofs):
         return np.zeros(0)
@@ -61,7 +61,7 @@ def acceleration_limits(model: RobotModel) -> Array:
 
 
 def final_samples(task: ir.Task) -> int:
-    """At how many of the last samples final rates are bound."""
+    """The number of samples at the end at which final rates are bound."""
     return 1 + min(ceil(task.stay / task.step), task.steps)
 
 
@@ -70,12 +70,10 @@ def motion_limits(
 ) -> MotionLimits:
     """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
 
-    Accelerations are limited as the model says, with nothing kept free.
-
-    Ranges are narrowed by ``slack`` at either end, but by no more than a part of their width; an
-    array gives the slacks of ranges and rates at their lower and upper ends, shape (n, 2, 2), or
-    (k + 1, n, 2, 2) where samples differ.
-    Disturbed motions are to be off by ``spread`` from the final rates, in SI units.
+    Accelerations are limited as in the model, without a margin.  Ranges are narrowed by ``slack``
+    at either end, but by at most a share of their width.  An array gives the slacks of ranges and
+    rates at their lower and upper ends, shape (n, 2, 2), or (k + 1, n, 2, 2) if samples differ.
+    Disturbed motions may deviate by ``spread`` from the final rates, in SI units.
     """
     limits = state_limits(model)
     width = np.diff(limits, axis=2)
@@ -102,9 +100,9 @@ def motion_limits(
 def resting_at(
     limits: MotionLimits, task: ir.Task, samples: Sequence[tuple[int, int]], spread: Array | float
 ) -> MotionLimits:
-    """With the rates bound at the samples at which loads are taken up and put down.
+    """The limits with rates bound at the samples at which loads are picked up and put down.
 
-    Disturbed motions are to be off by ``spread`` from the rates, (k + 1, n) or one for all, in SI.
+    Disturbed motions may deviate by ``spread`` from the rates, (k + 1, n) or one for all, in SI.
     """
     if not task.carries:
         return limits
@@ -123,7 +121,7 @@ def resting_at(
 def input_groups(model: RobotModel, task: ir.Task) -> tuple[InputGroup, ...]:
     """The bounded inputs of a robot in a task, as if it had no dry friction.
 
-    Bounds leave room for what inputs add against it, as far as there is any.
+    Bounds leave room for friction compensation, as far as possible.
     """
     friction = input_friction(model)
     found = []
@@ -145,16 +143,16 @@ def resting_inputs(groups: tuple[InputGroup, ...], steps: int, count: int) -> Ar
     return u
 
 
-# --- What bounds a motion apart from positions, in floats: inputs, joints, rates, its two ends ----
+# --- Constraints other than positions, in floats: inputs, joints, rates, both ends ----------------
 
 
 @dataclass(frozen=True, slots=True)
 class InputGroup:
     """Inputs in [lower, upper] each, or of Euclidean norm at most ``upper`` (``norm2``).
 
-    Bounds are in SI units: N m or N where ``effort`` says that the inputs are free ones of joints,
-    else the units of the declared inputs.  In step i the inputs keep a distance ``kept[i]`` from
-    them at least; an empty array is 0 everywhere.
+    Bounds are in SI units: N m or N if ``effort`` says that the inputs act on joints directly, else
+    the units of the declared inputs.  In step i the inputs keep at least the distance ``kept[i]``
+    from the bounds; an empty array means 0 everywhere.
     """
 
     inputs: tuple[int, ...]
@@ -165,16 +163,16 @@ class InputGroup:
     kept: Array = field(default_factory=lambda: np.zeros(0))
 
     def narrowed(self, spread: Array) -> InputGroup:
-        """The group where inputs may differ by ``spread`` (k, m) from what is planned.
+        """The group if inputs may deviate by ``spread`` (k, m) from the plan.
 
-        Bounds do not cross: where the spread is more than all of them, one value is left.
+        Bounds never cross: if the spread is too large, a single value is left.
         """
         own = spread[:, list(self.inputs)]
         kept = np.linalg.norm(own, axis=1) if self.norm2 else np.max(own, axis=1, initial=0.0)
         return replace(self, kept=np.minimum(kept, self.widest_margin))
 
     def clipped(self, u: Array, step: int) -> Array:
-        """Inputs (m,) of a step brought into the bounds that they have there."""
+        """Inputs (m,) of a step, clipped to its narrowed bounds."""
         kept = float(self.kept[step]) if self.kept.size else 0.0
         if not self.norm2:
             return np.clip(u, self.lower + kept, self.upper - kept)
@@ -182,9 +180,9 @@ class InputGroup:
         return u * min(1.0, (self.upper - kept) / size) if size > 0 else u
 
     def weight(self, scale: float) -> float:
-        """The margin here that is the same share as one of 1 where the widest is ``scale``.
+        """The margin with the same share of its maximum as a margin of 1 of ``scale``.
 
-        It is 0 where inputs have one value only.
+        It is 0 if the inputs have only one admissible value.
         """
         return self.widest_margin / scale
 
@@ -194,14 +192,14 @@ class InputGroup:
         return self.upper if self.norm2 else (self.upper - self.lower) / 2
 
     def bounds(self) -> tuple[Array, Array]:
-        """The bounds that inputs of each step have to keep, (k, 1) each, or (1, 1) for all."""
+        """The narrowed bounds for each step, (k, 1) each, or (1, 1) for all."""
         kept = self.kept[:, None] if self.kept.size else np.zeros((1, 1))
         return self.lower + kept, self.upper - kept
 
     def margin(self, u: Array) -> float:
         """The least distance of inputs (k, m) from the bounds, in their units.
 
-        Where they do not keep the distance that is asked for, how far they are from that.
+        If they do not keep the required distance, the (negative) difference to it.
         """
         own = u[:, list(self.inputs)]
         if self.norm2:
@@ -215,24 +213,24 @@ class InputGroup:
 
 
 def effort_scale(groups: tuple[InputGroup, ...]) -> float:
-    """The unit in which defects and fictitious inputs are weighed: the largest margin of an input.
+    """The unit of effort for defects and fictitious inputs: the largest margin of an input.
 
-    Where every input has one value only, it is 1.
+    It is 1 if every input has only one admissible value.
     """
     return max((group.widest_margin for group in groups), default=1.0) or 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class MotionLimits:
-    """What binds the state apart from positions, in SI units.
+    """The constraints on the state other than positions, in SI units.
 
     Bounds have one entry per degree of freedom, (n,), or such a row for each sample, (k + 1, n):
     coordinates in rad or m, rates in the same per second.  ``start_rates`` bounds the initial rates
-    (0: at rest), ``final_rates`` the final ones (inf: free) at the last ``final_samples`` samples,
-    ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial states of the
-    modules' own.  ``accelerations`` bounds the sizes of those of the joints, (n,) or (k, n) step by
-    step, (0,) where none is bound.  The last state is that of the sample ``loop``, if there is one,
-    and farther by ``turned`` (N,).
+    (0: at rest), ``final_rates`` the final ones (inf: free) at the last ``final_samples`` samples.
+    ``start_values`` fixes the initial coordinates and ``own_start`` (r,) the initial values of the
+    modules' own states.  ``accelerations`` bounds the joints' accelerations, (n,) or (k, n) step by
+    step, (0,) if none is bound.  If there is a ``loop``, the last state is that of this sample plus
+    ``turned`` (N,).
     """
 
     lower: Array
@@ -255,19 +253,20 @@ class MotionLimits:
 
     @property
     def rates(self) -> tuple[Array, Array]:
-        """The bounds of the rates, (n,) or (k + 1, n) each."""
+        """The bounds on the rates, (n,) or (k + 1, n) each."""
         return self.rate_lower, self.rate_upper
 
     @property
     def accelerated(self) -> NDArray[np.int64]:
-        """The numbers (a,) of the joints whose accelerations are bound."""
+        """The indices (a,) of the joints with bounded accelerations."""
         bounds = np.atleast_2d(self.accelerations)
         return np.flatnonzero(np.isfinite(bounds).any(axis=0))
 
     def narrowed(self, margin: float, more: Array | float) -> MotionLimits:
-        """With accelerations bound more tightly, by the part that goes with a margin of limits.
+        """The limits with tighter bounds on accelerations, by a share that grows with ``margin``.
 
-        ``more`` is what is left besides, (n,) or (k, n), in rad/s^2 or m/s^2, of half of each.
+        ``more`` (n,) or (k, n), in rad/s^2 or m/s^2, is also subtracted, but at least half of each
+        bound remains.
         """
         if not self.accelerations.size:
             return self
@@ -277,6 +276,6 @@ class MotionLimits:
 
     @property
     def box(self) -> tuple[Array, Array]:
-        """Bounds of coordinates (n,) that are kept to at any sample."""
+        """Bounds on coordinates (n,) that hold at every sample."""
         lower, upper = np.atleast_2d(self.lower), np.atleast_2d(self.upper)
         return lower.max(axis=0), upper.min(axis=0)

@@ -1,7 +1,6 @@
-"""How large a task is: what length counts as one, and how much room its motions are given at first.
+"""The size of a task: its unit of length, and the initial margin of its motions.
 
-The thresholds of the search are those of robots of a metre or so; for others they are so many times
-larger or smaller.
+The thresholds of the search are made for robots of about a metre; for others they are scaled.
 """
 
 from __future__ import annotations
@@ -16,15 +15,15 @@ from grammar_lang.ir.formula_parts import asked_poses, atoms
 from solvers.trajectory.convex_set import ConvexSet, region_set
 
 LEAST_MARGIN = 2e-4
-"""The position margin that a search begins with, of tasks of a metre or so (m)."""
+"""The initial position margin of a search, for tasks of about a metre (m)."""
 DISTURBED_MARGIN = 2e-3
-"""The same where many motions are proved at once: a wider one costs another proof, a long one."""
+"""The initial margin if many motions are proved at once: widening it costs another long proof."""
 SHARE = 0.1
-"""It is no more than this part of the least radius of a region or pose that is to be reached."""
+"""The margin is at most this share of the least radius of a region or pose to be reached."""
 SMALLEST = 1e-6
-"""Nor less than this, in units of length."""
+"""The margin is at least this, in units of length."""
 ROUNDED = 0.1
-"""Sizes a little less than a power of ten count as that power."""
+"""Sizes slightly below a power of ten count as that power."""
 
 
 def length_unit(workspace: ir.Workspace) -> float:
@@ -35,7 +34,7 @@ def length_unit(workspace: ir.Workspace) -> float:
 
 
 def least_margin(workspace: ir.Workspace, task: ir.Task) -> float:
-    """The position margin (m) that a search begins with."""
+    """The initial position margin (m) of a search."""
     unit = length_unit(workspace)
     names = {atom.region for clause in task.demanded for atom in atoms(clause.formula)}
     names |= {task.start.region} if isinstance(task.start, ir.StartIn) else set()
@@ -50,6 +49,6 @@ def least_margin(workspace: ir.Workspace, task: ir.Task) -> float:
 
 
 def _radius(region: ConvexSet) -> float:
-    """The distance (m) of the mean of the corners from the nearest facet."""
+    """The distance (m) from the mean of the corners to the nearest facet."""
     middle = region.vertices.mean(axis=0)
     return float(np.min(region.offsets - region.normals @ middle))

@@ -1,14 +1,14 @@
-r"""How fast a robot can go along a given way in joint space, as far as its limits allow.
+r"""The fastest timing of a given way in joint space that the limits of a robot allow.
 
 Along a way q(s) the inputs are linear in the acceleration and the square of the rate of s,
 
 .. math:: u = P (q' \ddot s + (q'' - a_2) \dot s^2 - a_0), \qquad
    \ddot q = a_0 + a_1 \dot s + a_2 \dot s^2 + B u, \quad P = B^+ ,
 
-so that what rates can still be braked is an interval of squared rates at each place, found from the
-end of the way backwards; forwards, the fastest one is taken (Pham & Pham, *A new approach to
-time-optimal path parameterization based on reachability analysis*, 2018).  Friction that grows with
-rates (a_1) is left out.  Only a seed: what becomes of it is solved for and proved.
+so that the rates from which the robot can still brake form an interval of squared rates at each
+place.  The intervals are computed backwards from the end of the way; forwards, the fastest rate is
+taken (Pham & Pham, *A new approach to time-optimal path parameterization based on reachability
+analysis*, 2018).  Friction that grows with rates (a_1) is neglected.  The result is only a seed.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from compiler.discretisation.numeric_robot import NumericRobot
 from solvers.trajectory.task_limits import InputGroup, MotionLimits
 
 PLACES = 120
-"""Places on a way that are looked at."""
+"""The number of steps into which a way is divided."""
 TINY = 1e-9
 FASTEST = 1e12
-"""Stands for a squared rate that nothing bounds, 1/s^2."""
+"""Stands for an unbounded squared rate, 1/s^2."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,11 +39,11 @@ class Timing:
 
     @property
     def duration(self) -> float:
-        """How long it takes, in seconds."""
+        """The duration in seconds."""
         return float(self.times[-1])
 
     def sampled(self, steps: int) -> Array:
-        """Coordinates (steps + 1, n) at even times, the timing stretched to last so long."""
+        """Coordinates (steps + 1, n) at equidistant times over the whole duration."""
         at = np.linspace(0.0, self.duration, steps + 1)
         q: Array = np.stack([np.interp(at, self.times, column) for column in self.way.T], axis=1)
         return q
@@ -60,13 +60,13 @@ def fastest_timing(
 
     Args:
         numeric: the robot.
-        limits: those of rates and accelerations, and whether it ends at rest.
-        groups: the bounds of inputs.
+        limits: the limits of rates and accelerations, and whether it ends at rest.
+        groups: the bounds on inputs.
         theta: the parameters, (p,).
-        motion: coordinates, (k + 1, n), of which the way alone counts.
+        motion: coordinates, (k + 1, n); only their way matters.
 
     Returns:
-        None where inputs do not hold the robot somewhere on the way, or nothing moves.
+        The timing; None if inputs cannot hold the robot somewhere on the way, or nothing moves.
     """
     way = _evenly(motion)
     if way is None:
@@ -84,7 +84,7 @@ def fastest_timing(
 
 
 def _evenly(motion: Array) -> Array | None:
-    """Places (w, n) on the way of a motion, at even lengths of it in coordinates."""
+    """Places (w, n) on the way of a motion, evenly spaced by length in coordinates."""
     ways = np.linalg.norm(np.diff(motion, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(ways)])
     if not along[-1] > TINY:
@@ -97,7 +97,7 @@ def _evenly(motion: Array) -> Array | None:
 
 
 class _Places:
-    """The linear limits G (a, b) <= h of the acceleration a and squared rate b, place by place."""
+    """The linear limits G (a, b) <= h on the acceleration a and squared rate b at each place."""
 
     def __init__(
         self,
@@ -132,7 +132,7 @@ class _Places:
 
 
 def _rate_limits(limits: MotionLimits, first: Array) -> Array:
-    """The largest squared rate (w,) that limits of joints allow at each place."""
+    """The largest squared rate (w,) that joint limits allow at each place."""
     low = limits.rate_lower.reshape(-1, limits.joints).max(axis=0)
     high = limits.rate_upper.reshape(-1, limits.joints).min(axis=0)
     bound = np.where(first > 0, high, -low)
@@ -164,7 +164,7 @@ def _dynamics(
 
 
 def _input_bounds(groups: Sequence[InputGroup], inputs: int) -> tuple[Array, Array]:
-    """Bounds (m,) of each input; a box within the ball where the norm is bound."""
+    """Bounds (m,) on each input; for a bounded norm, a box within the ball."""
     lower, upper = np.full(inputs, -FASTEST), np.full(inputs, FASTEST)
     for group in groups:
         own, kept = list(group.inputs), float(np.max(group.kept, initial=0.0))
@@ -175,7 +175,7 @@ def _input_bounds(groups: Sequence[InputGroup], inputs: int) -> tuple[Array, Arr
 
 
 def _backwards(places: _Places) -> Array | None:
-    """The squared rates (w, 2), least and most, from which the end of the way can be reached."""
+    """The least and greatest squared rates (w, 2) from which the end of the way can be reached."""
     count = len(places.fastest)
     found = np.zeros((count, 2))
     found[-1] = 0.0, places.fastest[-1]

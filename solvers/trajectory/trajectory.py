@@ -11,7 +11,7 @@ from compiler.arrays import Array
 class Trajectory:
     """States (k + 1, N), inputs (k, m) and parameters (p,) of a robot, in SI units; N = 2n + r.
 
-    A state is n coordinates (rad or m), their rates, and the r states of the modules' own.
+    A state consists of n coordinates (rad or m), their rates, and the r modules' own states.
     Inputs (N m or N at joints) are held from one sample to the next.
     """
 

@@ -1,4 +1,4 @@
-"""Which cells the effectors of a robot are in along a motion."""
+"""The cells that the effectors of a robot visit along a motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def visited_cells(
     path_problem: PathProblem, trajectory: Trajectory
 ) -> tuple[tuple[int, ...], Entries] | None:
-    """The cells a trajectory visits and when it enters them, if that is a path of the task."""
+    """The cells a trajectory visits and their entries; None unless this is a path of the task."""
     numeric = path_problem.numeric
     positions = numeric.places(trajectory.x[:, : numeric.n], trajectory.theta)
     avoided = {
@@ -44,7 +44,7 @@ def visited_cells(
 
 
 def depth_in_cells(path_problem: PathProblem, trajectory: Trajectory) -> float:
-    """By how much the leader keeps inside the cells that it is in at the samples, in metres."""
+    """The least depth of the leader inside the cells that it is in at the samples, in metres."""
     numeric, cells = path_problem.numeric, path_problem.abstraction.cells
     positions = numeric.places(trajectory.x[:, : numeric.n], trajectory.theta)
     least = np.inf
@@ -62,7 +62,7 @@ def cell_names(
 ) -> list[list[str]]:
     """The cell of every effector at every sample.
 
-    That of the leader is the one that it is bound to, if it is bound to any.
+    For the leader it is the cell to which it is bound, if it is bound to any.
     """
     cells = path_problem.abstraction.cells
     numeric = path_problem.numeric
