@@ -189,7 +189,7 @@ def _length(entries: Iterable[arb]) -> Fraction:
     for entry in entries:
         square += entry * entry
     scale = 2 ** (2 * SHIFT_BITS)
-    upper = (square.sqrt() * scale).upper().ceil().unique_fmpz()
+    upper = (square.upper().sqrt() * scale).upper().ceil().unique_fmpz()
     if upper is None:
         raise ArithmeticError("the enclosure of a frame is too wide")
     return Fraction(int(upper), scale)

@@ -6,6 +6,7 @@ import os
 import posixpath
 import re
 import stat
+from codecs import BOM_UTF8
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -76,8 +77,9 @@ def decoded(data: bytes, file: int, sink: Sink) -> tuple[str, bool]:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        start = len(data[: error.start].decode("utf-8-sig", errors="replace"))
-        message = f"the file is not UTF-8: byte 0x{data[error.start]:02x}"
+        mark = len(BOM_UTF8) if data.startswith(BOM_UTF8) else 0  # which `error` does not count
+        start = len(data[mark : mark + error.start].decode("utf-8", errors="replace"))
+        message = f"the file is not UTF-8: byte 0x{data[mark + error.start]:02x}"
         sink.error(Code.NOT_UTF8, message, Span(start, start + 1, file), "save it as UTF-8")
         return data.decode("utf-8-sig", errors="replace"), False
     return _LONE_RETURN.sub("\n", text), is_text(text, file, sink)

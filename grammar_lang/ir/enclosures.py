@@ -47,9 +47,18 @@ def rational_bounds(expr: ir.Expr) -> Bounds | None:
         lower, upper = _fraction(value.lower()), _fraction(value.upper())
     finally:
         ctx.prec = before
-    exponent = DIGITS - math.ceil(math.log10(abs(lower)))
-    grid = Fraction(10) ** exponent
+    grid = Fraction(10) ** (DIGITS - _magnitude(lower))
     return math.floor(lower * grid) / grid, math.ceil(upper * grid) / grid
+
+
+def _magnitude(value: Fraction) -> int:
+    """The least n with |value| <= 10^n, for a value that may be beyond the range of doubles."""
+    size, ten = abs(value), Fraction(10)
+    bits = size.numerator.bit_length() - size.denominator.bit_length() - 1  # size > 2^bits
+    found = math.floor(bits * math.log10(2)) - 1
+    while ten**found < size:
+        found += 1
+    return found
 
 
 _OPERATORS: dict[ir.Operator, Callable[[arb, arb], arb]] = {

@@ -124,7 +124,8 @@ class _Places:
         rows = [np.stack([by_a, by_b], axis=2), -np.stack([by_a, by_b], axis=2)]
         most = [upper - alone, alone - lower]
         if limits.accelerations.size:
-            bound = np.broadcast_to(limits.accelerations[-1:].reshape(-1)[-n:], (count, n))
+            least = np.atleast_2d(limits.accelerations).min(axis=0)
+            bound = np.broadcast_to(least, (count, n))
             along = np.stack([first, second], axis=2)
             rows += [along, -along]
             most += [bound, bound]

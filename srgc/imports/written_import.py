@@ -88,7 +88,10 @@ def _refuse_shared(meshes: list[Path], path: Path) -> None:
     for spec in sorted(path.parent.glob("*.srg")):
         if spec.name == path.name or not spec.is_file():
             continue
-        text = spec.read_bytes()
+        try:
+            text = spec.read_bytes()
+        except OSError as error:
+            raise UsageFault(f"{spec}: {error.strerror}; it may name {meshes[0]}") from None
         for mesh in meshes:
             if f'"{mesh.relative_to(path.parent).as_posix()}"'.encode() in text:
                 raise UsageFault(
@@ -98,7 +101,10 @@ def _refuse_shared(meshes: list[Path], path: Path) -> None:
 
 
 def _same(place: Path, data: bytes) -> bool:
-    return place.is_file() and not place.is_symlink() and place.read_bytes() == data
+    try:
+        return place.is_file() and not place.is_symlink() and place.read_bytes() == data
+    except OSError:  # what cannot be read is not known to be the same
+        return False
 
 
 def _empty_beside(place: Path) -> Path:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from compiler.workspaces.closed_frame import rational_frame
 from compiler.workspaces.convex_objects import hollow_objects
 from compiler.workspaces.map_header import MapFault
 from compiler.workspaces.mesh_scene import scene_pieces
@@ -293,3 +294,14 @@ def test_objects_that_are_not_convex_are_counted(seed: int) -> None:
     flipped = [face[::-1] if i % 3 else face for i, face in enumerate(box(size=(9, 5, 0.01)))]
     for faces in (box(), flipped, ball):
         assert hollow(obj(("o a", turned(faces, seed)))) == 0
+
+
+@pytest.mark.parametrize("angle", [60, 37])
+def test_turns_that_cancel_are_no_turn(angle: int) -> None:
+    """The errors of such a frame are balls about 0, whose squares are not known to be positive."""
+    steps = [ir.Rot("z", degrees(angle)), ir.Rot("z", degrees(-angle))]
+    found = rational_frame(frame(*steps))
+    point = (F(3), F(-2), F(7))
+    error = found.turned * 8 + found.moved
+    assert error < F(1, 10**9)
+    assert all(abs(a - b) <= error for a, b in zip(found.apply(point), point, strict=True))

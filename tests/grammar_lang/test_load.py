@@ -130,6 +130,7 @@ def test_unreadable_files(tmp_path: Path) -> None:
         (b" \n// only a comment\n/* and\nanother */", ("SRG0105", 1, 1)),
         (b"\xef\xbb\xbf", ("SRG0105", 1, 1)),
         (b"edge eps;\nedge \xff;", ("SRG0102", 2, 6)),
+        (b"\xef\xbb\xbfedge eps;\nedge \xff;", ("SRG0102", 2, 6)),
         (b"edge eps;\r\nedge\0;", ("SRG0103", 2, 5)),
         (b"\xef\xbb\xbfedge eps;\r\nedge ;", ("SRG0104", 2, 6)),
     ],

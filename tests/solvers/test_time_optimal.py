@@ -184,3 +184,41 @@ def test_samples_of_a_timing() -> None:
     assert found is not None
     q = found.sampled(4)[:, 0]
     np.testing.assert_allclose(q, WAY * np.array([0, 1 / 8, 1 / 2, 7 / 8, 1]), atol=2e-3)
+
+
+GANTRY = """
+module Base { role base; }
+module Along { role joint; dof q: prismatic x in [-3, 3] m accel <= FIRST m/s^2; }
+module Across { role joint; dof q: prismatic y in [-3, 3] m accel <= LAST m/s^2; }
+module Tip { role effector; }
+edge e;
+grammar Both {
+  start S; base: S -> Base; along: S -> S e Along; across: S -> S e Across; tip: S -> S e Tip;
+  accept matches Base e Along e Across e Tip;
+}
+semantics Both {
+  base { this.frame = world; }
+  along { this.frame = S.frame * move(x, Along.q); point(frame: this.frame, mass: 1 kg); }
+  across { this.frame = S.frame * move(y, Across.q); point(frame: this.frame, mass: 1 kg); }
+  tip { this.frame = S.frame; effector(frame: this.frame); }
+}
+workspace W { plane xy; bounds box [-9, 9] x [-9, 9] m; region A box [-9, 9] x [-9, 9] m; }
+task Go {
+  robot Both; workspace W; start in A at rest; reach A at rest;
+  effort <= 1000 N; horizon at most 40 steps of 0.1 s;
+}
+"""
+
+
+@pytest.mark.parametrize(("first", "last"), [(1, 4), (4, 1), (2, 2)])
+def test_each_joint_keeps_its_own_bound_on_accelerations(
+    first: float, last: float, part: float
+) -> None:
+    """Both axes move by WAY, so the slower one decides: it speeds up and brakes at its bound."""
+    model, _, task = robot_of(GANTRY.replace("FIRST", str(first)).replace("LAST", str(last)))
+    numeric = NumericRobot(robot_graph(model, task.gravity))
+    limits, groups = motion_limits(model, task), input_groups(model, task)
+    way = np.linspace((0, 0), (WAY, -WAY), 12)
+    found = fastest_timing(numeric, limits, groups, np.zeros(0), way)
+    assert found is not None
+    assert found.duration == pytest.approx(2 * sqrt(WAY / min(first, last)), rel=part)

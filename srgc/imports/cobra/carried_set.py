@@ -108,6 +108,8 @@ def _spec(path: Path) -> CarriedSet:
     for item in grammars[0].items:
         if isinstance(item, syntax.Listed):
             listed += [name.text for name in item.names]
+    if not listed:
+        raise UsageFault(f"{path}: its grammar from ports names no modules: it needs a `start`")
     known = [modules[name] for name in listed if name in modules]
     entry = next(
         (

@@ -88,7 +88,7 @@ class MeshObstacles:
         found = decomposed(
             mesh.vertices,
             mesh.triangles,
-            detail=self.detail or DETAIL,
+            detail=DETAIL if self.detail is None else self.detail,
             pieces=self.pieces,
             places=mesh.places,
         )

@@ -48,12 +48,12 @@ class RegionSets:
 
     def region(self, pose: ToleratedPose, *, flat: bool) -> str:
         """The set of positions; a polytope if ``flat``, as formulas require."""
-        balls = [each for each in pose.tolerances if each.projection == "r_sph"]
-        tubes = [each for each in pose.tolerances if each.projection == "r_cyl"]
+        balls = _bounded(pose, "r_sph")
+        tubes = _bounded(pose, "r_cyl")
         self._unsaid(pose)
         slabs = list(self._slabs(pose))
         if balls and not tubes and not slabs:
-            return self._ball(pose, min(each.high for each in balls), balls[0], flat=flat)
+            return self._ball(pose, min(balls, key=lambda each: each.high), flat=flat)
         if tubes and not balls and not flat and _along(tubes[0].axes[:, 2], slabs):
             return self._cylinder(pose, tubes, slabs)
         for each in balls:
@@ -93,18 +93,25 @@ class RegionSets:
         )
         return _box_around(pose, pose.nominal[:3, :3], DEFAULT_LENGTH)
 
-    def _ball(self, pose: ToleratedPose, radius: float, of: Tolerance, *, flat: bool) -> str:
+    def _ball(self, pose: ToleratedPose, of: Tolerance, *, flat: bool) -> str:
         if flat:
             return self._slabs_text(self._cube(pose, of))
-        return f"ball {self._point(pose.at)} radius {self.write.length(radius)}"
+        return f"ball {self._point(pose.at)} radius {self.write.length(self._radius(of))}"
+
+    def _radius(self, of: Tolerance) -> float:
+        """The radius of a ball or a tube, which needs an interior."""
+        if of.high < THIN / 10:
+            self.remarks.append(f"{of.place.path}: a radius of 0 became 0.1 mm")
+            return THIN
+        return of.high
 
     def _cube(self, pose: ToleratedPose, of: Tolerance) -> list[Slab]:
         self.remarks.append(f"{of.place.path}: a cube within the ball of {of.high:g} m")
-        return _box_around(pose, np.eye(3), inner(of.high / math.sqrt(3)))
+        return _box_around(pose, np.eye(3), inner(self._radius(of) / math.sqrt(3)))
 
     def _square(self, pose: ToleratedPose, of: Tolerance) -> list[Slab]:
         self.remarks.append(f"{of.place.path}: a square within the circle of {of.high:g} m")
-        return _box_around(pose, of.axes[:, :2], inner(of.high / math.sqrt(2)))
+        return _box_around(pose, of.axes[:, :2], inner(self._radius(of) / math.sqrt(2)))
 
     def _cylinder(self, pose: ToleratedPose, tubes: Sequence[Tolerance], slabs: list[Slab]) -> str:
         axis, far = tubes[0].axes[:, 2], float(np.ptp(self.bounds, axis=1).max())
@@ -114,7 +121,7 @@ class RegionSets:
         ends = (
             pose.at + (height - at) * axis for height in (max(low, at - far), min(high, at + far))
         )
-        radius = min(each.high for each in tubes)
+        radius = self._radius(min(tubes, key=lambda each: each.high))
         points = ", ".join(self._point(end) for end in ends)
         return f"cylinder {points} radius {self.write.length(radius)}"
 
@@ -219,6 +226,15 @@ def _box_around(pose: ToleratedPose, axes: NDArray[np.float64], half: float) -> 
         at = float(direction @ pose.at)
         found.append(Slab(direction, at - half, at + half))
     return found
+
+
+def _bounded(pose: ToleratedPose, projection: str) -> list[Tolerance]:
+    """The tolerances of a projection that have an upper limit."""
+    return [
+        each
+        for each in pose.tolerances
+        if each.projection == projection and math.isfinite(each.high)
+    ]
 
 
 def _along(axis: NDArray[np.float64], slabs: Sequence[Slab]) -> bool:

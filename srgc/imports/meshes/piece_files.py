@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from srgc.paths import write_output
+from srgc.paths import unwritable, write_output
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,4 +61,8 @@ def _replace(path: Path, text: str) -> None:
     """Write a file under another name first, so that it never exists in part."""
     pending = path.with_name(f".{path.name}.part")
     write_output(pending, text)
-    pending.replace(path)
+    try:
+        pending.replace(path)
+    except OSError as error:
+        pending.unlink(missing_ok=True)
+        raise unwritable(path, error) from None

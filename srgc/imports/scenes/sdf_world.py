@@ -12,7 +12,7 @@ from srgc.imports.scenes.scene import Scene, SceneObject
 from srgc.imports.scenes.sdf_frames import Scope, is_true
 from srgc.imports.scenes.sdf_geometry import Geometries
 from srgc.imports.source_fault import SourceFault
-from srgc.imports.source_files import SourceFiles, source_bytes
+from srgc.imports.source_files import TEXT_LIMIT, SourceFiles, source_bytes
 from srgc.imports.xml_source import Element, xml_file
 
 PASSED = frozenset(
@@ -70,7 +70,7 @@ class _Reader:
             outer.missing.append(f"include {uri or '(without an address)'}: {said}")
             self.scene.dropped.append(outer.missing[-1])
             return None
-        file = xml_file(source_bytes(path), path)
+        file = xml_file(source_bytes(path, TEXT_LIMIT), path)
         model = file.root.find("model")
         if model is None:
             outer.missing.append(f"include {uri}: {path.name} has no model")

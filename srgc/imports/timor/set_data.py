@@ -266,6 +266,8 @@ def _range(limits: Place) -> tuple[float, float]:
     lower = limits.get("positionLower", -math.inf).limit()
     upper = limits.get("positionUpper", math.inf).limit()
     if lower > upper or lower == math.inf or upper == -math.inf:
+        if "positionUpper" not in limits:
+            raise limits["positionLower"].fault(f"no position is above {lower:g}")
         raise limits["positionUpper"].fault(f"{upper:g} is below the lower limit {lower:g}")
     return lower, upper
 

@@ -19,8 +19,10 @@ from pathlib import Path
 from typing import Any
 
 SECONDS, BYTES = 20, 2 * 2**30
-REFUSED = ("subprocess.", "os.exec", "os.fork", "os.posix_spawn", "os.system", "socket.", "ctypes.")
-_CHANGES = ("os.remove", "os.rename", "os.mkdir", "os.rmdir", "os.symlink", "os.link", "shutil.")
+REFUSED = ("subprocess.", "os.", "shutil.", "socket.", "ctypes.")
+LISTS = ("os.listdir", "os.scandir", "os.walk")
+"""The events of ``os`` that change nothing and start nothing."""
+WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 
 
 def fence(roots: Sequence[str]) -> None:
@@ -28,12 +30,14 @@ def fence(roots: Sequence[str]) -> None:
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
         if event == "open":
-            path, mode = os.fspath(arguments[0]), str(arguments[1] or "r")
+            path, _, flags = arguments
             real = os.path.realpath(os.fsdecode(path)) if not isinstance(path, int) else ""
             inside = any(real == root or real.startswith(f"{root}{os.sep}") for root in roots)
-            if not inside or set(mode) & set("wax+"):
+            if not inside or flags & WRITES:
                 raise PermissionError(EACCES, "it is outside the folder of the file", real)
-        elif event.startswith((*REFUSED, *_CHANGES)):
+            if Path(real).exists() and not Path(real).is_file():
+                raise PermissionError(EACCES, "it is not a plain file", real)
+        elif event.startswith(REFUSED) and event not in LISTS:
             raise PermissionError(f"{event} is not for a description of a robot")
 
     sys.addaudithook(hook)

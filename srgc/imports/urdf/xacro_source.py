@@ -15,6 +15,9 @@ from srgc.imports.source_fault import file_fault
 from srgc.imports.source_files import SourceFiles
 from srgc.imports.urdf.xacro_process import SECONDS
 
+WAIT = 6 * SECONDS
+"""Seconds until the process is ended; its own limit is one of processor time."""
+
 
 def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
     """Expand a xacro file to URDF.
@@ -43,20 +46,26 @@ def expanded_xacro(files: SourceFiles, arguments: Iterable[str]) -> bytes:
     }
     command = [sys.executable, "-P", "-m", "srgc.imports.urdf.xacro_process"]
     environment = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONHASHSEED": "0"}
-    done = subprocess.run(  # noqa: S603 — our own module, with input on stdin alone
-        command,
-        input=json.dumps(asked).encode(),
-        capture_output=True,
-        env=environment,
-        check=False,
-    )
+    late = f"xacro cannot expand it: it takes more than {SECONDS} s"
+    try:
+        done = subprocess.run(  # noqa: S603 — our own module, with input on stdin alone
+            command,
+            input=json.dumps(asked).encode(),
+            capture_output=True,
+            env=environment,
+            check=False,
+            timeout=WAIT,
+        )
+    except subprocess.TimeoutExpired:
+        raise file_fault(files.main, late) from None
     if done.returncode == 0:
         answer = json.loads(done.stdout)
         _refuse_unknown(files, values, answer["arguments"])
         return str(answer["text"]).encode()
     lines = done.stderr.decode(errors="replace").strip().splitlines()
-    said = lines[-1] if lines and done.returncode == 1 else f"it takes more than {SECONDS} s"
-    raise file_fault(files.main, f"xacro cannot expand it: {said}")
+    if lines and done.returncode == 1:
+        raise file_fault(files.main, f"xacro cannot expand it: {lines[-1]}")
+    raise file_fault(files.main, late)
 
 
 def _refuse_unknown(files: SourceFiles, values: Mapping[str, str], known: Sequence[str]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -311,3 +312,36 @@ def test_the_mesh_is_what_its_generator_makes() -> None:
     from tests.oracles.machine_meshes import machine, stl_bytes
 
     assert (FOLDER / "machine.stl").read_bytes() == stl_bytes(machine())
+
+
+BALLS: dict[str, tuple[list[str], list[list[float]], str, str]] = {
+    "no limit": (
+        ["r_sph", "x"], [[0, math.inf], [-0.01, 0.01]],
+        "target B box [0.29, 0.31] x [-", "",
+    ),
+    "a point": (
+        ["r_sph"], [[0, 0]],
+        "target B ball (300, 300, 300) mm radius 0.1 mm;", "a radius of 0 became 0.1 mm",
+    ),
+    "the smaller": (
+        ["r_sph", "r_sph"], [[0, 0.05], [0, 0.02]],
+        "target B ball (300, 300, 300) mm radius 20 mm;", "",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BALLS)
+def test_balls_of_any_size(name: str, tmp_path: Path) -> None:
+    projections, limits, text, remark = BALLS[name]
+    ball = {"toleranceProjection": projections, "tolerance": limits}
+    found, remarks = imported(tmp_path, [goal("a", 0.2), goal("b", 0.3, "at", **ball)])
+    assert text in found
+    assert any(remark in each for each in remarks)
+
+
+def test_the_cube_of_a_formula_is_in_the_smaller_ball(tmp_path: Path) -> None:
+    """20 mm / sqrt(3) is 11.547 mm."""
+    balls = {"toleranceProjection": ["r_sph"] * 2, "tolerance": [[0, 0.05], [0, 0.02]]}
+    goals = [goal("a", 0.2), goal("b", 0.3, **balls), goal("c", 0.4)]
+    text, _ = imported(tmp_path, goals)
+    assert "region B box [288.5, 311.5] x [288.5, 311.5] x [288.5, 311.5] mm;" in text

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -163,6 +164,41 @@ def test_macros_read_nothing_else(name, tmp_path):
     assert "SECRET" not in str(caught.value)
     assert "Errno" not in str(caught.value)
     assert "Python" not in str(caught.value)
+
+
+@pytest.mark.slow
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "part.xacro")
+    (tmp_path / "r.xacro").write_text(XACRO.format('<xacro:include filename="part.xacro"/>'))
+    with pytest.raises(UsageFault, match="not a plain file"):
+        urdf_import(tmp_path / "r.xacro")
+
+
+CHANGES = {
+    "truncate": "os.truncate({path!r}, 0)",
+    "chmod": "os.chmod({path!r}, 0)",
+    "flags": "os.open({path!r}, os.O_WRONLY | os.O_TRUNC)",
+    "create": "os.open({path!r} + 'x', os.O_RDONLY | os.O_CREAT)",
+    "mode": "open({path!r}, 'r+')",
+    "list": "os.remove({path!r})",
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_the_fence_lets_nothing_change(name, tmp_path):
+    path = tmp_path / "kept"
+    path.write_text("content")
+    code = (
+        "import os; from srgc.imports.urdf.xacro_process import fence\n"
+        f"fence([{str(tmp_path)!r}])\n"
+        f"assert open({str(path)!r}).read() == 'content'\n"
+        f"assert os.listdir({str(tmp_path)!r}) == ['kept']\n"
+    )
+    command = [sys.executable, "-c", code + CHANGES[name].format(path=str(path))]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "PermissionError" in done.stderr.splitlines()[-1]
+    assert [each.name for each in tmp_path.iterdir()] == ["kept"]
+    assert path.read_text() == "content"
 
 
 @pytest.mark.slow
