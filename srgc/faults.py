@@ -1,4 +1,4 @@
-"""What srgc says where it has no result; light, so that every command can raise it."""
+"""The exceptions and exit statuses of srgc; light to import, as every command raises them."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ if TYPE_CHECKING:
     from grammar_lang.source import Source
 
 MOST_FINDINGS = 200
-"""So many findings about a file are printed for people, and all of them as JSON."""
+"""The number of findings about a file to print for people; JSON has all of them."""
 
 
 class SrgcError(Exception):
-    """What srgc says where it has no result: a fault of its input, or no answer in time.
+    """The base of all errors that srgc raises: a fault in its input, or no answer in time.
 
     Attributes:
-        code: what ``srgc explain`` explains, as the ``code`` of a finding; None of most faults.
+        code: what ``srgc explain`` explains, as the ``code`` of a finding; None for most errors.
     """
 
     code: Code | None = None
@@ -26,26 +26,26 @@ class SrgcError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """An argument as a message names it on the command line and in Python."""
+    """An argument, as messages name it on the command line and in Python."""
 
     option: str
     name: str
 
 
 def argument(name: str, option: str | None = None) -> Argument:
-    """An argument of a function, whose option is called alike unless it is given."""
+    """An argument of a function; its option has the same name unless ``option`` is given."""
     return Argument(option or f"--{name.replace('_', '-')}", f"`{name}`")
 
 
 WITH_O = Argument(" with -o", "")
-"""Behind the advice to write elsewhere; functions have different arguments for that."""
+"""Follows the advice to write elsewhere; Python functions have different arguments for that."""
 
 
 class UsageFault(SrgcError):
     """Arguments that cannot be used; exit status 2.
 
-    Its arguments are the parts of the message; as a text it is that of the command line, with the
-    ``hint``, how to mend it, on a line of its own.
+    ``args`` are the parts of the message.  ``str`` gives the message of the command line, followed
+    by the ``hint``, which says how to fix it, on a line of its own.
     """
 
     def __init__(
@@ -60,21 +60,21 @@ class UsageFault(SrgcError):
         return said if self.hint is None else f"{said}\n  hint: {self.hint}"
 
     def finding(self, *, colour: bool = False) -> str:
-        """What the command line prints."""
+        """The text that the command line prints."""
         code = "" if self.code is None else f"[{self.code.value}]"
         return f"error{code}: {self}"
 
     def in_python(self) -> str:
-        """The message with arguments as functions have them, without the hint."""
+        """The message for Python, which names the arguments of functions and has no hint."""
         return "".join(part.name if isinstance(part, Argument) else part for part in self.args)
 
 
 class NoAnswer(SrgcError):
-    """A command that had to end before it had an answer; exit status 4."""
+    """A command ended before it had an answer; exit status 4."""
 
 
 class SolversDisagree(SrgcError):
-    """Two solvers contradict each other, of which one is wrong at least; exit status 70."""
+    """Two solvers contradict each other, so at least one is wrong; exit status 70."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ class Checked:
 
 
 class SpecErrors(SrgcError):
-    """A spec with errors; exit status 5.  As a text it is the findings with their source lines."""
+    """A spec with errors; exit status 5.  ``str`` gives the findings with their source lines."""
 
     def __init__(self, checked: Checked) -> None:
         super().__init__("the spec has errors")
