@@ -1,4 +1,4 @@
-"""What ``design.json`` says of the objectives of a task, read and put in words."""
+"""The statements of ``design.json`` about the objectives of a task, read and put in words."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from typing import Any
 from srgc.faults import UsageFault
 
 SEARCHED = ("effort", "time", "energy")
-"""Objectives of motions, of which little is proved for other robots."""
+"""Objectives of motions, about which little is proved for other robots."""
 
 
 @dataclass(frozen=True, slots=True)
 class Objective:
-    """What a design has of an objective, and what is proved of all robots.
+    """A design's value of an objective, and what is proved about all robots.
 
     Attributes:
-        objective: as it is written in the task, as ``"sum(price)"``.
-        value: what the design has of it, in SI units; of ``effort`` a share.
-        least: no robot has less that has of the objectives before what these leave; 0 where nothing
-            is proved.
+        objective: as written in the task, such as ``"sum(price)"``.
+        value: the design's value in SI units; for ``effort`` a share.
+        least: no robot has less than this, among those within the allowances of the earlier
+            objectives; 0 if nothing is proved.
         unit: the SI unit; empty for a plain number.
         undecided: how many robots that may have less were neither found nor refuted.
-        all_tried: whether all that may have less were tried.
+        all_tried: whether all robots that may have less were tried.
     """
 
     objective: str
@@ -37,27 +37,27 @@ class Objective:
 
     @property
     def is_least(self) -> bool:
-        """Whether no robot has less."""
+        """Whether it is proved that no robot has less."""
         return self.least >= self.value
 
     @property
     def gap(self) -> float | None:
-        """By which part of ``least`` the value is above it; None where nothing is proved."""
+        """The relative distance of the value from ``least``; None if nothing is proved."""
         return self.value / self.least - 1 if self.least > 0 else None
 
     @property
     def name(self) -> str:
-        """What it is in a sentence: of a sum the attribute."""
+        """Its name in a sentence; for a sum, the attribute."""
         return self.objective.removeprefix("sum(").removesuffix(")")
 
     def amount(self, value: float) -> str:
-        """A value of it with its unit, an effort in percent."""
+        """A value of it with its unit; an effort is in percent."""
         if self.objective == "effort":
             return f"{short(100 * value)} %"
         return f"{short(value)} {self.unit}".rstrip()
 
     def claim(self, *, first: bool) -> str:
-        """What is proved of all robots, in a sentence; ``first``: no objective comes before."""
+        """What is proved about all robots, as a clause; ``first``: it is the first objective."""
         robots = "no robot" if first else "no robot within what the objectives before it leave"
         if not self.least > 0 and not self.is_least:
             return "nothing is proved of other robots"
@@ -67,7 +67,7 @@ class Objective:
 
     @property
     def open(self) -> str:
-        """Which robots may still have less, in words; "" where that is proved or not sought."""
+        """Which robots may still have less, in words; "" if that is settled or was not searched."""
         if self.is_least or self.objective in SEARCHED:
             return ""
         more = "" if self.all_tried else "not all that may have less were tried"
@@ -80,15 +80,15 @@ class Objective:
 
 
 def short(value: float) -> str:
-    """A number to six digits, a whole one in full."""
+    """A number to six digits, an integer in full."""
     return str(int(value)) if value.is_integer() and abs(value) < 1e12 else f"{value:.6g}"
 
 
 def stated_objectives(design: Mapping[str, Any], path: Path) -> tuple[Objective, ...]:
-    """The objectives of a design, in their order; none where the task has none.
+    """The objectives of a design in order; empty if the task has none.
 
     Raises:
-        UsageFault: the file at ``path`` is not what ``srgc synth`` writes.
+        UsageFault: the file at ``path`` was not written by ``srgc synth``.
     """
     entries = design.get("objectives", [])
     if not isinstance(entries, list) or not all(map(_is_objective, entries)):
