@@ -54,7 +54,7 @@ class Evidence:
         return f"{self.folder}/{index:04d}.boxes"
 
     def weights_name(self, index: int) -> str:
-        """That of the covering of the structure with that index and all weights it may have."""
+        """The file of the covering for the structure with that index and all weights possible."""
         return f"{self.folder}/{index:04d}.weights.boxes"
 
     @property

@@ -172,7 +172,7 @@ def _write(
     files: Mapping[str, bytes],
     step: Step | None,
 ) -> bool:
-    """All files of a result, the claim and ``design.json`` last; whether all was drawn."""
+    """Write the result's files, the claim and ``design.json`` last; return whether all is drawn."""
     writer, drawn = folder.files, True
     for name in ("tasks", "proofs", "history", "design.json", MISSION, "report.html"):
         writer.discard(name)
