@@ -79,7 +79,7 @@ def _listed(folder: Path) -> list[Path]:
 # --------------------------------------------------------------------------------------------------
 # Paths that no file can have, or that must not be looked at: refused before anything else.
 #
-#  The system raises an exception in any call that takes such a path, even in those that only ask
+# The system raises an exception in any call that takes such a path, even in those that only ask
 # whether a file exists.
 
 

@@ -193,7 +193,7 @@ class FormatRun:
 
 # --- A unified diff of two texts that differ only in whitespace, in linear time -------------------
 #
-#  Two lines correspond if the same number of other characters precedes their ends; no search for a
+# Two lines correspond if the same number of other characters precedes their ends; no search for a
 # longest common subsequence is needed. Source: the unified format of GNU diffutils, section
 # "Detailed Description of Unified Format".
 

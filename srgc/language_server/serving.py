@@ -17,11 +17,11 @@ from srgc.language_server.server import Server
 
 # --- The messages of a client, read from a stream -------------------------------------------------
 #
-#  Source: *Language Server Protocol Specification 3.17*, "Base Protocol": a message is a header of
+# Source: *Language Server Protocol Specification 3.17*, "Base Protocol": a message is a header of
 # ``Name: value`` lines, of which ``Content-Length`` is required, an empty line, and that number of
 # bytes.
 #
-#  pygls treats an unreadable header as empty, reads lines of any length, and waits for bytes that
+# pygls treats an unreadable header as empty, reads lines of any length, and waits for bytes that
 # never arrive.  Here every unreadable message gets an error, and the memory for it is limited.
 
 

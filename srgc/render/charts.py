@@ -14,7 +14,7 @@ from srgc.render.svg import label as written
 
 # --- Curves over time: bounds, the width of the tube, a cursor for the time -----------------------
 #
-#  Curves have their own scale.  Bounds far outside of it appear only in the gauge on the right: a
+# Curves have their own scale.  Bounds far outside of it appear only in the gauge on the right: a
 # bar from one bound to the other, on which the part that the curves use is marked.
 
 

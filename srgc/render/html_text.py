@@ -66,7 +66,7 @@ def json_script(name: str, data: object) -> str:
 
 # --- Displays: a frame with its style, tables, pictures, and coloured text ------------------------
 #
-#  Colours suit light and dark notebooks. Coloured words mix their colour with that of the text,
+# Colours suit light and dark notebooks. Coloured words mix their colour with that of the text,
 # which keeps a contrast of at least 4.5 (WCAG 2.1, 1.4.3) on either background.
 
 

@@ -156,8 +156,8 @@ def tried_robots(design: Mapping[str, Any]) -> tuple[TriedRobot, ...]:
 
 # --- From a result folder to the evidence of its report -------------------------------------------
 #
-#  A folder is refused in the same cases as by ``srgc why`` and ``srgc export``.  Everything that
-# can be read is reported, whatever the verifier's answer, which the page states.
+# A folder is refused in the same cases as by ``srgc why`` and ``srgc export``.  Everything that can
+# be read is reported, whatever the verifier's answer, which the page states.
 
 
 def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Evidence:

@@ -73,7 +73,7 @@ def varied(samples: Sequence[Evaluation]) -> tuple[str, ...]:
 
 # --- The motion of a design at its samples, simulated again from its certificate ------------------
 #
-#  ``trajectory.csv`` has the same numbers, but no digest: the report shows the motion of the
+# ``trajectory.csv`` has the same numbers, but no digest: the report shows the motion of the
 # certificate, whatever happened to that file.
 
 

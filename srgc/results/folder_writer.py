@@ -210,7 +210,7 @@ def _make(path: Path) -> None:
 
 # --- One writer at a time in a result folder ------------------------------------------------------
 #
-#  The operating system holds the lock, on a file in the folder: it ends with the process that holds
+# The operating system holds the lock, on a file in the folder: it ends with the process that holds
 # it, however that ends.  Source: the locks of ``flock(2)`` and ``LockFileEx``, used through
 # filelock.
 

@@ -36,7 +36,7 @@ def bytes_of(path: Path, limit: int = IMAGE_LIMIT) -> bytes | None:
 
 # --- The main file of a document: the one that includes it, directly or through others ------------
 #
-#  A file that is included declares only a part of a program, so it is checked as that part.
+# A file that is included declares only a part of a program, so it is checked as that part.
 
 
 _INCLUDE = re.compile(r"""\binclude\s*(?:"([^"\n]*)"|'([^'\n]*)')\s*;""")

@@ -126,7 +126,7 @@ def errors_beside(
 
 # --- Publishing while the user types: soon, not at every key, and never about an outdated text ----
 #
-#  For files that are not open but belong to the program of an open one, errors are published, too,
+# For files that are not open but belong to the program of an open one, errors are published, too,
 # as ``srgc check`` prints them.
 
 

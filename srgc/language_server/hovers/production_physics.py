@@ -68,12 +68,12 @@ def domain_text(domain: ir.Interval | ir.Choices, unit: str) -> str:
 
 # --- What a production adds to the dynamics of a robot --------------------------------------------
 #
-#  A body of mass m whose centre of mass moves with velocity v and that turns with angular velocity
-# w adds to the kinetic energy
+# A body of mass m whose centre of mass moves with velocity v and that turns with angular velocity w
+# adds to the kinetic energy
 #
 # .. math:: T = m |v|^2 / 2 + I w^2 / 2
 #
-#  and thus m J_v^T J_v + J_w^T I J_w to the mass matrix M, and -m g . c to the potential energy.  A
+# and thus m J_v^T J_v + J_w^T I J_w to the mass matrix M, and -m g . c to the potential energy.  A
 # uniform rod has m = density * length and, about an axis through its centre of mass perpendicular
 # to the rod, I = m * length^2 / 12; about its end, m * length^2 / 3.
 #
@@ -158,7 +158,7 @@ class _Reader:
         return AddedBody(what, text, inertia, *bounds)
 
     def _bounds(self, product: Product) -> tuple[float, float] | None:
-        """The least and greatest value over the parameters, where it grows with each of them."""
+        """The least and greatest value over the parameters; None if a factor may be negative."""
         low = high = float(product.factor)
         if product.factor < 0:
             return None
