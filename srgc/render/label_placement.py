@@ -130,7 +130,7 @@ def _rings(label: Label, half: Array) -> Array:
     angles = 2 * np.pi * (np.arange(DIRECTIONS) - DIRECTIONS / 4) / DIRECTIONS
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     reach = half + np.array(label.reach)
-    # At scale 1 the label touches the named thing; the rings add distance.
+    # At distance ``scale`` the label touches the named thing; the rings add to that.
     scale = (1 / np.maximum(np.abs(ways) / reach, 1e-9)).min(axis=1)
     return np.concatenate([label.at + ways * (scale + ring)[:, None] for ring in RINGS])
 
@@ -151,7 +151,7 @@ def leader_ends(label: Label, middle: Array) -> Array | None:
 
 
 def leader(label: Label, middle: Array) -> str:
-    """The leader line as a mark; empty if the label is near."""
+    """That line as a mark, or nothing."""
     ends = leader_ends(label, middle)
     return "" if ends is None else f'<path class="leader" d="{line_path(ends)}"/>'
 

@@ -272,7 +272,7 @@ def _axis(joint: DrawnJoint, seen: Array) -> str:
 
 
 def axis_ends(foot: Array, tip: Array) -> Array:
-    """The ends (2, 2) of the line for an axis through points (2,); no longer than the axis seen."""
+    """The ends (2, 2) of the line for an axis through points (2,), no longer than the axis seen."""
     along = tip - foot
     length = float(np.hypot(*along))
     half = along * min(AXIS_LENGTH / 2 / max(length, 1e-9), 1.0)

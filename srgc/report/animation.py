@@ -44,7 +44,11 @@ NEAREST = (
 
 
 def motion_section(evidence: Evidence) -> str:
-    """The section about the motion; without a robot or a motion, it shows only the workspace."""
+    """The section about the motion; without a robot or a motion, it shows only the workspace.
+
+    Raises:
+        ValueError: there is a motion, but neither a design nor a nearest motion.
+    """
     scene = motion_scene(evidence)
     motion, found, nearest = scene.motion, evidence.found, evidence.nearest
     if motion is None:

@@ -123,12 +123,13 @@ _NO_LINK = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 @dataclass(frozen=True, slots=True)
 class FolderWriter:
-    """Writes and removes names below ``folder``, with ``/`` between their parts.
+    """Writes and removes files and folders by name below ``folder``, with ``/`` as separator.
 
     A file is written under a temporary name and then renamed, so that a kill at any moment leaves
-    the old file, the new one or none; a hard link to an old file keeps the old content. All methods
-    raise UsageFault if a link or anything of the wrong kind is in the way, or if the system refuses
-    to write.
+    the old file, the new one or none; a hard link to an old file keeps the old content.
+
+    All methods raise UsageFault if a link or anything of the wrong kind is in the way, or if the
+    system refuses to write.
     """
 
     folder: Path

@@ -119,7 +119,11 @@ def _boxes(result: MissionResult, robot: int, cut: CutRobot) -> BoxesClaim:
 def existing_claim(
     existing: Existing | None, origin: ir.Origin | None, source: ExistingClaim | None
 ) -> ExistingClaim | None:
-    """The robot before the first task, as the claim states it."""
+    """The robot before the first task, as the claim states it.
+
+    Raises:
+        ValueError: there is an existing robot, but neither a source nor an origin.
+    """
     if existing is None or source is not None:
         return source
     if origin is None:
