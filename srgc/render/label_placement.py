@@ -151,7 +151,7 @@ def leader_ends(label: Label, middle: Array) -> Array | None:
 
 
 def leader(label: Label, middle: Array) -> str:
-    """That line as a mark, or nothing."""
+    """The leader line from the named point to a label at ``middle`` (2,); empty if it is near."""
     ends = leader_ends(label, middle)
     return "" if ends is None else f'<path class="leader" d="{line_path(ends)}"/>'
 
