@@ -1,7 +1,8 @@
 """Compile modular-robot grammars to robots that are proved to do their task.
 
-The public face; everything else may change between versions.  ``import srgc`` loads nothing but
-this file: a name is loaded when it is first used, and heavy libraries by the call that needs them.
+The names in ``__all__`` are the public interface; everything else may change between versions.
+``import srgc`` loads this file only: a name is loaded when it is first used, and heavy libraries by
+the call that needs them.
 """
 
 TYPE_CHECKING = False
@@ -70,10 +71,10 @@ __all__ = [
 ]
 
 
-if not TYPE_CHECKING:  # for a type checker there are no other names than those above
+if not TYPE_CHECKING:  # type checkers see only the names imported above
 
     def __getattr__(name: str) -> object:
-        """A public name, when it is first used."""
+        """Load a public name when it is first used."""
         if name == "__version__":
             from srgc.version import VERSION
 

@@ -1,4 +1,4 @@
-"""``python -m srgc`` is ``srgc``."""
+"""Run ``srgc`` as ``python -m srgc``."""
 
 from srgc.cli import main
 

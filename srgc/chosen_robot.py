@@ -1,4 +1,4 @@
-"""The robot of a word of a family, as commands and the Python interface are asked for it."""
+"""The robot of a word of a family, chosen by a command or through the Python interface."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from srgc.session import UsageFault, chosen
 
 @dataclass(frozen=True, slots=True)
 class RobotRequest:
-    """The robot of a word, and its choices; ``derivation`` counts from 1."""
+    """A request for the robot of a word, with its choices; ``derivation`` counts from 1."""
 
     word: tuple[str, ...]
     grammar: str | None = None
@@ -39,7 +39,7 @@ class RobotRequest:
 
 @dataclass(frozen=True, slots=True)
 class ChosenRobot:
-    """A robot with where it comes from, and what a reader has to know beside it."""
+    """A robot, the word, grammar and task it comes from, and remarks for the reader."""
 
     program: ir.Program
     word: tuple[str, ...]
@@ -51,15 +51,15 @@ class ChosenRobot:
 
     @property
     def gravity(self) -> tuple[Fraction, ...]:
-        """That of the task in m/s^2; none without a task."""
+        """The gravity of the task in m/s^2; empty without a task."""
         return () if self.task is None else self.task.gravity
 
 
 def chosen_robot(program: ir.Program, request: RobotRequest) -> ChosenRobot:
-    """The robot that is asked for.
+    """Build the robot that is asked for.
 
     Raises:
-        UsageFault: choices that do not fit the program, or a word without a robot.
+        UsageFault: the choices do not fit the program, or the word has no robot.
     """
     task = None if request.task is None else chosen(program.tasks, request.task, "task")
     named = request.grammar or (None if task is None else task.grammar)
@@ -82,7 +82,7 @@ def chosen_robot(program: ir.Program, request: RobotRequest) -> ChosenRobot:
 def _dimension(
     program: ir.Program, task: ir.Task | None, workspace: str | None
 ) -> Literal[2, 3] | None:
-    """That of the workspace, or of all workspaces; None where the file has none."""
+    """The dimension of the workspace, or the common one of all workspaces; None without any."""
     name = workspace or (None if task is None else task.workspace)
     dimensions = {place.dimension for place in program.workspaces.values()}
     if name is None and len(dimensions) == 1:
@@ -92,16 +92,16 @@ def _dimension(
     return chosen(program.workspaces, name, "workspace").dimension
 
 
-# --- Whether a robot in space is one in the plane of x and y --------------------------------------
+# --- Whether a spatial robot moves in the x-y plane only ------------------------------------------
 
 
 Z = 2
 
 
 def is_planar(model: RobotModel) -> bool:
-    """Whether all turns are about z and all that moves stays at z = 0.
+    """Whether all turns are about z and everything that moves stays at z = 0.
 
-    By the form of the model: steps along z that cancel are not seen to.
+    This looks at the form of the model only: it does not notice steps along z that cancel.
     """
     steps = (node.step for node in model.frames)
     return (

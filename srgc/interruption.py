@@ -1,9 +1,10 @@
-"""Ctrl-C and SIGTERM: at whatever moment they come, one line, and exit status 130.
+"""Ctrl-C and SIGTERM: whenever they arrive, srgc prints one line and exits with status 130.
 
-A signal that is raised as an exception comes out of any line, also out of the import of a library
-or a solver that takes it for a fault of its own; the answer then is wrong, or a traceback.  So a
-thread waits for signals and ends the process: result folders are whole at every moment, as after a
-kill, and are resumed from their journals.  Only a block that says so gets the exception.
+A signal handler that raises can interrupt any line, even in the import of a library or in a solver
+that takes the exception for a failure of its own.  The result is a wrong answer or a traceback.  So
+a thread waits for signals and ends the process.  Result folders are consistent at every moment, as
+after a kill, and runs resume from their journals.  Only blocks under :func:`as_exception` get the
+exception.
 """
 
 from __future__ import annotations
@@ -24,14 +25,14 @@ from srgc.faults import INTERRUPTED
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 PATIENCE = 2.0
-"""Seconds that a block with the exception may take to end."""
+"""Seconds that a block under :func:`as_exception` has to end."""
 CHILDREN = "/proc/{0}/task/{1}/children"
-"""Where Linux lists the processes that a thread has started."""
+"""The file in which Linux lists the processes that a thread has started."""
 
 
 @dataclass(slots=True)
 class _State:
-    """What is under way in this process."""
+    """What is going on in this process."""
 
     folder: Path | None = None
     redrawn: bool = False
@@ -45,9 +46,9 @@ _ENDING = Lock()
 
 @contextmanager
 def resumable(folder: Path) -> Iterator[None]:
-    """In the block, what is done is kept in a folder from which another run goes on.
+    """Within the block, work is kept in a folder from which another run can resume.
 
-    After an exception the folder is still told by :func:`interrupted_text`.
+    After an exception, :func:`interrupted_text` still names the folder.
     """
     _STATE.folder = folder
     yield
@@ -56,7 +57,7 @@ def resumable(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def redrawing() -> Iterator[None]:
-    """In the block a line of standard error is redrawn, with the cursor hidden."""
+    """Within the block, a line of standard error is redrawn, with the cursor hidden."""
     _STATE.redrawn = True
     try:
         yield
@@ -66,7 +67,7 @@ def redrawing() -> Iterator[None]:
 
 @contextmanager
 def as_exception() -> Iterator[None]:
-    """In the block an interrupt is raised as KeyboardInterrupt, so that it can clean up."""
+    """Within the block, an interrupt raises KeyboardInterrupt, so that the block can clean up."""
     _STATE.gentle, _STATE.raised = True, False
     try:
         yield
@@ -75,12 +76,12 @@ def as_exception() -> Iterator[None]:
 
 
 def begin() -> None:
-    """Forget what an earlier command of this process has left."""
+    """Forget the folder of an earlier command in this process."""
     _STATE.folder = None
 
 
 def interrupted_text() -> str:
-    """What is said of an interruption."""
+    """The line that is printed after an interrupt."""
     if _STATE.folder is None:
         return "interrupted"
     return (
@@ -90,9 +91,9 @@ def interrupted_text() -> str:
 
 
 def watch() -> None:
-    """From now on a signal ends this process, unless it was started with the signal ignored.
+    """Let signals end this process from now on, except those it was started to ignore.
 
-    On Windows interrupts remain exceptions.
+    On Windows, interrupts remain exceptions.
     """
     if sys.platform == "win32":
         return
@@ -107,7 +108,7 @@ def watch() -> None:
 
 
 def _beyond_standard_streams(descriptor: int) -> int:
-    """The same under another number, if that of a standard stream, which was closed, was free."""
+    """Move a descriptor that got the number of a closed standard stream to a number above 2."""
     if descriptor > 2:
         return descriptor
     from fcntl import F_DUPFD_CLOEXEC, fcntl
@@ -118,37 +119,37 @@ def _beyond_standard_streams(descriptor: int) -> int:
 
 
 def _noted(_number: int, _frame: FrameType | None) -> None:
-    """The thread has been told; in a block that asked for it, so is the main one."""
+    """Handle a signal, which the thread has seen: under :func:`as_exception`, raise once."""
     if _STATE.gentle and not _STATE.raised:
         _STATE.raised = True
         raise KeyboardInterrupt
 
 
 def _ignore() -> None:
-    """What is left to do is to take this process down: its status is known."""
+    """Ignore signals from now on: the process is ending and its status is known."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
 
 
 def _wait(reader: int) -> None:
-    """End the process at the first signal, or where it cleans up, soon after it or at the next."""
+    """End the process at the first signal; a block under :func:`as_exception` first gets time."""
     while os.read(reader, 1)[0] not in SIGNALS:
         pass
-    # The block may be over by now: what it does about the exception comes after it.
+    # The block may be over by now, but the handling of its exception comes after it.
     if _STATE.gentle or _STATE.raised:
         select([reader], [], [], PATIENCE)
     end()
 
 
 def end() -> None:
-    """Say that the process was interrupted, end its children and then itself."""
-    _ENDING.acquire()  # for good: whoever comes second has nothing more to do
+    """Print that the process was interrupted, end its children and then itself."""
+    _ENDING.acquire()  # never released: whoever comes second has nothing to do
     if sys.stderr is not None:
-        # Not by the stream, whose lock the main thread may hold.
+        # Write to the descriptor: the main thread may hold the lock of the stream.
         clear = "\r\x1b[2K\x1b[?25h" if _STATE.redrawn else ""
         with suppress(OSError):
             last = os.dup(2)
-            _silence(2)  # a thread that redraws would write below the last line
+            _silence(2)  # else a thread that redraws would write below the last line
             os.write(last, f"{clear}{interrupted_text()}\n".encode(errors="backslashreplace"))
     _let_processes_start()
     _release_semaphores()
@@ -159,14 +160,14 @@ def end() -> None:
 
 
 def _silence(descriptor: int) -> None:
-    """What is written there from now on goes nowhere."""
+    """Discard everything that is written to the descriptor from now on."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
 
 
 def _let_processes_start() -> None:
-    """Processes that are being started have what they read first, and no others are started.
+    """Wait until processes that are being started have read their input, and start no others.
 
-    One whose parent ends before would say so in a traceback.
+    A process whose parent ends earlier would print a traceback.
     """
     pool = sys.modules.get("solvers.execution.process_pool")
     if pool is not None:
@@ -174,14 +175,14 @@ def _let_processes_start() -> None:
 
 
 def _release_semaphores() -> None:
-    """Or a tracker of :mod:`multiprocessing`, which lives on, warns of them."""
+    """Release semaphores, or the tracker of :mod:`multiprocessing` would warn about them."""
     utilities = sys.modules.get("multiprocessing.util")
     with suppress(Exception):
         utilities._run_finalizers(0)  # type: ignore[union-attr]  # noqa: SLF001
 
 
 def _children(process: int) -> list[int]:
-    """The processes that a process has started, and theirs; none where the system does not say."""
+    """The descendants of a process; empty if the system does not list them."""
     found: list[int] = []
     with suppress(OSError):
         for thread in Path(f"/proc/{process}/task").iterdir():
@@ -193,7 +194,7 @@ def _children(process: int) -> list[int]:
 
 
 def _is_tracker(process: int) -> bool:
-    """Whether a process is that of :mod:`multiprocessing` which cleans up after others."""
+    """Whether a process is the resource tracker of :mod:`multiprocessing`."""
     with suppress(OSError):
         return b"resource_tracker" in Path(f"/proc/{process}/cmdline").read_bytes()
     return False

@@ -1,10 +1,10 @@
-"""The file beside a URDF with what that has no place for: how it is called, and what it says it is.
+"""The file of joint data that accompanies a URDF: its format and the suffix of its name.
 
-``srgc export`` writes it, ``srgc import`` reads it.
+It holds what URDF cannot express.  ``srgc export`` writes it, ``srgc import`` reads it.
 """
 
 from __future__ import annotations
 
 FORMAT = "srgc joints 1"
 SUFFIX = ".joints.json"
-"""In place of the suffix of the URDF."""
+"""Replaces the suffix of the URDF file."""

@@ -1,4 +1,4 @@
-"""Paths that users give: impossible ones, what they may have meant, and files to be written."""
+"""Paths that users give: impossible ones, suggestions for missing ones, and writing of files."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ from pathlib import Path
 from srgc.faults import WITH_O, Argument, UsageFault
 
 # --------------------------------------------------------------------------------------------------
-# What a user may have meant by a path that leads nowhere, and what to do about one in the way.
+# Suggestions for paths that do not exist, and advice for paths that cannot be written.
 
 
 RESULTS = ("design.json", "journal.jsonl")
-"""What a result folder has, finished or not."""
+"""Files of which a result folder has at least one, whether the run has finished or not."""
 REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS)
 MOST = 2000
-"""So many names are looked at."""
+"""The number of names to look at in a folder."""
 
 
 def holds_results(folder: Path) -> bool:
-    """Whether a folder is one that ``srgc synth`` writes."""
-    # ``os.path`` tells no folder that must not be looked into from one without such a file.
+    """Whether a folder is one that ``srgc synth`` has written."""
+    # ``os.path`` treats a folder that must not be read like one without such a file.
     return any(os.path.isfile(folder / name) for name in RESULTS)  # noqa: PTH113
 
 
 def near_spec(path: Path) -> Path | None:
-    """A spec whose name is like that of a path: beside it, or in a folder there."""
+    """A spec with a name similar to that of a path, next to it or in a folder there."""
     found = [e for e in _around(path) if e.suffix == ".srg" and os.path.isfile(e)]  # noqa: PTH113
     return _near(path, found)
 
 
 def no_folder(path: Path) -> UsageFault:
-    """What is said of a result folder that is none, with one whose name is like it."""
+    """The error for a path that is not a result folder, with a suggestion of a similar name."""
     meant = _near(path, [each for each in _around(path) if holds_results(each)])
     return UsageFault(f"{path} is not a folder{'' if meant is None else f'; is it {meant}?'}")
 
 
 def unwritable(path: Path, error: OSError) -> UsageFault:
-    """What is said of a file or folder that cannot be written."""
+    """The error for a file or folder that cannot be written."""
     advice: tuple[str | Argument, ...] = ()
     if error.errno == errno.ENOENT and not os.path.isdir(path.parent):  # noqa: PTH112
         advice = (f"; is there a folder {path.parent}?",)
@@ -61,7 +61,7 @@ def _near(path: Path, candidates: list[Path]) -> Path | None:
 
 
 def _around(path: Path) -> Iterator[Path]:
-    """What is beside a path and in the folders there, by name; not too much of it."""
+    """The entries next to a path and in the folders there, by name, at most ``MOST`` per folder."""
     beside = _listed(path.parent)
     yield from beside
     for each in beside:
@@ -77,25 +77,25 @@ def _listed(folder: Path) -> list[Path]:
 
 
 # --------------------------------------------------------------------------------------------------
-# Paths that no file can have, or that cannot even be looked at: told before anything is done.
+# Paths that no file can have, or that must not be looked at: refused before anything else.
 #
-# What the system says of such a path is an exception of any call that takes it, also of those that
-# only ask whether a file is there.
+# The system raises an exception in any call that takes such a path, even in those that only ask
+# whether a file exists.
 
 
 ABSENT = (errno.ENOENT, errno.ENOTDIR, errno.ELOOP)
-"""Nothing is there, which each command says in its own words, or there will be."""
+"""Errors that only mean that nothing is there; each command reports that in its own words."""
 
 
 def refuse_impossible(path: str | os.PathLike[str]) -> None:
-    """Refuse a path that nothing can be read from or written to.
+    """Refuse a path that cannot be read from or written to.
 
     Args:
-        path: as a user gives it, of a file or folder that need not exist.
+        path: a path as the user gives it; the file or folder need not exist.
 
     Raises:
-        UsageFault: it holds a NUL, cannot be encoded, is too long, ends like a folder but is a
-            file, or is in a folder that must not be looked into.
+        UsageFault: the path has a NUL character, cannot be encoded, is too long, ends in a slash
+            but is a file, or lies in a folder that must not be read.
     """
     from grammar_lang.files.file_tree import shown
 
@@ -104,7 +104,7 @@ def refuse_impossible(path: str | os.PathLike[str]) -> None:
     if "\0" in text:
         raise UsageFault(f"{name}: no path has a NUL character")
     try:
-        os.stat(text)  # noqa: PTH116 - a Path has lost a slash at the end
+        os.stat(text)  # noqa: PTH116 - a Path loses the slash at the end
     except UnicodeEncodeError:
         raise UsageFault(f"{name}: a path cannot contain such a character") from None
     except OSError as error:
@@ -114,7 +114,7 @@ def refuse_impossible(path: str | os.PathLike[str]) -> None:
             raise UsageFault(f"{name}: {error.strerror}") from None
 
 
-# --- A file that a user has asked a command to write ----------------------------------------------
+# --- Files that a user asks a command to write ----------------------------------------------------
 
 
 def write_output(path: Path, content: str | bytes) -> None:

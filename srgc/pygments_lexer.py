@@ -1,9 +1,9 @@
 """Syntax highlighting of ``.srg`` for Pygments: Sphinx, ``pygmentize``, rich.
 
 Keywords are contextual, so the lexer follows the grammar (``srg.lark``): a statement is a chain of
-states, each names the few words that mean something there, and what it does not know ends it.
-
-Source: G. Brandl et al., Pygments, *Write your own lexer*, https://pygments.org/docs/lexerdevelopment/.
+states.  Each state names the few words that have a meaning there, and ends at anything else.
+Source: G. Brandl et al., Pygments, *Write your own lexer*,
+https://pygments.org/docs/lexerdevelopment/.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from srgc.pygments_tasks import TASK_STATES
 
 
 class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
-    """The lexer; loses no character and stops at none, whatever the text."""
+    """The lexer for ``.srg``; it covers every character of any text and always ends."""
 
     name = "SRG"
     aliases: ClassVar = ["srg"]
@@ -42,7 +42,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
 
     @staticmethod
     def analyse_text(text: str) -> float:
-        """How likely a text is ``.srg``: it is if ``module NAME { role`` stands in it."""
+        """The likelihood that a text is ``.srg``: high if it contains ``module NAME { role``."""
         return 0.9 if re.search(r"\bmodule\s+\w+\s*\{\s*role\b", text) else 0.0
 
     tokens: ClassVar = {
@@ -53,7 +53,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             include("item"),
             include("stray"),
         ],
-        # --- what stands anywhere -----------------------------------------------------------
+        # --- allowed anywhere ---------------------------------------------------------------
         "gap": [
             (r"[ \t\r\n\f\v]+", Text.Whitespace),
             (r"//[^\n]*", Comment.Single),
@@ -65,7 +65,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (r"\*", Comment.Multiline),
         ],
         "string": [(r"'[^'\n]*'", String.Single), (r'"[^"\n]*"', String.Double)],
-        # Where no statement is known: between statements, and what an error leaves over.
+        # Outside of known statements: between statements, and after an error.
         "stray": [
             include("string"),
             (NUMBER, Number),
@@ -111,7 +111,8 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (",", Punctuation),
             default("#pop"),
         ],
-        # A brace may be missing: no statement of the language looks like the head of an item.
+        # A closing brace may be missing; no statement of the language looks like the head of an
+        # item.
         "next item": [
             (
                 rf"(?=(?:{ITEMS}){END}{GAP}{NAME}(?:{GAP}from{GAP}ports)?{GAP}\{{)",

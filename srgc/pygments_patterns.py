@@ -1,4 +1,4 @@
-"""The patterns and the chains of states of which the lexer for Pygments is made."""
+"""Patterns and chains of states for the Pygments lexer."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ COMPARISON = "<=|>=|==|<|>"
 
 
 def word_of(*choices: str) -> words:
-    """Any of some words, and not a part of a longer one."""
+    """Match any of some words, but not as a part of a longer word."""
     return words(choices, suffix=END)
 
 
 def separated(state: str, closing: str) -> list[object]:
-    """What follows the first of several things, each read in ``state``, up to a bracket."""
+    """The rules after the first item of a list: read each in ``state``, up to a bracket."""
     return [
         include("gap"),
         (",", Punctuation, state),
@@ -38,5 +38,5 @@ def separated(state: str, closing: str) -> list[object]:
 
 
 def heading(kind: object) -> list[object]:
-    """The name of an item."""
+    """The rules for the name of an item."""
     return [include("gap"), include("next item"), (NAME, kind, "#pop"), default("#pop")]

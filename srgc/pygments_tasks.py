@@ -1,4 +1,4 @@
-"""The states of the lexer for Pygments inside tasks, missions and formulas."""
+"""The states of the Pygments lexer in tasks, missions and formulas."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who searches, and how: the parameter search, the convex solver and the workers asked for."""
+"""The options of a search: parameter search, convex solver, SMT solvers, gap and workers."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from grammar_lang import ir
     from solvers.verifier.refutations.solver_process import SmtSolver
 
-# --- Which search of parameters a run is asked to use ---------------------------------------------
+# --- The parameter search -------------------------------------------------------------------------
 
 
 def named_search(name: str | None) -> str | None:
-    """The search of that name; None for the usual one.
+    """The parameter search with that name; None for the default.
 
     Raises:
         UsageFault: there is no such search.
@@ -33,14 +33,14 @@ def named_search(name: str | None) -> str | None:
     return name.lower()
 
 
-# --- Which solver of convex programs a run is asked to use ----------------------------------------
+# --- The solver of convex programs ----------------------------------------------------------------
 
 
 OWN = "own"
 
 
 def named_solver(name: str | None) -> str | None:
-    """The solver as cvxpy spells it; None for our own programs, which need no cvxpy.
+    """The solver as cvxpy spells it; None for srgc's own solver, which does not need cvxpy.
 
     Raises:
         UsageFault: there is no such solver here.
@@ -55,14 +55,14 @@ def named_solver(name: str | None) -> str | None:
         raise UsageFault(str(error)) from None
 
 
-# --- Which SMT solvers scripts are given to -------------------------------------------------------
+# --- The SMT solvers ------------------------------------------------------------------------------
 
 
 def named_smt_solvers(names: str | None) -> tuple[SmtSolver, ...]:
-    """The solvers of a list of names with commas; none for z3 as a library.
+    """The solvers in a comma-separated list of names; empty for z3 as a library.
 
     Raises:
-        UsageFault: one of them is not here.
+        UsageFault: one of them is not installed.
     """
     from solvers.verifier.refutations.solver_process import UnknownSolverError, named_solvers
 
@@ -72,14 +72,14 @@ def named_smt_solvers(names: str | None) -> tuple[SmtSolver, ...]:
         raise UsageFault(str(error)) from None
 
 
-# --- Which gap a run is asked to close ------------------------------------------------------------
+# --- The gap that a run has to close --------------------------------------------------------------
 
 
 def named_gap(text: str | float | None) -> float | None:
-    """A gap in percent, written with the sign or without.
+    """A gap in percent, written with or without the percent sign.
 
     Raises:
-        UsageFault: it is no number, or a negative one.
+        UsageFault: it is not a number, or it is negative.
     """
     if text is None:
         return None
@@ -96,7 +96,7 @@ def asked_gap(text: str | float | None, task: ir.Task) -> float | None:
     """The gap for a task, in percent.
 
     Raises:
-        UsageFault: it is none, or the task says itself what is to be least.
+        UsageFault: it is not a valid gap, or the task has objectives of its own.
     """
     gap = named_gap(text)
     if gap is not None and task.minimize:
@@ -107,16 +107,16 @@ def asked_gap(text: str | float | None, task: ir.Task) -> float | None:
     return gap
 
 
-# --- Who searches: this process, others beside it, or a cluster -----------------------------------
+# --- The workers: this process, other processes, or a cluster -------------------------------------
 
 
 @contextmanager
 def workers_for(jobs: int, cluster: str | None = None) -> Iterator[Workers]:
-    """The workers of a run, which are ended with the block, however that ends.
+    """The workers of a run; they are closed when the block ends, however it ends.
 
     Raises:
         UsageFault: the cluster at that address cannot be used.
-        NoAnswer: the workers were lost in the block.
+        NoAnswer: the workers were lost during the block.
     """
     workers = _made(jobs, cluster)
     try:

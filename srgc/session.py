@@ -1,4 +1,4 @@
-"""From the arguments of a command to a checked program and the named thing in it."""
+"""From the arguments of a command to a checked program and the named item in it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Item = TypeVar("Item")
 
 
 def check_file(path: Path) -> Checked:
-    """All checks on a file.
+    """Run all checks on a file.
 
     Raises:
         UsageFault: the file exists but cannot be read.
@@ -44,7 +44,7 @@ def _loaded(path: Path) -> Loaded:
 
 
 def _with_near_name(path: Path, checked: Checked) -> Checked:
-    """Of a file that is not there, the hint says which one may be meant."""
+    """For a file that does not exist, let the hint name a similar file."""
     if path.exists() or checked.program is not None or len(checked.diagnostics) != 1:
         return checked
     from srgc.paths import near_spec
@@ -58,9 +58,9 @@ def _with_near_name(path: Path, checked: Checked) -> Checked:
 
 @without_collection
 def check_loaded(loaded: Loaded, *, formulas: bool = True) -> Checked:
-    """All checks on what was read; with errors, on what of it is sound.
+    """Run all checks on what was read; if there are errors, on the sound parts.
 
-    Without ``formulas`` those are left out that need NumPy and a SAT solver.
+    Without ``formulas``, skip the checks that need NumPy and a SAT solver.
     """
     if loaded.sound is None:
         return Checked(None, loaded.diagnostics, loaded.sources)
@@ -93,7 +93,7 @@ def check_loaded(loaded: Loaded, *, formulas: bool = True) -> Checked:
         start_diagnostics(loaded.sound, sink)
         given_start_diagnostics(loaded.sound, sink)
     if formulas and any(task.satisfy for task in tasks):
-        # The SAT solver is loaded for formulas alone, so that other checks start fast.
+        # Only formulas need the SAT solver; without them, the checks start fast.
         from compiler.checks.loop_checks import loop_diagnostics
         from compiler.tasks.obstacle_pieces import task_by_task
         from solvers.conflicts.vacuity import formula_diagnostics
@@ -106,7 +106,7 @@ def check_loaded(loaded: Loaded, *, formulas: bool = True) -> Checked:
 
 
 def _check_aims(program: ir.Program, sink: Sink, *, complete: bool) -> None:
-    """What tasks and missions minimize, and what missions allow to be changed."""
+    """Check what tasks and missions minimize, and what missions allow to change."""
     tasks, missions = program.tasks.values(), program.missions.values()
     least = any(task.minimize for task in tasks) or any(each.minimize for each in missions)
     if complete and least:
@@ -120,7 +120,7 @@ def _check_aims(program: ir.Program, sink: Sink, *, complete: bool) -> None:
 
 
 def _has_solids(program: ir.Program) -> bool:
-    """Whether a robot may have bodies that collide as points for want of a shape."""
+    """Whether a robot may have bodies that collide as points because they have no shape."""
     blocks = (b for g in program.grammars.values() for b in (g.semantics or {}).values())
     return any(isinstance(emission, ir.Solid) for block in blocks for emission in block.emissions)
 
@@ -136,11 +136,11 @@ def program_of(path: Path) -> ir.Program:
 
 
 def expansion_of(path: Path, output: Path | None = None) -> str:
-    """The text of a file without errors, its grammars from ports written out.
+    """The text of a file without errors, with its grammars from ports written out.
 
     Raises:
         SpecErrors: the file has errors.
-        UsageFault: it cannot be read, or what it names would not be found beside the output.
+        UsageFault: it cannot be read, or files that it names would not be found beside the output.
     """
     from grammar_lang.formatting.expansion import expanded, names_files
 
@@ -162,10 +162,12 @@ def _sound(checked: Checked) -> ir.Program:
 
 
 def refuse_cycles(program: ir.Program, grammar: ir.Grammar) -> None:
-    """Elsewhere only a warning: a nonterminal that derives itself, with infinitely many robots.
+    """Refuse a nonterminal that derives itself, which gives infinitely many robots.
+
+    Elsewhere this is only a warning.
 
     Raises:
-        SpecErrors: the grammar has one.
+        SpecErrors: the grammar has such a nonterminal.
     """
     sink = Sink()
     cycle_diagnostics(program, grammar, sink)
@@ -175,10 +177,10 @@ def refuse_cycles(program: ir.Program, grammar: ir.Grammar) -> None:
 
 
 def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:
-    """The item of that name, or the only one where no name is given.
+    """The item with that name; without a name, the only item.
 
     Raises:
-        UsageFault: no such item, none at all, or a choice has to be made.
+        UsageFault: there is no such item or none at all, or there are several and no name is given.
     """
     names = ", ".join(items)
     if name is not None:

@@ -1,6 +1,6 @@
-"""What a terminal is told that a file or a pipe is not: colours, and lines that are redrawn.
+"""What terminals get, but files and pipes do not: colours, and lines that are redrawn.
 
-One place decides for all commands.
+All commands decide with the functions of this module.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from contextlib import suppress
 from typing import TextIO
 
 ESCAPED = "srgc.escaped"
-"""The name of the handler of characters that a stream cannot encode."""
+"""The name of the error handler for characters that a stream cannot encode."""
 
 
 def colours(stream: TextIO | None) -> bool:
     """Whether text for a stream is coloured.
 
-    ``NO_COLOR`` (no-color.org) forbids it, else ``FORCE_COLOR`` asks for it; a variable that is
-    empty says nothing.  Without them: on terminals, but not where ``TERM`` is ``dumb``.
+    ``NO_COLOR`` (no-color.org) forbids it, else ``FORCE_COLOR`` asks for it; empty variables count
+    as unset.  Without them, text is coloured on terminals, but not if ``TERM`` is ``dumb``.
     """
     if os.environ.get("NO_COLOR"):
         return False
@@ -29,7 +29,7 @@ def colours(stream: TextIO | None) -> bool:
 
 
 def redraws(stream: TextIO | None) -> bool:
-    """Whether a line of a stream can be drawn again: it is a terminal that is not dumb."""
+    """Whether a line of a stream can be redrawn: the stream is a terminal and not a dumb one."""
     if stream is None or os.environ.get("TERM") == "dumb":
         return False
     try:
@@ -48,38 +48,38 @@ _VERDICTS = {
     **dict.fromkeys(("found", "valid"), "\033[1;32m"),
     **dict.fromkeys(("impossible", "no path", "refuted", "disagreement"), "\033[1;31m"),
 }
-"""What is proved is green or red; all other verdicts are yellow."""
+"""Proved verdicts are green or red; all others are yellow."""
 
 
 def with_verdict(text: str, verdict: str, stream: TextIO | None = None) -> str:
-    """A text whose first words have a verdict, coloured where the stream (standard output) is."""
+    """A text with its first ``verdict`` coloured, if the stream (default: standard output) is."""
     if not colours(sys.stdout if stream is None else stream):
         return text
     return text.replace(verdict, f"{_VERDICTS.get(verdict, _OPEN)}{verdict}{_RESET}", 1)
 
 
 def silence(stream: TextIO | None) -> None:
-    """From now on what is written to a stream goes nowhere: its device takes no more.
+    """Discard everything that is written to a stream from now on, because its device takes no more.
 
-    What is still in its buffer would otherwise be tried again at the end, and be a fault.
+    Otherwise Python would write the rest of the buffer again at the end, and fail.
     """
-    with suppress(OSError, ValueError, AttributeError):  # closed before, or a stand-in
+    with suppress(OSError, ValueError, AttributeError):  # already closed, or a stand-in
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())  # type: ignore[union-attr]
         os.close(nowhere)
 
 
 def escape_unencodable() -> None:
-    r"""Let standard output and error write ``\u03c1`` where their encoding has no such letter."""
+    r"""Let standard output and error write ``\u03c1`` where their encoding lacks the character."""
     codecs.register_error(ESCAPED, _escaped)
     for stream in (sys.stdout, sys.stderr):
-        reconfigure = getattr(stream, "reconfigure", None)  # there is none on a stand-in
+        reconfigure = getattr(stream, "reconfigure", None)  # stand-ins have none
         if reconfigure is not None:
             reconfigure(errors=ESCAPED)
 
 
 def _escaped(error: UnicodeError) -> tuple[str, int]:
-    """The letters as JSON and many languages escape them, so that JSON remains JSON."""
+    """Escape characters as JSON and many languages do, so that JSON remains JSON."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     letters = error.object[error.start : error.end]

@@ -1,4 +1,4 @@
-"""The time that a command may take, from when it was begun."""
+"""The time that a command may take, counted from its start."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
 TOLERATED = 1.0
-"""Seconds beyond the limit that need no explanation."""
+"""Seconds beyond the limit that are not reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class TimeLimit:
-    """So many seconds from ``begun``; None: no limit."""
+    """A limit of ``seconds`` from ``begun``; None for no limit."""
 
     seconds: float | None = None
     begun: float = field(default_factory=time.monotonic)
@@ -27,16 +27,16 @@ class TimeLimit:
         return self.seconds is not None and self.passed > self.seconds
 
     def holds(self) -> AbstractContextManager[None]:
-        """In the block, whatever takes long ends with OutOfTimeError once the limit is reached."""
-        from compiler.time_limits.time_limit import time_limit  # not for help and completion
+        """Within the block, long computations raise OutOfTimeError once the limit is reached."""
+        from compiler.time_limits.time_limit import time_limit  # keeps help and completion fast
 
         return time_limit(None if self.seconds is None else self.reached)
 
     def overrun(self, step: str) -> str:
-        """What is to be said of a limit that was passed by more than is tolerated; else nothing.
+        """The text about a limit that was exceeded by more than is tolerated; else empty.
 
         Args:
-            step: what could not be interrupted, where that is known.
+            step: what could not be interrupted, if known.
         """
         beyond = 0.0 if self.seconds is None else self.passed - self.seconds
         if beyond <= TOLERATED:

@@ -1,3 +1,3 @@
-"""The version, which takes less time to import than the metadata of the package to read."""
+"""The version; importing it is faster than reading the metadata of the package."""
 
 VERSION = "0.1.0"

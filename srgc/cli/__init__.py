@@ -1,8 +1,8 @@
 """The command line: arguments, output and exit statuses, nothing else.
 
-Exit statuses: 0, 1, 3 and 4 as each command says; 2 usage, 5 the spec has errors, 70 internal
-error, 130 interrupted, 141 nobody reads the output.  Nothing is imported here but what a function
-needs: until ``main`` has seen to it, an interrupt is a traceback of Python's.
+Exit statuses: 0, 1, 3 and 4 as each command documents; 2 wrong usage, 5 errors in the spec, 70
+internal error, 130 interrupted, 141 nobody reads the output.  Functions import only what they need,
+because Python prints a traceback for an interrupt that arrives before ``main`` handles interrupts.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import sys
 
 
 def run(arguments: list[str] | None = None) -> int:
-    """Run a command line and give its exit status; no exception leaves this function."""
+    """Run a command line and return its exit status; no exception leaves this function."""
     from srgc.cli.command_table import run_command
     from srgc.cli.fault_report import guarded
 
@@ -29,8 +29,8 @@ def main() -> None:
         escape_unencodable()
         import gc
 
-        # Most objects live to the end: to look for garbage among them after every 700 new ones,
-        # which is Python's usual number, takes time and finds little.
+        # Most objects live until the process ends.  By default Python looks for garbage after every
+        # 700 new objects, which takes time and finds little.
         gc.set_threshold(50_000, 20, 20)
         status = run()
     except KeyboardInterrupt:

@@ -1,4 +1,4 @@
-"""Arguments that several commands share."""
+"""Click arguments and options that several commands share."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 class PathOf(click.Path):
-    """A path that a file or a folder can have, whether there is one or not."""
+    """A path that the file system allows, whether or not something exists there."""
 
     def convert(
         self,
@@ -25,7 +25,7 @@ class PathOf(click.Path):
         param: click.Parameter | None,
         ctx: click.Context | None,
     ) -> str | bytes | os.PathLike[str]:
-        """The path.
+        """Convert the value to a path.
 
         Raises:
             UsageFault: there can be no such file.
@@ -80,14 +80,14 @@ QUIET = click.option(
 def _finite(
     _context: click.Context, parameter: click.Parameter, value: float | None
 ) -> float | None:
-    """Refuse nan, which every comparison lets through, and what is no limit."""
+    """Refuse nan, which passes every comparison, and infinity, which is no limit."""
     if value is not None and not math.isfinite(value):
         raise click.BadParameter("a number of seconds is due", param=parameter)
     return value
 
 
 def limit_of_time(text: str) -> Callable[[Command], Command]:
-    """The option of a limit of time, with its help."""
+    """The option ``--time-limit``, with its help."""
     return click.option(
         "--time-limit",
         type=click.FloatRange(0, min_open=True),
@@ -96,7 +96,7 @@ def limit_of_time(text: str) -> Callable[[Command], Command]:
     )
 
 
-# --- A command whose help teaches: what it does, examples, exit statuses, and where to read on ----
+# --- A command whose help has examples, exit statuses and a page to read on -----------------------
 
 
 ALWAYS = {
@@ -106,15 +106,15 @@ ALWAYS = {
     130: "interrupted",
     141: "nothing reads the output any more",
 }
-"""Statuses that every command may end with; 5 only those that read a spec."""
+"""The statuses that every command may end with; only commands that read a spec end with 5."""
 
 
 class DocumentedCommand(click.Command):
     """A click command with more sections in its help.
 
-    ``examples`` are command lines that work in a checkout of srgc, in this order; the suite runs
-    them.  ``statuses`` are those of :data:`ALWAYS` and of the command itself: what each says.
-    ``read_on`` names a page under ``docs/``.
+    ``examples`` are command lines that work in a checkout of srgc, in this order; the test suite
+    runs them.  ``statuses`` maps the command's own exit statuses to their meanings; those of
+    :data:`ALWAYS` are added.  ``read_on`` names a page under ``docs/``.
     """
 
     def __init__(
@@ -133,21 +133,21 @@ class DocumentedCommand(click.Command):
         self.read_on = read_on
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """As click does it; completing the value of an option, it knows what stands before."""
+        """Parse as click does; in completion, leave out a last option that awaits its value."""
         if ctx.resilient_parsing and args and self._awaits_value(args[-1]):
             args = args[:-1]
         return super().parse_args(ctx, args)
 
     def _awaits_value(self, word: str) -> bool:
-        """Whether a word is an option whose value comes next."""
+        """Whether a word is an option that takes a value."""
         options = (each for each in self.params if isinstance(each, click.Option))
         return any(word in each.opts and not (each.is_flag or each.count) for each in options)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The sections after the options."""
+        """Write the sections after the options."""
         super().format_epilog(ctx, formatter)
         with formatter.section("Examples"):
-            for example in self.examples:  # as they are: a line that is cut cannot be copied
+            for example in self.examples:  # unwrapped, so that it can be copied
                 formatter.write(f"{'':{formatter.current_indent}}{example}\n")
         with formatter.section("Exit status"):
             formatter.write_dl([(str(status), text) for status, text in self.statuses.items()])

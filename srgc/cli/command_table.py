@@ -1,7 +1,7 @@
-"""The commands: their names, where they are, and one line about each.
+"""The table of commands: names, modules, and one line about each.
 
-Nothing of a command is imported before it is asked for, so that ``srgc --version``, ``--help`` and
-the completion of a shell take no longer than the import of click.
+A command is imported only when it is asked for, so that ``srgc --version``, ``--help`` and shell
+completion take no longer than the import of click.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from srgc.interruption import begin
 from srgc.version import VERSION
 
 COMPLETE = "_SRGC_COMPLETE"
-"""The variable by which the script of a shell asks for completions."""
+"""The environment variable by which a shell's completion script asks for completions."""
 
 CLICK_WIDTH, LEAST_WIDTH = 50, 24
-"""Click's least width of a help page, and ours."""
+"""The least width of a help page: click's, and ours."""
 
 
 class Entry(NamedTuple):
-    """A command: the module that has it under its name, its group of the help, one line."""
+    """A command: the module that defines it under its name, its group in the help, and one line."""
 
     module: str
     group: str
@@ -76,22 +76,22 @@ TABLE: Mapping[str, Entry] = {
 
 
 class CommandTable(click.Group):
-    """A group whose commands are imported when they are asked for."""
+    """A group that imports its commands only when they are asked for."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """All names, in the order of the help."""
+        """The names of all commands, in the order of the help."""
         return [*TABLE]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of that name, or None."""
+        """The command with that name, or None."""
         return command_named(cmd_name) if cmd_name in TABLE else None
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click does it; a name that is no command is met with the nearest one."""
+        """Find the command as click does; for an unknown name, suggest the nearest one."""
         name = args[0]
-        if name == "help":  # as of git and cargo
+        if name == "help":  # as in git and cargo
             return self.resolve_command(ctx, [*args[1:2], "--help"])
         if name not in TABLE and name[:1].isalnum() and not ctx.resilient_parsing:
             from difflib import get_close_matches
@@ -102,7 +102,7 @@ class CommandTable(click.Group):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
-        """As click does it, but without its empty line on standard error at an interrupt.
+        """Invoke as click does, but without the empty line that click prints after an interrupt.
 
         Raises:
             Abort: the command was interrupted.
@@ -113,7 +113,7 @@ class CommandTable(click.Group):
             raise click.Abort from None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """The commands in groups; the briefs of all groups begin in one column."""
+        """Write the commands in groups, with all descriptions in the same column."""
         width = max(map(len, TABLE))
         for group, commands in GROUPS.items():
             with formatter.section(group):
@@ -122,7 +122,7 @@ class CommandTable(click.Group):
     def shell_complete(
         self, ctx: click.Context, incomplete: str
     ) -> list[click.shell_completion.CompletionItem]:
-        """The names of the commands and the options of the group."""
+        """Complete the names of the commands and the options of the group."""
         from click.shell_completion import CompletionItem
 
         named = [
@@ -144,7 +144,7 @@ def cli() -> None:
 
 
 def command_named(name: str) -> click.Command:
-    """The command of a name in :data:`TABLE`, which is imported now."""
+    """Import and return the command with a name in :data:`TABLE`."""
     function = f"{name}_" if iskeyword(name) else name
     command = getattr(import_module(TABLE[name].module), function)
     if not isinstance(command, click.Command):
@@ -153,21 +153,21 @@ def command_named(name: str) -> click.Command:
 
 
 def all_commands() -> dict[str, dict[str, click.Command]]:
-    """All commands by group and name, in the order of the help: for a reference page."""
+    """All commands by group and name, in the order of the help, for the reference page."""
     return {group: {name: command_named(name) for name in names} for group, names in GROUPS.items()}
 
 
 def _narrow() -> int | None:
-    """The width of a terminal that is narrower than click believes any to be; else None."""
+    """The width for help on a terminal narrower than click's least width; None on wider ones."""
     columns = get_terminal_size().columns
     return max(columns - 2, LEAST_WIDTH) if columns < CLICK_WIDTH + 2 else None
 
 
 def run_command(arguments: list[str] | None) -> int:
-    """Run a command line; the status that its command gives, 0 where it gives none."""
+    """Run a command line; return the status of its command, or 0 if the command returns none."""
     begin()
     try:
-        # Colours are decided on where they are made: click is to take none away.
+        # The code that prints text decides on colours, so click must not strip them.
         status = cli.main(
             arguments, prog_name="srgc", standalone_mode=False, color=True, terminal_width=_narrow()
         )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def _first(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Specs and result folders."""
+    """Complete specs and result folders."""
     files = complete_file(context, parameter, incomplete)
     folders = complete_folder(context, parameter, incomplete)
     known = [each for each in (*files, *folders) if each.type == "plain"]
@@ -30,7 +30,7 @@ def _first(
 def _others(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Grammars of the file, or more folders."""
+    """Complete grammars of the file, or further folders if the first argument is a folder."""
     first = context.params.get("file")
     if isinstance(first, Path) and first.is_dir():
         return complete_folder(context, parameter, incomplete)
@@ -101,7 +101,7 @@ def _results(folders: Sequence[Path], *, as_json: bool) -> int:
 
     for folder in folders:
         refuse_impossible(folder)
-    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    os.environ.update(ONE_THREAD)  # before numpy is loaded
     from srgc.comparisons.side_by_side import side_by_side
     from srgc.comparisons.side_by_side_text import side_by_side_json, side_by_side_text
 

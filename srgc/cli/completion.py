@@ -128,4 +128,4 @@ complete --command srgc --force-files --condition "string match -qr -- '^[~\\$]'
 """
 
 SCRIPTS = {"bash": BASH, "zsh": ZSH, "fish": FISH}
-"""The script of each shell."""
+"""Maps each shell to its script."""

@@ -1,7 +1,7 @@
-"""What a shell is offered as the value of an argument.
+"""What a shell offers as the value of an argument.
 
-It has to be there before the user notices, and in a spec that is just being written: names are read
-from the text, line by line, and only words are looked for with the compiler.
+Completion has to be fast and has to work in a spec that is still being written.  So names are read
+from the text, line by line; only words need the compiler.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from compiler.words.language import Language
 
 MOST_WORDS = 20
-"""So many words are offered."""
+"""The number of words to offer at most."""
 MOST_READ = 2000
-"""So many words are looked at for what goes on as has been typed."""
+"""The number of words to search for continuations of what has been typed."""
 MOST_FILES = 50
-"""So many files of includes are read for names."""
+"""The number of files, with includes, to read for names."""
 _NAMED = re.compile(r"^\s*(task|grammar|workspace|mission)\s+([^\W\d]\w*)", re.MULTILINE)
 _INCLUDE = re.compile(r'^\s*include\s+"([^"\n]+)"', re.MULTILINE)
 
@@ -32,14 +32,14 @@ _INCLUDE = re.compile(r'^\s*include\s+"([^"\n]+)"', re.MULTILINE)
 def complete_file(
     _context: click.Context, _parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Specs whose path begins so; else what the shell knows of files."""
+    """Specs whose path begins with ``incomplete``; if there are none, the shell completes files."""
     return _paths(incomplete, lambda path: path.suffix == ".srg" and path.is_file(), "file")
 
 
 def complete_folder(
     _context: click.Context, _parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Result folders whose path begins so; else what the shell knows of folders."""
+    """Result folders whose path begins with ``incomplete``; if there are none, shell folders."""
     from srgc.paths import holds_results
 
     return _paths(incomplete, holds_results, "dir")
@@ -48,7 +48,7 @@ def complete_folder(
 def complete_name(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Names of the kind that an option or argument is about, in the file that is given."""
+    """Names declared in the given file, of the kind that the option or argument takes."""
     from click.shell_completion import CompletionItem
 
     kind = parameter.name if parameter.name in ("task", "workspace", "mission") else "grammar"
@@ -59,7 +59,7 @@ def complete_name(
 def complete_code(
     context: click.Context, _parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Codes of findings, with their titles."""
+    """Codes of diagnostics, with their titles."""
     from click.shell_completion import CompletionItem
 
     from grammar_lang.diagnostics.code_pages import title
@@ -77,7 +77,7 @@ def complete_code(
 def complete_word(
     context: click.Context, _parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Whole words of the family, the shortest first."""
+    """Whole words of the family, shortest first."""
     from click.shell_completion import CompletionItem
 
     words = (" ".join(word) for word in islice(_words(context), MOST_READ))
@@ -88,7 +88,7 @@ def complete_word(
 def complete_symbol(
     context: click.Context, _parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Symbols that go on from those typed before, in one of the shorter words."""
+    """Symbols that continue the symbols typed so far, in some of the shorter words."""
     from click.shell_completion import CompletionItem
 
     before = tuple(context.params.get("symbols") or ())
@@ -103,7 +103,7 @@ def complete_symbol(
 
 
 def _paths(incomplete: str, fits: Callable[[Path], bool], otherwise: str) -> list[CompletionItem]:
-    """Paths that begin so, in one folder and those in it that begin so."""
+    """Fitting paths that begin with ``incomplete``, in its folder and in matching subfolders."""
     from click.shell_completion import CompletionItem
 
     found = [str(path) for path in _near(incomplete) if fits(path)]
@@ -113,7 +113,7 @@ def _paths(incomplete: str, fits: Callable[[Path], bool], otherwise: str) -> lis
 
 
 def _near(incomplete: str) -> Iterator[Path]:
-    """What is in a folder and begins so, and what is in such folders."""
+    """The entries whose path begins with ``incomplete``, and the contents of such folders."""
     folder, _, name = incomplete.rpartition("/")
     top = Path(f"{folder}/" if incomplete.startswith("/") else folder)
     for path in _listed(top):
@@ -135,7 +135,7 @@ def _file(context: click.Context) -> Path | None:
 
 
 def _declared(path: Path | None) -> Iterator[tuple[str, str]]:
-    """Kind and name of what a file and its includes declare, whatever mistakes they have."""
+    """Kind and name of each declaration in a file and its includes, even if they have errors."""
     due, seen = [] if path is None else [path], set[Path]()
     while due and len(seen) < MOST_FILES:
         each = due.pop(0)
@@ -151,7 +151,7 @@ def _declared(path: Path | None) -> Iterator[tuple[str, str]]:
 
 
 def _words(context: click.Context) -> Iterator[tuple[str, ...]]:
-    """The words of the family that is meant; none where a spec has errors."""
+    """The words of the family that the arguments name; no words if the spec has errors."""
     family = _family(context)
     return iter(()) if family is None else iter(family.words())
 

@@ -84,7 +84,7 @@ def evolve(
     from solvers.execution.one_thread import ONE_THREAD
     from srgc.session import chosen, program_of, refuse_cycles
 
-    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    os.environ.update(ONE_THREAD)  # before numpy is loaded
     program = program_of(file)
     chosen_task = chosen(program.tasks, task, "task")
     refuse_cycles(program, program.grammars[chosen_task.grammar])

@@ -1,4 +1,4 @@
-"""What becomes of exceptions: one message, and an exit status."""
+"""Turn exceptions into one message and an exit status."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 def guarded(action: Callable[[], int]) -> int:
-    """The status of an action; whatever it raises is reported and has a status, too."""
+    """Run an action and return its status; an exception is reported and turned into one."""
     try:
         return action()
     except (BrokenPipeError, SystemExit):
@@ -40,13 +40,13 @@ def guarded(action: Callable[[], int]) -> int:
         status, tell = _report(error)
         try:
             tell()
-        except OSError:  # nobody reads it, or the disk is full: the status still says it
+        except OSError:  # nobody reads it, or the disk is full: the status still tells
             silence(sys.stderr)
         return status
 
 
 def show(checked: Checked, *, stderr: bool) -> None:
-    """Print findings, in colour where it is shown."""
+    """Print diagnostics, in colour if the stream shows colours."""
     from grammar_lang.diagnostics.render import to_text
 
     colour = colours(sys.stderr if stderr else sys.stdout)
@@ -55,7 +55,7 @@ def show(checked: Checked, *, stderr: bool) -> None:
 
 
 def _report(error: BaseException) -> tuple[int, Callable[[], None]]:
-    """The status of an exception, and what says what happened."""
+    """The exit status for an exception, and a function that prints the message."""
     match error:
         case UsageFault():
             return USAGE, _message(error.finding(colour=colours(sys.stderr)))
@@ -76,7 +76,7 @@ def _report(error: BaseException) -> tuple[int, Callable[[], None]]:
 
 
 def _fault(error: Exception) -> tuple[int, Callable[[], None]]:
-    """Of an answer that could not be had, a device that takes no more, or a fault of srgc."""
+    """Status and message for a missing answer, a full device, or a bug in srgc."""
     from compiler.words.budget import BudgetExceededError
 
     if isinstance(error, BudgetExceededError | NoAnswer):
@@ -97,9 +97,10 @@ def _message(text: str) -> Callable[[], None]:
 
 
 def _no_reader() -> int:
-    """The reader has gone (click turns that into an exit of its own): no more can be said.
+    """Silence both streams: the reader has gone (click turns that into a SystemExit of its own).
 
-    Not 0, which says that all is well: 141 is what a shell says of a program that such a pipe ends.
+    The status is not 0, which would mean success.  A shell reports 141 for a program that a broken
+    pipe ends.
     """
     for stream in (sys.stdout, sys.stderr):
         silence(stream)

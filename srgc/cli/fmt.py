@@ -11,7 +11,7 @@ from srgc.cli.arguments import FILES_OR_STDIN, DocumentedCommand
 from srgc.faults import FOUND, INTERNAL, INTERRUPTED, REFUSED, SPEC_ERRORS, USAGE, UsageFault
 
 PRECEDENCE = (INTERNAL, USAGE, SPEC_ERRORS, INTERRUPTED, REFUSED, FOUND)
-"""Of the statuses of several files the first of these is that of the command."""
+"""With several files, the command ends with the first of these statuses that any file has."""
 
 
 @click.command(

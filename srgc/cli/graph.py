@@ -95,13 +95,13 @@ def graph(
 
 
 def _refuse_choices(*choices: object) -> None:
-    """Of lemmas everything is in the folder: nothing else is to be chosen."""
+    """Refuse all choices with ``--of lemmas``, for which the folder determines everything."""
     if any(choice is not None for choice in choices):
         raise UsageFault("--of lemmas goes with -o alone")
 
 
 def _shown(drawing: Drawing, output: Path | None) -> int:
-    """Print or write a drawing, and what has to be known beside it."""
+    """Print or write a drawing, and print the remarks about it."""
     from compiler.views.dot import to_dot
     from srgc.graphs.graph_request import write_graph
 

@@ -39,15 +39,15 @@ KINDS: Mapping[str, tuple[str, frozenset[str]]] = {
         frozenset({"name", "unit", "at", "packages", "pieces", "detail"}),
     ),
 }
-"""By kind where the function is that imports it, and the options that it takes."""
+"""For each kind, the function that imports it, and the options that this function takes."""
 LIBRARIES = ("collada", "lxml", "manifold3d", "trimesh", "xacro", "yourdfpy")
-"""Those of the extra ``import``, each imported only where it is needed."""
+"""The libraries of the extra ``import``; each is imported only where it is needed."""
 
 
 def _finite(
     _context: click.Context, parameter: click.Parameter, value: float | None
 ) -> float | None:
-    """Refuse nan, which every comparison lets through, and what is infinite."""
+    """Refuse nan, which passes every comparison, and infinity."""
     if value is not None and not math.isfinite(value):
         raise click.BadParameter("a finite number is due", param=parameter)
     return value
@@ -152,7 +152,7 @@ def import_(
     given = {name: value for name, value in options.items() if value not in (None, (), False)}
     _refuse(kind, given, known)
     try:
-        # Meshes are in a folder that is called like what is written.
+        # Meshes are written to a folder with the same name as the spec.
         stem = None if output is None or output == Path("-") else output.stem
         imported = _function(place)(file, stem=stem, **{name: options[name] for name in known})
     except ModuleNotFoundError as error:
@@ -180,7 +180,7 @@ def import_(
 
 
 def _refuse(kind: str, given: Mapping[str, object], known: frozenset[str]) -> None:
-    """Refuse options that say nothing about what is imported."""
+    """Refuse options that do not apply to this kind of import."""
     spelt = {
         parameter.name: parameter.opts[-1]
         for parameter in import_.params
@@ -192,7 +192,7 @@ def _refuse(kind: str, given: Mapping[str, object], known: frozenset[str]) -> No
 
 
 def _function(place: str) -> Callable[..., Imported]:
-    """The function at a place ``module:name``, which is imported now."""
+    """Import and return the function at ``module:name``."""
     from importlib import import_module
 
     module, _, name = place.partition(":")

@@ -1,4 +1,4 @@
-"""The command about rho over the parameters of a found robot: ``landscape``."""
+"""The command that evaluates rho over parameters of a robot that was found: ``landscape``."""
 
 from __future__ import annotations
 
@@ -119,10 +119,10 @@ def landscape(
 
 
 def parsed_ranges(texts: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Ranges by the names of parameters, each written as ``NAME=LOW:HIGH``.
+    """The ranges by name of parameter, parsed from texts ``NAME=LOW:HIGH``.
 
     Raises:
-        UsageFault: one is written otherwise, or a name comes twice.
+        UsageFault: a text has another form, or a name occurs twice.
     """
     found: dict[str, tuple[float, float]] = {}
     for text in texts:
@@ -137,10 +137,10 @@ def parsed_ranges(texts: Sequence[str]) -> dict[str, tuple[float, float]]:
 
 
 def parsed_marks(texts: Sequence[str], labels: Sequence[str]) -> tuple[Mark, ...]:
-    """Marks, each written as ``X`` or ``X,Y``, with their labels; the place where there is none.
+    """The marks, parsed from ``X`` or ``X,Y``; one without a label is labelled by its place.
 
     Raises:
-        UsageFault: a value is no number, or there are more labels than marks.
+        UsageFault: a value is not a number, or there are more labels than marks.
     """
     from srgc.landscapes.landscape_request import Mark
 
@@ -154,7 +154,7 @@ def parsed_marks(texts: Sequence[str], labels: Sequence[str]) -> tuple[Mark, ...
 
 
 def _number(text: str) -> float:
-    """A finite number."""
+    """Parse a finite number."""
     try:
         value = float(text)
     except ValueError:
@@ -165,7 +165,7 @@ def _number(text: str) -> float:
 
 
 def _make_room(path: Path) -> None:
-    """Make the folder of a file."""
+    """Create the folder of a file."""
     from srgc.paths import unwritable
 
     try:

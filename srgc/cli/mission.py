@@ -1,4 +1,4 @@
-"""What ``synth --mission`` and ``evolve`` share: a mission is searched, written and told of."""
+"""Run a mission search for ``synth --mission`` and ``evolve``, and print the result."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def synth_mission(
 
     Args:
         file: the spec.
-        program: what it says.
-        name: that of the mission.
-        output: the folder, None: the usual one.
-        refused: options that are about one task, with their values.
-        as_json: whether ``design.json`` is printed.
-        verbose: whether solvers' own words are.
-        options: those of the search, as of ``SynthesisOptions``.
+        program: the program of the spec.
+        name: the name of the mission.
+        output: the result folder; None for the default.
+        refused: options that apply to a single task only, with their values.
+        as_json: whether to print ``design.json``.
+        verbose: whether to print the solvers' own answers.
+        options: the options of the search, as for ``SynthesisOptions``.
 
     Raises:
         UsageFault: there is no such mission, or an option does not go with one.
@@ -70,7 +70,7 @@ def told(
     verbose: bool,
     notes: Sequence[str] = (),
 ) -> int:
-    """Search for the robots of a mission, write them and print what was found, and ``notes``."""
+    """Search for the robots of a mission, write them, and print the result and ``notes``."""
     from srgc.results.mission_run import run_mission
     from srgc.terminal import with_verdict
     from srgc.text_reports.mission_report import mission_text

@@ -1,4 +1,4 @@
-"""The command about the equations of motion of one robot: ``model``."""
+"""The command that prints the equations of motion of one robot: ``model``."""
 
 from __future__ import annotations
 

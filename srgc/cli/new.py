@@ -1,4 +1,4 @@
-"""The command that writes a first file: ``new``."""
+"""The command that writes a starter file: ``new``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from srgc.faults import UsageFault
 
 
 def _kinds(_context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
-    """The kinds that begin so, for the completion of a shell."""
+    """The kinds that begin with ``begun``, for shell completion."""
     from srgc.starters.starter_files import STARTERS
 
     return [kind for kind in STARTERS if kind.startswith(begun)]
@@ -54,7 +54,7 @@ def new(kind: str | None, output: Path | None, force: bool) -> int:  # noqa: FBT
 
 
 def _write(path: Path, content: bytes, *, force: bool) -> None:
-    """Write a file; without ``force`` only where there is nothing, not even a broken link."""
+    """Write a file; without ``force`` only if nothing has that name, not even a broken link."""
     if path.is_dir():
         raise UsageFault(f"{path} is a folder; `-o` names a file")
     try:

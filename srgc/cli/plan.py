@@ -84,7 +84,7 @@ def plan(
 
 
 def _tell(report: PlanReport, file: Path, *, quiet: bool) -> None:
-    """Print a plan: on standard output the path alone, what is about it on a terminal."""
+    """Print a plan: the path on standard output, remarks only if standard error is a terminal."""
     from srgc.terminal import redraws, with_verdict
     from srgc.text_reports.plan_report import after_plan
 

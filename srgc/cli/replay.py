@@ -89,7 +89,7 @@ def replay(
         raise UsageFault("--seed goes with --disturbed")
     if timestep is not None and not (isfinite(timestep) and timestep > 0):
         raise UsageFault("--timestep is a positive number of seconds")
-    # As it was typed, so that 0.1 divides a step of 0.1 s.
+    # The number as it was typed, so that 0.1 divides a step of 0.1 s.
     longest = None if timestep is None else Fraction(repr(timestep))
     if disturbed is not None:
         return _disturbed(folder, disturbed, seed or 0, longest, integrator, as_json=as_json)
@@ -107,7 +107,7 @@ def _disturbed(
     *,
     as_json: bool,
 ) -> int:
-    """Replay so many disturbed motions."""
+    """Replay ``count`` disturbed motions."""
     from srgc.replays.disturbed_replay import DisturbedRequest, disturbed_replay
     from srgc.replays.replay_report import disturbed_json, disturbed_text
     from srgc.results.progress_display import progress

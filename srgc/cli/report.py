@@ -38,7 +38,7 @@ def report(folder: Path, quiet: bool, output: Path | None, no_verify: bool) -> i
     """
     from solvers.execution.one_thread import ONE_THREAD
 
-    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    os.environ.update(ONE_THREAD)  # before numpy is loaded
     target = folder / NAME if output is None else output
     if target.suffix.lower() not in (".html", ".htm"):
         raise UsageFault(f"{target}: a report is a page; let the name end in .html")

@@ -133,7 +133,7 @@ def synth(
     from solvers.execution.one_thread import ONE_THREAD
     from srgc.session import chosen, program_of, refuse_cycles
 
-    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    os.environ.update(ONE_THREAD)  # before numpy is loaded
     program = program_of(file)
     if mission is not None:
         from srgc.cli.mission import synth_mission

@@ -128,7 +128,7 @@ def _mission(
     expected: tuple[str | None, str | None, Claimed | None],
     as_json: bool,  # noqa: FBT001
 ) -> tuple[Report, str]:
-    """The report on a mission, and what is printed of it."""
+    """Verify a mission; return the report and the text to print."""
     from solvers.verifier.missions.mission_check import verify_mission
     from srgc.text_reports.mission_report import mission_check_json, mission_check_text
 
@@ -144,7 +144,7 @@ def _mission(
 
 @contextmanager
 def _beside(jobs: int) -> Iterator[tuple[Each, Begin]]:
-    """What does independent parts; processes are imported for only where there are several."""
+    """Functions that check independent parts; only with several jobs are processes used."""
     from solvers.verifier.proofs.scene import in_turn, when_asked
 
     if jobs == 1:

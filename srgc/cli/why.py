@@ -1,4 +1,4 @@
-"""The command that explains a verdict without a design: ``why``."""
+"""The command that explains why there is no design, or no better one: ``why``."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def why(
     limit = TimeLimit(time_limit)
     from solvers.execution.one_thread import ONE_THREAD
 
-    os.environ.update(ONE_THREAD)  # while numpy is not loaded yet
+    os.environ.update(ONE_THREAD)  # before numpy is loaded
     from solvers.explanation.explanation import Asked, explain
     from solvers.explanation.run import MOST_RUNS
     from srgc.results.mission_refusal import is_mission_folder
@@ -75,7 +75,7 @@ def why(
 
 
 def _of_mission(folder: Path, *, quiet: bool, as_json: bool) -> int:
-    """Say of a mission what rules robots out in each task, and which are left."""
+    """Print which robots each task of a mission rules out, and which remain."""
     from solvers.verifier.proofs.scene import Watch
     from srgc.comparisons.mission_reasons import mission_reasons
     from srgc.comparisons.mission_reasons_text import mission_reasons_json, mission_reasons_text
@@ -90,7 +90,7 @@ def _of_mission(folder: Path, *, quiet: bool, as_json: bool) -> int:
 def _of_found(
     folder: Path, tried: TriedFolder, limit: TimeLimit, *, quiet: bool, as_json: bool
 ) -> int:
-    """Say of a design what robots lack that would have less of the first objective."""
+    """Print what the robots lack that would have less of the first objective than the design."""
     from solvers.explanation.explanation import conflicts_of
     from srgc.comparisons.next_cheaper import next_cheaper
     from srgc.comparisons.next_cheaper_text import (

@@ -1,1 +1,1 @@
-"""Results held against each other, and a design against the robots that would have less."""
+"""Compare results with each other, and a design with the robots that would have less."""

@@ -1,6 +1,6 @@
-"""What rules robots out of a mission, task by task, and what is left without that of a task.
+"""What each task of a mission refutes, and what would remain without the refutations of a task.
 
-What is left is computed by the verifier's code from evidence that it checks.
+The verifier's code computes what remains, from evidence that it checks.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ from srgc.results.undecided_robots import StatedUndecided, undecided_by_task
 
 @dataclass(frozen=True, slots=True)
 class Without:
-    """What would be left without all that is refuted in a task.
+    """What would remain without the refutations of one task.
 
-    ``robots`` are those that are rebuilt; None where that is not asked, or none are left.
-    ``one_left``: of a mission for one robot, whether some robot is left then.
+    ``robots`` are the cheapest remaining robots of a mission whose robots are rebuilt; None for
+    other missions, or if no robots remain.  ``one_left``: for a mission with one robot, whether
+    some robot remains.
     """
 
     robots: LeftRobots | None
@@ -37,7 +38,7 @@ class Without:
 
 @dataclass(frozen=True, slots=True)
 class TaskReasons:
-    """What rules robots out in a task; ``without`` is None where that is not known."""
+    """What rules robots out in a task; ``without`` is None if that is not known."""
 
     refuted: TaskRefutations
     without: Without | None
@@ -49,7 +50,7 @@ class TaskReasons:
 
     @property
     def says(self) -> tuple[str, ...]:
-        """What was shown, in words."""
+        """What was shown, as sentences."""
         said = [*self.refuted.lemmas]
         if self.refuted.separated:
             said.append("obstacles separate the start from the target, for every robot")
@@ -68,10 +69,10 @@ class TaskReasons:
 
 @dataclass(frozen=True, slots=True)
 class MissionReasons:
-    """Why a mission has the verdict that it has.
+    """Why a mission has its verdict.
 
-    ``left`` are the cheapest robots that are not refuted, of a mission whose robots are rebuilt;
-    None where none are left, or where nothing is claimed.
+    ``left`` are the cheapest robots that are not refuted, for a mission whose robots are rebuilt;
+    None if no robots remain, or if nothing is claimed.
     """
 
     mission: MissionFolder
@@ -80,7 +81,7 @@ class MissionReasons:
 
     @property
     def undecided(self) -> dict[str | None, list[StatedUndecided]]:
-        """By task the robots that are neither found nor refuted; under None: in all together."""
+        """Maps each task, or None for all together, to its robots neither found nor refuted."""
         return undecided_by_task(self.mission.undecided)
 
 
@@ -88,8 +89,8 @@ def mission_reasons(folder: Path, watch: Watch = UNWATCHED) -> MissionReasons:
     """What rules robots out of the mission of a result folder.
 
     Raises:
-        UsageFault: there are no results of a mission, they have been altered, or the evidence does
-            not show what it is to show.
+        UsageFault: the folder has no results of a mission, they have been altered, or the evidence
+            does not show what it should.
     """
     mission = mission_folder(folder)
     if mission.claim is None or not mission.refuted:
@@ -111,7 +112,7 @@ def mission_reasons(folder: Path, watch: Watch = UNWATCHED) -> MissionReasons:
 def _without(
     mission: MissionFolder, claim: MissionClaim, robots: Sequence[RefutedRobots], number: int
 ) -> Without | None:
-    """What is left if nothing were refuted in the task of that number; None where all stays."""
+    """What would remain without the refutations of task ``number``; None if nothing changes."""
     own = mission.refuted[number]
     needed = own.structures or own.lemmas or own.boxes or own.separated
     if not needed or len(robots) == 1:
@@ -130,7 +131,7 @@ def _without(
 
 
 def _left_out(tree: TreeClaim, number: int) -> TreeClaim:
-    """Boxes of a robot that is to do all tasks, those open that are refuted in one of them."""
+    """The boxes of a robot for all tasks, without the refutations of task ``number``."""
     if isinstance(tree, CutClaim):
         first, second = (_left_out(part, number) for part in tree.parts)
         return replace(tree, parts=(first, second))
@@ -140,7 +141,7 @@ def _left_out(tree: TreeClaim, number: int) -> TreeClaim:
 def _left(
     mission: MissionFolder, claim: MissionClaim, robots: Sequence[RefutedRobots]
 ) -> LeftRobots | None:
-    """The cheapest robots that are left; None also where they are too many to be compared."""
+    """The cheapest remaining robots; None also if there are too many to compare."""
     prices = mission.mission.prices
     if prices is None or any(each.separated for each in robots):
         return None
@@ -155,7 +156,7 @@ def _left(
 
 
 def _one_left(claim: MissionClaim, robots: Sequence[RefutedRobots]) -> bool:
-    """Whether one robot is left that none of the tasks refutes."""
+    """Whether a robot remains that no task refutes."""
     if any(each.separated for each in robots):
         return False
     try:

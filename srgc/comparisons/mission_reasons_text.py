@@ -15,9 +15,9 @@ from srgc.comparisons.mission_reasons import MissionReasons, TaskReasons
 from srgc.results.stated_objectives import short
 
 MOST_SAID = 6
-"""So many things that were shown are printed of a task, and all of them as JSON."""
+"""The number of statements to print for a task; JSON has all of them."""
 MOST_NAMED = 3
-"""So many robots are named for one reason."""
+"""The number of robots to name for one reason."""
 ENDED = {
     "time": "the time limit ended the search",
     "motions": "the search ended at its limit of robots without a motion",
@@ -26,7 +26,7 @@ ENDED = {
     "parameters": "the robots that were found do not agree in their parameters",
     "modules": "no bound on modules is asked for",
 }
-"""What ended a search, in words."""
+"""Maps each reason why a search ended to words."""
 
 
 def mission_reasons_text(found: MissionReasons) -> str:
@@ -50,7 +50,7 @@ def _head(found: MissionReasons) -> str:
 
 
 def _objectives(found: MissionReasons) -> Iterator[str]:
-    """What one robot has of each objective, and what is proved of others."""
+    """The value of each objective for the one robot, and what is proved about other robots."""
     for each in found.mission.design["objectives"]:
         name = each["objective"].removeprefix("sum(").removesuffix(")")
         value, least = float(each["value"]), float(each["least"])
@@ -105,7 +105,7 @@ def _without(found: MissionReasons, each: TaskReasons) -> Iterator[str]:
 
 
 def _ending(found: MissionReasons) -> str:
-    """What is left, and what may be done."""
+    """What remains, and what the user can do."""
     mission = found.mission
     if mission.verdict == "unknown":
         return "\n".join(_open_end(found))
@@ -121,7 +121,7 @@ def _ending(found: MissionReasons) -> str:
 
 
 def _open_end(found: MissionReasons) -> Iterator[str]:
-    """How much is left open, what ended the search, and what may be done about that."""
+    """How much is undecided, what ended the search, and what the user can do about it."""
     design = found.mission.design
     undecided, ended, first = design["undecided"], design.get("ended_by"), design.get("try_first")
     said = [f"{counted(undecided, 'robot')} undecided"] if undecided else []
@@ -133,7 +133,7 @@ def _open_end(found: MissionReasons) -> Iterator[str]:
 
 
 def _undecided(found: MissionReasons) -> Iterator[str]:
-    """The robots that are neither found nor refuted, task by task, with why."""
+    """The robots that are neither found nor refuted, task by task, with the reasons."""
     for task, each in found.undecided.items():
         lines = [f"undecided {_in(task)}:"]
         for one in each[:MOST_SAID]:
@@ -157,7 +157,7 @@ def _chain(found: MissionReasons, left: LeftRobots) -> Iterator[str]:
 
 
 def mission_reasons_json(found: MissionReasons) -> str:
-    """The same for other programs."""
+    """The explanation as JSON."""
     mission = found.mission
     content = {
         "verdict": mission.verdict,

@@ -1,7 +1,7 @@
-"""What a result folder says of the robots that would have had less than its design.
+"""What a result folder says about the robots that would have less than its design.
 
-They are those that have less of the first objective of the task.  Nothing is claimed of them: what
-the folder says was refuted is asked again.
+These robots have less of the first objective of the task.  The folder makes no claim about them:
+what it says was refuted is asked again.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ from srgc.results.result_folder import json_object
 from srgc.results.why_folder import TriedFolder
 
 MOST_STRUCTURES = 2000
-"""So many structures that would have less are looked at, those with least first."""
+"""The number of structures with less to look at, those with the least first."""
 MOST_EXPLAINED = 3
-"""So many refuted robots of the same value are explained."""
+"""The number of refuted robots with the same value to explain."""
 UNTRIED = "it was not tried"
 
 
 @dataclass(frozen=True, slots=True)
 class CheaperRobot:
-    """A structure that would have had less: its least ``value``, and why it is not the design.
+    """A structure that would have less: its least ``value``, and why it is not the design.
 
-    ``varies``: what its robots have depends on their parameters.
+    ``varies``: whether the value depends on the parameters.
     """
 
     derivation: Derivation
@@ -52,12 +52,12 @@ class CheaperRobot:
 
 @dataclass(frozen=True, slots=True)
 class NextCheaper:
-    """Who would have had less than a design of the first objective, which is ``amount``.
+    """The robots that would have less of the first objective, ``amount``, than the design.
 
-    ``refuted`` are those with the most less than the design that are refuted, ``undecided`` all of
-    which that is not known, ``found`` those that were found and have more of what comes behind.
-    With ``other`` parameters than those that were found, some may have less, but not less than is
-    claimed of all.  ``lemmas`` are about robots of the first kind.
+    ``refuted`` are, of the refuted ones, those with the largest value; ``undecided`` are all that
+    are not decided; ``found`` are those that were found but have more of the later objectives.
+    Those in ``other`` may have less with other parameters than those found, but not less than is
+    claimed for all robots.  ``lemmas`` are about robots in ``refuted``.
     """
 
     posed: PosedTask
@@ -71,7 +71,7 @@ class NextCheaper:
 
 
 def next_cheaper(folder: Path, tried: TriedFolder) -> NextCheaper | None:
-    """Who would have had less than the design of a folder; None where no robot is ordered so.
+    """The robots with less than the design of a folder; None if the objective orders no robots.
 
     Raises:
         UsageFault: there is no design, or it has been altered.
@@ -108,7 +108,7 @@ def next_cheaper(folder: Path, tried: TriedFolder) -> NextCheaper | None:
 
 
 def _value(amount: Amount, found: FoundDesign) -> Fraction | None:
-    """What the design has of an objective that is no motion's."""
+    """The design's value of an objective that does not depend on the motion."""
     nothing = MotionValues(None, Fraction(0), None)
     word = found.derivation.word
     bounds = value_bounds(amount, word, found.model, found.parameters, nothing)
@@ -118,7 +118,7 @@ def _value(amount: Amount, found: FoundDesign) -> Fraction | None:
 def _below(
     amount: Amount, every: Iterator[Candidate], value: Fraction
 ) -> Iterator[tuple[Derivation, Fraction, bool]]:
-    """The structures that may have less than so much, with the least, and whether it varies."""
+    """The structures that may have less than ``value``, with their least and whether it varies."""
     for candidate in islice(every, MOST_STRUCTURES):
         least = amount.of_robot(candidate.derivation.word, candidate.model)
         if least >= value:
@@ -128,7 +128,7 @@ def _below(
 
 
 class _State:
-    """What a folder says of structures: of those that were tried, and of those of lemmas."""
+    """What a folder says about structures: those that were tried, and those that lemmas refute."""
 
     def __init__(
         self,
@@ -142,7 +142,7 @@ class _State:
         self.narrowed = [family.with_condition(condition) for condition in conditions]
 
     def robot(self, derivation: Derivation, value: Fraction, varies: bool) -> CheaperRobot:  # noqa: FBT001
-        """A structure, with what is known of it."""
+        """A structure, with what is known about it."""
         one = self.known.get(derivation.labels)
         word = derivation.word
         lemma = next(

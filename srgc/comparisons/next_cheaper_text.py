@@ -20,7 +20,7 @@ from srgc.text_reports.why_report import (
 )
 
 MOST_UNDECIDED = 10
-"""So many undecided robots are printed for people, and all of them as JSON."""
+"""The number of undecided robots to print for people; JSON has all of them."""
 
 
 def cheaper_text(
@@ -66,7 +66,7 @@ def _listed(cheaper: NextCheaper, robots: Sequence[CheaperRobot], title: str) ->
 
 
 def cheaper_json(cheaper: NextCheaper, conflicts: Conflicts, ended: str | None) -> str:
-    """The same for programs; ends with a line break."""
+    """What the next cheaper robots lack, as JSON; ends with a line break."""
     posed, objective = cheaper.posed, cheaper.amount.objective
     content = {
         "verdict": "found",
@@ -86,7 +86,7 @@ def cheaper_json(cheaper: NextCheaper, conflicts: Conflicts, ended: str | None) 
 
 
 def stated_text(stated: Sequence[Objective]) -> str:
-    """What is claimed of objectives of which no robot is known to have less before it moves."""
+    """What is claimed about the objectives, if no robot is known to have less before it moves."""
     if not stated:
         return "verdict: found\nThere is nothing to explain: `srgc verify` checks the design.\n"
     lines = [
@@ -98,7 +98,7 @@ def stated_text(stated: Sequence[Objective]) -> str:
 
 
 def stated_json(stated: Sequence[Objective]) -> str:
-    """The same for programs; ends with a line break."""
+    """The claims about the objectives as JSON; ends with a line break."""
     objectives = [
         {"objective": e.objective, "value": e.value, "least": e.least, "unit": e.unit}
         for e in stated

@@ -1,4 +1,4 @@
-"""Result folders side by side: what their designs have of what all can be compared by."""
+"""Result folders side by side: the values by which all their designs can be compared."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ ALWAYS = (
     ir.Objective("effort"),
     ir.Objective("time"),
 )
-"""What every design has, whatever its task asks for."""
+"""Values that every design has, whatever its task asks for."""
 USUAL = ("modules", "mass", "effort")
-"""What designs are compared by where they have no objective in common."""
+"""The values by which designs without common objectives are compared."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """What designs have more or less of; ``objective``: whether the tasks of all ask for less."""
+    """A value to compare designs by; ``objective``: whether the tasks of all ask for less of it."""
 
     name: str
     word: str
@@ -42,10 +42,10 @@ class Measure:
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """A result folder: what it says, and of its design the figures by the names of measures.
+    """A result folder: its statements, and the figures of its design by the names of measures.
 
-    ``asked`` are the measures that its task asks to be least; ``parameters`` have the place of
-    their symbol in the word, their names, values and units.
+    ``asked`` are the measures that its task minimizes.  Each of ``parameters`` has the index of its
+    symbol in the word, its name, value and unit.
     """
 
     folder: Path
@@ -62,10 +62,9 @@ class Standing:
 
 @dataclass(frozen=True, slots=True)
 class SideBySide:
-    """Several results, what their designs are compared by, and which dominate which.
+    """Several results, the measures by which to compare their designs, and dominance among them.
 
-    ``measures`` are those that all designs have; ``decisive`` those of them that dominance is
-    about.
+    ``measures`` are those that all designs have; ``decisive`` are those that decide dominance.
     """
 
     standings: tuple[Standing, ...]
@@ -74,44 +73,44 @@ class SideBySide:
 
     @property
     def found(self) -> tuple[int, ...]:
-        """Which of the results have a design."""
+        """The indices of the results with a design."""
         return tuple(k for k, each in enumerate(self.standings) if each.word is not None)
 
     def best(self, measure: Measure) -> tuple[int, ...]:
-        """Which have least of something; none where all have the same."""
+        """The results with the least value of a measure; empty if all have the same."""
         costs = {k: self.standings[k].figures[measure.name].cost for k in self.found}
         least = [k for k, cost in costs.items() if cost == min(costs.values())]
         return () if len(least) == len(costs) else tuple(least)
 
     def less(self, one: int, other: int) -> tuple[Measure, ...]:
-        """The decisive measures of which a design has less than another one."""
+        """The decisive measures of which one design has less than the other."""
         a, b = (self.standings[k].figures for k in (one, other))
         return tuple(each for each in self.decisive if a[each.name].cost < b[each.name].cost)
 
     def dominates(self, one: int, other: int) -> bool:
-        """Whether a design has nowhere more and somewhere less than another one."""
+        """Whether a design has less of some decisive measure than another, and more of none."""
         return bool(self.less(one, other)) and not self.less(other, one)
 
     def dominated_by(self, one: int) -> int | None:
-        """The first design that dominates one; None where none does."""
+        """The first design that dominates the given one; None if no design does."""
         return next((k for k in self.found if self.dominates(k, one)), None)
 
     @property
     def same_spec(self) -> bool:
-        """Whether all are about one specification, byte for byte."""
+        """Whether all results are about the same specification, byte for byte."""
         return len({each.spec_sha256 for each in self.standings}) == 1
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        """The different names of their tasks."""
+        """The distinct names of their tasks."""
         return tuple(dict.fromkeys(each.task for each in self.standings))
 
 
 def side_by_side(folders: Sequence[Path]) -> SideBySide:
-    """Result folders side by side; nothing of them is verified.
+    """Result folders side by side; nothing in them is verified.
 
     Raises:
-        UsageFault: one holds no results, or they or the spec have been altered.
+        UsageFault: a folder has no results, or they or the spec have been altered.
     """
     standings = tuple(map(_standing, folders))
     designs = [each for each in standings if each.word is not None]
@@ -130,13 +129,13 @@ def side_by_side(folders: Sequence[Path]) -> SideBySide:
 
 
 def _place(measure: Measure) -> int:
-    """Where what every design has stands; what a task asks for comes before it."""
+    """The sort key of a measure: those that a task asks for come before those of every design."""
     names = [each.kind for each in ALWAYS]
     return names.index(measure.name) if measure.name in names else -1
 
 
 def _common(measure: Measure, designs: Sequence[Standing]) -> Measure:
-    """A measure, as one that the tasks of all designs ask for or not."""
+    """A measure, with ``objective`` set if the tasks of all designs ask for it."""
     asked = all(measure.name in each.asked for each in designs)
     return Measure(measure.name, measure.word, measure.unit, asked)
 
@@ -163,7 +162,7 @@ def _standing(folder: Path) -> Standing:
 
 
 def _figures(found: FoundDesign) -> tuple[dict[str, Figure], dict[str, Measure]]:
-    """What a design has of the objectives of its task, and of what every design has."""
+    """The design's values of the objectives of its task, and of those that every design has."""
     figures: dict[str, Figure] = {}
     measures: dict[str, Measure] = {}
     motion = MotionValues(
@@ -187,13 +186,13 @@ def _always(found: FoundDesign) -> list[Amount]:
 
 
 def _energy(claim: FoundClaim) -> Bounds | None:
-    """The energy that a certificate states; None where it states none."""
+    """The energy that a certificate states; None if it states none."""
     stated = () if claim.objectives is None else claim.objectives.values
     values = (exact_number(each.value) for each in stated if each.objective == "energy")
     return next(((value, value) for value in values), None)
 
 
 def _share(found: FoundDesign) -> float | None:
-    """What the inputs keep from their bounds, as a share; None where none has a choice."""
+    """The least distance of an input from its bound, as a share; None if no input has a choice."""
     used = used_inputs(found.model, found.task, found.claim.inputs)
     return min((each.margin / each.widest for each in used if each.widest > 0), default=None)

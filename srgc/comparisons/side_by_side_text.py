@@ -12,7 +12,7 @@ LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def side_by_side_text(found: SideBySide) -> str:
-    """The results, what their designs have, the best marked, and which dominates which."""
+    """The results, the values of their designs with the best marked, and which dominates which."""
     names = labels(len(found.standings))
     lines = [line for name, each in zip(names, found.standings, strict=True)
              for line in _said(name, each)]  # fmt: skip
@@ -23,7 +23,7 @@ def side_by_side_text(found: SideBySide) -> str:
 
 
 def labels(count: int) -> list[str]:
-    """Short names of so many results: letters, then numbers."""
+    """Short names for ``count`` results: letters, then numbers."""
     return list(LETTERS[:count]) if count <= len(LETTERS) else [str(k + 1) for k in range(count)]
 
 
@@ -34,7 +34,7 @@ def _said(name: str, standing: Standing) -> Iterator[str]:
 
 
 def _measured(found: SideBySide) -> Iterator[list[str]]:
-    """A row per measure; the best are marked."""
+    """A row for each measure, with the best values marked."""
     for measure in found.measures:
         best = found.best(measure)
         cells = []
@@ -49,7 +49,7 @@ def _heading(measure: Measure) -> str:
 
 
 def _parameters(found: SideBySide) -> Iterator[list[str]]:
-    """A row per parameter that a design has."""
+    """A row for each parameter of any design."""
     keys = sorted({(at, name, unit) for s in found.standings for at, name, _, unit in s.parameters})
     for at, name, unit in keys:
         values = [
@@ -61,7 +61,7 @@ def _parameters(found: SideBySide) -> Iterator[list[str]]:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Rows whose numbers stand below each other; there is room for the mark of the best."""
+    """Rows with aligned numbers, and room for the mark of the best."""
     lines = [[head[0], *(f"{name}  " for name in head[1:])], *rows]
     padded = [[row[0], *(f"{cell}  " if cell == "-" else cell for cell in row[1:])]
               for row in lines]  # fmt: skip
@@ -75,7 +75,7 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 def sentences(found: SideBySide) -> list[str]:
-    """Which design is better, and what keeps them from being compared."""
+    """Which design is better, and what prevents a comparison."""
     names = labels(len(found.standings))
     said = [_verdict(found, names)]
     if len(found.tasks) > 1:
@@ -146,7 +146,7 @@ def _and(words: Sequence[str]) -> str:
 
 
 def side_by_side_json(found: SideBySide) -> str:
-    """The same as an object; results are counted from 0."""
+    """The comparison as JSON; results are counted from 0."""
     content = {
         "results": [_result(each, found.measures) for each in found.standings],
         "measures": [

@@ -1,1 +1,1 @@
-"""Files in canonical form."""
+"""Specs in canonical form."""

@@ -38,7 +38,7 @@ class Formatted:
         return self.before != self.after
 
     def difference(self, *, colour: bool) -> str:
-        """A unified diff, in colour if so asked; empty where the text is canonical."""
+        """A unified diff, coloured on request; empty if the text is canonical."""
         before, after = self.before.decode("utf-8"), self.after.decode("utf-8")
         return unified(before, after, self.name, colour=colour)
 
@@ -47,8 +47,8 @@ def formatted(data: bytes, name: str) -> Formatted:
     """The canonical form of a text given as bytes.
 
     Raises:
-        SpecErrors: it has syntax errors, or is no text.
-        NotFaithful: the formatter is at fault.
+        SpecErrors: it has syntax errors, or it is not text.
+        NotFaithful: the formatter has a bug.
     """
     sink = Sink()
     text, sound = decoded(data, 0, sink)
@@ -59,17 +59,17 @@ def formatted(data: bytes, name: str) -> Formatted:
 
 
 def formatted_file(path: Path) -> Formatted:
-    """The canonical form of a file, which is not touched.
+    """The canonical form of a file; the file is not changed.
 
     Raises:
         UsageFault: it cannot be read.
-        SpecErrors: it is missing, has syntax errors or is no text.
-        NotFaithful: the formatter is at fault.
+        SpecErrors: it is missing, has syntax errors or is not text.
+        NotFaithful: the formatter has a bug.
     """
     try:
         data = read_file(path, LIMIT)
     except (OSError, ValueError, TooLarge):
-        from srgc.session import check_file  # which loads all checks, to say what is wrong
+        from srgc.session import check_file  # loads all checks, to report what is wrong
 
         checked = check_file(path)
         if checked.program is not None:
@@ -83,8 +83,8 @@ def formatted_stdin() -> Formatted:
 
     Raises:
         UsageFault: it cannot be read, or is larger than a file may be.
-        SpecErrors: it has syntax errors or is no text.
-        NotFaithful: the formatter is at fault.
+        SpecErrors: it has syntax errors or is not text.
+        NotFaithful: the formatter has a bug.
     """
     try:
         with open(0, "rb", closefd=False) as stdin:
@@ -97,10 +97,10 @@ def formatted_stdin() -> Formatted:
 
 
 def replace_file(path: Path, data: bytes) -> None:
-    """Give a file new content at one stroke: no reader, and no crash, ever sees half of it.
+    """Replace the content of a file atomically: no reader and no crash ever sees a part of it.
 
-    A link stays, and what it leads to is replaced; the mode stays, and where that is allowed the
-    owner.
+    A symbolic link stays, and its target is replaced.  The mode is kept, and the owner if
+    permitted.
 
     Raises:
         UsageFault: the file or its folder cannot be written.
@@ -124,7 +124,7 @@ def replace_file(path: Path, data: bytes) -> None:
 
 
 def _refuse_read_only(path: Path, target: Path) -> None:
-    """Also where the user may override the mode, as root may: a read-only file is meant to stay."""
+    """Refuse a read-only file or folder, even to a user such as root who may override the mode."""
     for place, what in ((target, "it is read-only"), (target.parent, "its folder is read-only")):
         if not place.stat().st_mode & _WRITABLE or not os.access(place, os.W_OK):
             raise UsageFault(f"{path}: cannot write it: {what}")
@@ -137,17 +137,17 @@ def _take_over(old: Path, new: Path) -> None:
     shutil.copymode(old, new)
 
 
-# --- One call of ``srgc fmt``: what it writes and prints about each of its files ------------------
+# --- One call of ``srgc fmt``: what it writes and prints for each of its files --------------------
 
 
 def _print(text: str) -> None:
-    """As UTF-8, like the files, whatever the locale; a name that is no text as its bytes."""
+    """Print as UTF-8, like the files, in any locale; names that are not text keep their bytes."""
     click.echo(text.encode("utf-8", "surrogateescape"), nl=False)
 
 
 @dataclass(slots=True)
 class FormatRun:
-    """What the files of a call have in common, and how many have been formatted so far."""
+    """The options that the files of a call share, and the numbers of files formatted so far."""
 
     only_check: bool
     as_diff: bool
@@ -156,12 +156,12 @@ class FormatRun:
     unchanged: int = 0
 
     def one(self, path: Path) -> int:
-        """Format a file, or standard input where the path is ``-``; the exit status.
+        """Format a file, or standard input for ``-``; return the exit status.
 
         Raises:
             UsageFault: it cannot be read or written.
             SpecErrors: it has syntax errors.
-            NotFaithful: the formatter is at fault.
+            NotFaithful: the formatter has a bug.
         """
         is_stdin = str(path) == "-"
         found = formatted_stdin() if is_stdin else formatted_file(path)
@@ -183,7 +183,7 @@ class FormatRun:
             self.changed += 1
 
     def summary(self) -> str:
-        """How many files were written; empty where none was looked at for that."""
+        """The number of files written and left unchanged; empty if this call writes none."""
         parts = []
         for count, what in ((self.changed, "formatted"), (self.unchanged, "left unchanged")):
             if count:
@@ -191,11 +191,11 @@ class FormatRun:
         return f"{', '.join(parts)}\n" if parts else ""
 
 
-# --- The difference of two texts that differ in blanks only, as a unified diff, in linear time ----
+# --- A unified diff of two texts that differ only in whitespace, in linear time -------------------
 #
-# Where as many other characters come before the end of a line in both texts, the lines belong
-# together; no search for a longest common subsequence is needed. Source: the unified format of GNU
-# diffutils, section "Detailed Description of Unified Format".
+# Two lines correspond if the same number of other characters precedes their ends; no search for a
+# longest common subsequence is needed. Source: the unified format of GNU diffutils, section
+# "Detailed Description of Unified Format".
 
 
 CONTEXT = 3
@@ -206,7 +206,7 @@ _BOLD, _RESET = "\033[1m", "\033[0m"
 
 
 class Change(NamedTuple):
-    """Lines ``start <= i < stop`` of the one text and those of the other that replace them."""
+    """Lines ``start <= i < stop`` of one text, and the lines of the other that replace them."""
 
     start: int
     stop: int
@@ -215,13 +215,13 @@ class Change(NamedTuple):
 
 
 def _lines(text: str) -> list[str]:
-    """Lines with their ends; only a line feed ends a line."""
+    """The lines with their line ends; only a line feed ends a line."""
     *lines, rest = text.split("\n")
     return [f"{line}\n" for line in lines] + ([rest] if rest else [])
 
 
 def _ends(lines: Sequence[str]) -> Iterator[tuple[int, int]]:
-    """Per line that is not blank: the characters up to its end but for blanks, and its number."""
+    """For each line that is not blank, the non-blank characters up to its end, and its number."""
     count = 0
     for number, line in enumerate(lines, start=1):
         inked = sum(map(len, line.replace(_BYTE_ORDER_MARK, "").split()))
@@ -231,7 +231,7 @@ def _ends(lines: Sequence[str]) -> Iterator[tuple[int, int]]:
 
 
 def _cuts(before: Sequence[str], after: Sequence[str]) -> Iterator[tuple[int, int]]:
-    """Where both texts can be cut between lines."""
+    """The places between lines at which both texts can be cut."""
     ends, others = list(_ends(before)), list(_ends(after))
     here = there = 0
     while here < len(ends) and there < len(others):
@@ -243,7 +243,7 @@ def _cuts(before: Sequence[str], after: Sequence[str]) -> Iterator[tuple[int, in
 
 
 def _differences(before: Sequence[str], after: Sequence[str]) -> Iterator[Change]:
-    """What differs between cuts, without the lines that are the same at its ends."""
+    """The differences between cuts, without equal lines at either end."""
     start = other_start = 0
     for end, other_end in _cuts(before, after):
         old, new = before[start:end], after[other_start:other_end]
@@ -257,7 +257,7 @@ def _differences(before: Sequence[str], after: Sequence[str]) -> Iterator[Change
 
 
 def changes(before: Sequence[str], after: Sequence[str]) -> Iterator[Change]:
-    """What differs, in order; between two changes are lines that are the same in both."""
+    """The differences in order; equal lines lie between any two of them."""
     found: Change | None = None
     for change in _differences(before, after):
         if found is not None and change.start == found.stop:
@@ -271,7 +271,7 @@ def changes(before: Sequence[str], after: Sequence[str]) -> Iterator[Change]:
 
 
 def _hunks(found: Iterator[Change]) -> Iterator[list[Change]]:
-    """Changes whose contexts touch, together."""
+    """Groups of changes whose contexts touch."""
     hunk: list[Change] = []
     for change in found:
         if hunk and change.start - hunk[-1].stop > 2 * CONTEXT:
@@ -311,13 +311,13 @@ def _shown(line: str, *, colour: bool) -> str:
 
 
 def unified(before: str, after: str, name: str, *, colour: bool = False) -> str:
-    """The unified diff of two texts that differ in blanks only; empty where they do not differ.
+    """The unified diff of two texts that differ only in whitespace; empty if they are equal.
 
     Args:
         before: the text.
-        after: what becomes of it.
-        name: what the file is called.
-        colour: whether for a terminal with colours.
+        after: the formatted text.
+        name: the name of the file.
+        colour: whether to use the colours of a terminal.
     """
     old, new = _lines(before), _lines(after)
     parts: list[str] = []

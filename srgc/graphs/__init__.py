@@ -1,1 +1,1 @@
-"""Automata, words, robots and cells as graphs, and their files."""
+"""Graphs of automata, words, robots and cells, and their files."""

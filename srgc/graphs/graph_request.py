@@ -1,4 +1,4 @@
-"""What ``srgc graph`` is asked for, and the picture of it."""
+"""A request to ``srgc graph``, and the picture that it gives."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ DEPTH = 3
 MOST_TRANSITIONS = 20_000
 MOST_WORDS = 5_000
 MOST_WORDS_NEAR = 50_000
-"""So many words are looked through for those near a run; far fewer are drawn."""
+"""The number of words among which those near a run are sought; far fewer are drawn."""
 
 
 @dataclass(frozen=True, slots=True)
 class GraphRequest:
-    """The view ``of`` something, and its choices; ``derivation`` counts from 1.
+    """A view of a part of the program, with its choices; ``derivation`` counts from 1.
 
-    Without a ``depth`` the words are unfolded to ``DEPTH`` modules, ``near`` a run to its end.
-    Of words only what is ``near`` a run is drawn unless ``near`` is False.  A workspace is split
-    into so many ``cells`` at least.
+    Without a ``depth``, words are unfolded to ``DEPTH`` modules, or if ``near``, to the end of the
+    run. With a ``highlight``, words are drawn only ``near`` its run, unless ``near`` is False.  A
+    workspace is split into at least ``cells`` cells.
     """
 
     of: str
@@ -65,17 +65,17 @@ class GraphRequest:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A picture, and what a reader has to know beside it."""
+    """A picture, and remarks for the reader."""
 
     picture: Picture
     remarks: tuple[str, ...] = ()
 
 
 def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
-    """The picture that is asked for.
+    """Draw the picture that is asked for.
 
     Raises:
-        UsageFault: choices that do not fit each other, or the program.
+        UsageFault: the choices do not fit each other or the program.
     """
     _refuse_misfits(request)
     try:
@@ -85,7 +85,7 @@ def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
                 from compiler.tasks.obstacle_pieces import expanded_workspace
 
                 place = expanded_workspace(place)
-            # The others need no numpy.
+            # The other views do not need numpy.
             from compiler.views.workspace_view import workspace_view
             from compiler.workspaces.abstraction import abstract
             from compiler.workspaces.bisection import bisections
@@ -104,7 +104,7 @@ def drawing_of(program: ir.Program, request: GraphRequest) -> Drawing:
 
 
 def _near(request: GraphRequest) -> bool:
-    """Whether only the run and what is beside it is drawn."""
+    """Whether to draw only the run and its neighbours."""
     if request.near is None:
         return request.of == "words" and request.highlight is not None
     return request.near
@@ -155,7 +155,7 @@ def _family(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> 
 
 
 def _deterministic(words: Language, highlight: tuple[str, ...] | None) -> Picture:
-    """The deterministic pushdown automaton, whose input ends with a marker."""
+    """The deterministic pushdown automaton; its input ends with a marker."""
     found = words.lr_automaton
     if not isinstance(found, LrAutomaton):
         raise UsageFault(
@@ -193,7 +193,7 @@ def _words(words: Language, request: GraphRequest) -> Drawing:
 
 
 def _refuse_too_many(words: Language, depth: int, *, near: bool) -> None:
-    """A picture of thousands of words helps nobody and takes long to write."""
+    """Refuse a picture of thousands of words, which nobody can read and which is slow to write."""
     every = all_words(words.srg)
     most = MOST_WORDS_NEAR if near else MOST_WORDS
     for modules in range(1, depth + 1):
@@ -215,12 +215,12 @@ def _robot(program: ir.Program, grammar: ir.Grammar, request: GraphRequest) -> D
     return Drawing(robot_view(labelled_graph(program, grammar, found.derivation)), found.remarks)
 
 
-# --- The derivation of a word that a command is about ---------------------------------------------
+# --- The derivation of a word ---------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class ChosenDerivation:
-    """A derivation, and what a reader has to know beside it."""
+    """A derivation, and remarks for the reader."""
 
     derivation: Derivation
     remarks: tuple[str, ...]
@@ -229,10 +229,10 @@ class ChosenDerivation:
 def chosen_derivation(
     words: Language, grammar: ir.Grammar, word: tuple[str, ...], wanted: int | None
 ) -> ChosenDerivation:
-    """A derivation of a word: the ``wanted``-th, counted from 1, or the first.
+    """The ``wanted``-th derivation of a word, counted from 1, or the first.
 
     Raises:
-        UsageFault: the word is not in the family, or has not so many derivations.
+        UsageFault: the word is not in the family, or has fewer derivations.
     """
     try:
         refuse_unknown(word, words.srg.terminals)
@@ -259,14 +259,14 @@ def chosen_derivation(
 def _derivations(
     words: Language, grammar: ir.Grammar, word: tuple[str, ...]
 ) -> Iterator[Derivation]:
-    """The derivations of a word; one of them where there may be infinitely many."""
+    """The derivations of a word; only one if there may be infinitely many."""
     if not cyclic(trimmed(words.srg.cfg)):
         return derivations_of(words, word)
     run = run_of(sra(words.srg, words.accept), word)
     return iter([replay(grammar, [step.label for step in run if step.label is not None])])
 
 
-# --- ``srgc graph``: DOT texts in files, drawn as pictures where Graphviz is installed ------------
+# --- ``srgc graph``: DOT files, drawn as pictures if Graphviz is installed ------------------------
 
 
 DRAWN = (".svg", ".png", ".pdf")
@@ -275,11 +275,11 @@ DRAWING_SECONDS = 120
 
 
 def write_graph(text: str, output: Path) -> str:
-    """Write DOT text, or the picture its file name asks for; what Graphviz has to say of it.
+    """Write DOT text, or the picture that the file name asks for; return Graphviz's messages.
 
     Raises:
-        UsageFault: a file name of another kind, Graphviz is needed and missing, or the file cannot
-            be written.
+        UsageFault: the file name has another suffix, Graphviz is needed and missing, or the file
+            cannot be written.
     """
     suffix = output.suffix.lower()
     if suffix not in (*TEXT, *DRAWN):
@@ -293,7 +293,7 @@ def write_graph(text: str, output: Path) -> str:
 
 
 def drawn_by_graphviz(text: str, form: str) -> tuple[bytes, str]:
-    """The picture of a DOT text as svg, png or pdf, and what Graphviz has to say of it.
+    """The picture of a DOT text as svg, png or pdf, and Graphviz's messages.
 
     Raises:
         UsageFault: Graphviz is missing, or fails.

@@ -1,1 +1,1 @@
-"""How robustness depends on parameters: asked, computed, printed, drawn."""
+"""How robustness depends on parameters: request, computation, text and picture."""

@@ -1,8 +1,9 @@
 """Rho over one or two parameters of a robot that was found (the paper's Figure 4).
 
 The robot keeps its structure, its cell path and the steps at which cells are entered; its other
-parameters stay as designed.  Each value is found as those of the search are, with the margin that a
-search begins with and the timing free, from its seeds along the path and from the design's motion.
+parameters stay as designed.  Each value is computed as in the search, with the margin that a search
+begins with and the timing free, from the search's seeds along the path and from the design's
+motion.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ from srgc.text_reports.synthesis_report import amount
 
 @dataclass(frozen=True, slots=True)
 class Landscape:
-    """What was evaluated.
+    """The evaluations of a landscape.
 
-    ``grid`` is in the order of the axes, the last one fastest; ``marked`` are the evaluations at
-    the marks; ``samples`` are those of the search, ``design`` is the design with its rho.
+    ``grid`` is in the order of the axes, the last axis fastest; ``marked`` are the evaluations at
+    the marks; ``samples`` are those of the search; ``design`` is the design with its rho.
     """
 
     axes: tuple[Axis, ...]
@@ -54,12 +55,12 @@ class Landscape:
     design: Sample
 
     def at(self, sample: Sample) -> tuple[float, ...]:
-        """Where a sample is on the axes."""
+        """The coordinates of a sample on the axes."""
         return tuple(float(sample.theta[axis.place]) for axis in self.axes)
 
     @property
     def best(self) -> Sample:
-        """The best of the grid."""
+        """The sample of the grid with the largest rho."""
         return max(self.grid, key=lambda sample: sample.robustness)
 
 
@@ -74,10 +75,10 @@ def landscape(
 ) -> Landscape:
     """Evaluate a grid over the axes, and the marks.
 
-    ``told`` is called with the number of points that are evaluated and that of all.
+    ``told`` is called with the number of points evaluated so far and the total.
 
     Raises:
-        UsageFault: the design has no path to follow, or its table of evaluations is none.
+        UsageFault: the design has no path to follow, or its table of evaluations cannot be read.
     """
     names = [parameter.label for parameter in found.model.parameters]
     try:
@@ -104,7 +105,7 @@ def path_problem_of(found: FoundDesign, record: FoundRecord) -> PathProblem:
     """The control problem of a design's path.
 
     Raises:
-        UsageFault: it has none.
+        UsageFault: the design has none.
     """
     if not found.model.dofs:
         raise UsageFault("the robot cannot move: it has no motion whose robustness could vary")
@@ -126,7 +127,7 @@ def path_problem_of(found: FoundDesign, record: FoundRecord) -> PathProblem:
 
 
 def motion_of(found: FoundDesign, path_problem: PathProblem) -> Trajectory:
-    """The motion of a design on the samples, by simulation."""
+    """The motion of a design at the sampling instants, by simulation."""
     u = np.array([[float(exact(text)) for text in row] for row in found.claim.inputs])
     u = u.reshape(len(found.claim.inputs), path_problem.numeric.m)
     start = np.concatenate([[float(value) for value in found.start], path_problem.limits.own_start])
@@ -136,7 +137,7 @@ def motion_of(found: FoundDesign, path_problem: PathProblem) -> Trajectory:
 
 
 def _seeds(path_problem: PathProblem, motion: Trajectory, theta: Array) -> list[Trajectory]:
-    """Where evaluations begin: along the path, as the search does, and with the design's motion."""
+    """The seeds of an evaluation: those of the search along the path, and the design's motion."""
     return [*path_problem.seeds(theta), replace(motion, theta=theta)]
 
 
@@ -153,7 +154,7 @@ def _moved(theta: Array, axes: Sequence[Axis], point: Sequence[float]) -> Array:
 
 
 def landscape_csv(found: FoundDesign, content: Landscape) -> str:
-    """A row per point of the grid: all parameters in SI units, ``rho``, ``feasible`` (0 or 1)."""
+    """A row per grid point: all parameters in SI units, ``rho``, and ``feasible`` (0 or 1)."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     names = [parameter.label for parameter in found.model.parameters]
@@ -168,7 +169,7 @@ def landscape_csv(found: FoundDesign, content: Landscape) -> str:
 
 
 def title(found: FoundDesign, content: Landscape) -> str:
-    """What the picture is of."""
+    """The title of the picture."""
     held = len(found.model.parameters) - len(content.axes)
     others = f", {held} more as designed" if held else ""
     names = " and ".join(axis.name for axis in content.axes)
@@ -176,7 +177,7 @@ def title(found: FoundDesign, content: Landscape) -> str:
 
 
 def landscape_text(found: FoundDesign, content: Landscape) -> str:
-    """What was evaluated, the best of it, the design and the marks."""
+    """The grid, its best point, the design and the marks."""
     feasible = sum(1 for sample in content.grid if sample.feasible)
     units = {bound.unit for bound in input_bounds(found.model, found.task)}
     unit = units.pop() if len(units) == 1 else "1"
@@ -196,7 +197,7 @@ def landscape_text(found: FoundDesign, content: Landscape) -> str:
 
 
 def _described(axis: Axis) -> str:
-    """An axis with its values; of a finite set these are all there are."""
+    """An axis with its values; for a finite set, all of them."""
     unit = "" if axis.unit == "1" else f" {axis.unit}"
     if axis.discrete:
         values = ", ".join(f"{value:g}" for value in axis.values)

@@ -1,4 +1,4 @@
-"""A landscape as a picture, SVG: colours over two parameters, a curve over one (Figure 4)."""
+"""A landscape as an SVG picture: colours over two parameters, a curve over one (Figure 4)."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from srgc.render.html_text import number
 from srgc.render.svg import SAMPLE, document, label, line_path, symbol
 
 LINES = 8
-"""Lines of equal robustness."""
+"""The number of contour lines of robustness."""
 NOTHING = "no point of the grid is feasible"
 LEFT, RIGHT, TOP, BELOW = 70.0, 60.0, 6.0, 40.0
 WIDTH, SQUARE, LOW = 640.0, 440.0, 320.0
-"""Of the plot: its width, and its height over two parameters and over one."""
+"""The width of the plot, and its height over two parameters and over one."""
 SHAPES = ("diamond", "square", "plus", "wedge", "triangle")
-"""Of the marks that are asked for, in their order."""
+"""The shapes of the requested marks, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Shown:
-    """Where samples are drawn: what is feasible in one plot, what is not in another or the same."""
+    """The plots of feasible and of infeasible samples, which may be the same."""
 
     feasible: Plot
     lacking: Plot
     wide: bool
 
     def at(self, content: Landscape, sample: Sample) -> tuple[float, float] | None:
-        """The place of a sample; None outside of the plots, and where its value is not known."""
+        """The position of a sample; None if it lies outside the plots or its value is not known."""
         place = content.at(sample)
         plot = self.feasible if sample.feasible else self.lacking
         x, y = place if self.wide else (place[0], sample.robustness)
@@ -45,7 +45,7 @@ class _Shown:
 
 
 def landscape_svg(content: Landscape, title: str) -> str:
-    """The picture; ``title`` is above it."""
+    """The picture, with ``title`` above it."""
     wide = len(content.axes) == 2
     shown = _plane(content) if wide else _line(content)
     marks = _fields(content, shown.feasible) if wide else _curves(content, shown)
@@ -61,7 +61,7 @@ def landscape_svg(content: Landscape, title: str) -> str:
 
 
 def _frames(content: Landscape, shown: _Shown) -> str:
-    """The axes of the plots, one below the other where there are two."""
+    """The axes of the plots; if there are two plots, one is below the other."""
     names = [_named(axis) for axis in content.axes]
     upper, lower = shown.feasible, shown.lacking
     whole = Plot(lower.across, Scale(0, 1, lower.base, upper.top))
@@ -80,7 +80,7 @@ def _named(axis: Axis) -> str:
 
 
 def _rho(content: Landscape, *, feasible: bool) -> Array:
-    """Rho over the grid, nan where it is not of this kind; its shape is that of the axes."""
+    """Rho over the grid, of the shape of the axes; nan where feasibility is not ``feasible``."""
     values = [item.robustness if item.feasible == feasible else np.nan for item in content.grid]
     found = np.array(values).reshape([len(axis.values) for axis in content.axes])
     found[~np.isfinite(found)] = np.nan
@@ -90,9 +90,9 @@ def _rho(content: Landscape, *, feasible: bool) -> Array:
 def _points(
     content: Landscape, shown: _Shown
 ) -> Iterator[tuple[str, str, str, tuple[float, float]]]:
-    """Class, shape, words of the legend and place of samples, marks and design, in this order.
+    """Class, shape, legend text and position of samples, marks and design, in this order.
 
-    What is outside of the plots is left out.
+    Those outside the plots are omitted.
     """
     for sample in content.samples:
         kind, shape = ("over", "dot") if sample.feasible else ("over bad", "cross")
@@ -154,7 +154,7 @@ def _line(content: Landscape) -> _Shown:
 
 
 def _curves(content: Landscape, shown: _Shown) -> str:
-    """Bands where no motion was found, and the values of each kind, joined where they are next."""
+    """Bands where no motion was found, and the values of each kind, neighbours joined."""
     (axis,) = content.axes
     bands = "".join(
         f'<rect class="infeasible" x="{x0:.1f}" y="{shown.feasible.top:g}" width="{x1 - x0:.1f}" '
@@ -177,7 +177,7 @@ def _curves(content: Landscape, shown: _Shown) -> str:
 
 
 def _infeasible(content: Landscape, plot: Plot) -> Iterator[tuple[float, float]]:
-    """From where to where no point of the grid is feasible."""
+    """The intervals in which no grid point is feasible."""
     (axis,) = content.axes
     borders = edges(axis.values.tolist())
     for run in _runs([not item.feasible for item in content.grid]):
@@ -185,7 +185,7 @@ def _infeasible(content: Landscape, plot: Plot) -> Iterator[tuple[float, float]]
 
 
 def _runs(kept: Sequence[bool]) -> Iterator[list[int]]:
-    """The places that are kept, those that follow each other together."""
+    """The kept indices, in groups of consecutive ones."""
     for yes, group in groupby(range(len(kept)), key=lambda place: kept[place]):
         if yes:
             yield list(group)

@@ -1,4 +1,4 @@
-"""What of a landscape is asked for: two parameters of a robot, ranges, marks; checked."""
+"""A checked request for a landscape: one or two parameters of a robot, ranges and marks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from grammar_lang.ir.constants import to_float
 from srgc.faults import Argument, UsageFault, argument
 
 POINTS = {1: 41, 2: 11}
-"""By the number of axes, per axis: so many evaluations of two links take half a minute."""
+"""Points per axis, by the number of axes; this many take half a minute for two links."""
 
 
 OVER, RANGE, MARK = argument("over"), Argument("--range", "`ranges`"), Argument("--mark", "`marks`")
@@ -22,7 +22,7 @@ OVER, RANGE, MARK = argument("over"), Argument("--range", "`ranges`"), Argument(
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A point to be marked, by its values on the axes."""
+    """A point to mark, given by its values on the axes."""
 
     values: tuple[float, ...]
     label: str
@@ -30,11 +30,11 @@ class Mark:
 
 @dataclass(frozen=True, slots=True)
 class LandscapeRequest:
-    """What is asked for.
+    """A request for a landscape.
 
-    ``over`` names one parameter or two, None: the first two that may vary; ``ranges`` has by name
-    the lowest and the highest value to look at; ``points`` is the number of values per axis, None:
-    that of ``POINTS``.
+    ``over`` names one or two parameters; None for the first two that can vary.  ``ranges`` maps
+    names to the lowest and highest value to look at.  ``points`` is the number of values per axis;
+    None for that of ``POINTS``.
     """
 
     over: tuple[str, ...] | None
@@ -45,9 +45,9 @@ class LandscapeRequest:
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A parameter: its place among those of the robot, and the values looked at, ascending, SI.
+    """A parameter: its index in the robot, and the values to look at, ascending, in SI units.
 
-    ``discrete``: these are all values of its finite domain within the range.
+    ``discrete``: whether these are all values of its finite domain within the range.
     """
 
     place: int
@@ -59,10 +59,10 @@ class Axis:
 
 
 def axes_of(model: RobotModel, request: LandscapeRequest) -> tuple[Axis, ...]:
-    """One or two axes.
+    """The one or two axes of a landscape.
 
     Raises:
-        UsageFault: there is no such parameter, or it has one value only, or a range is none.
+        UsageFault: there is no such parameter, it has only one value, or a range is not valid.
     """
     named = {p.label: i for i, p in enumerate(model.parameters)}
     wide = [name for name, i in named.items() if _is_wide(model.parameters[i].domain)]
@@ -91,7 +91,7 @@ def refuse_marks(axes: Sequence[Axis], marks: Sequence[Mark]) -> None:
     """Refuse marks that are not on the axes.
 
     Raises:
-        UsageFault: one has not one value per axis, within the values looked at.
+        UsageFault: a mark does not have one value per axis within the range of that axis.
     """
     for mark in marks:
         said = ",".join(f"{value:g}" for value in mark.values)

@@ -1,1 +1,1 @@
-"""The language server: what editors ask about ``.srg`` files, answered over LSP."""
+"""The language server: answers the requests of editors about ``.srg`` files over LSP."""

@@ -1,4 +1,4 @@
-"""The requests of an editor, each answered by a function of its own."""
+"""The requests of an editor; each method answers one of them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Answer = TypeVar("Answer")
 
 
 class _Placed(Protocol):
-    """A request about a place of a document."""
+    """A request about a position in a document."""
 
     text_document: lsp.TextDocumentIdentifier
     position: lsp.Position
@@ -33,12 +33,12 @@ class _Placed(Protocol):
 
 @dataclass(slots=True)
 class Features:
-    """All that is answered about open documents; about others nothing is known."""
+    """The answers to requests about open documents; requests about others get no result."""
 
     programs: Programs
     snippets: bool = True
     markdown: bool = True
-    """Whether the client shows it in hovers."""
+    """Whether the client shows Markdown in hovers."""
 
     def _document(self, uri: str) -> Document | None:
         document = self.programs.documents.get(uri)
@@ -49,7 +49,7 @@ class Features:
         params: _Placed,
         function: Callable[[Analysis, int, int], Answer],
     ) -> Answer | None:
-        """A function of a program, the number of the document in it and an offset."""
+        """Apply a function to a program, the document's number in it, and an offset."""
         document = self._document(params.text_document.uri)
         if document is None:
             return None
@@ -60,17 +60,17 @@ class Features:
     async def _in(
         self, uri: str, function: Callable[[Analysis, int], list[Answer]]
     ) -> list[Answer]:
-        """A function of a program and the number of the document in it."""
+        """Apply a function to a program and the document's number in it."""
         document = self._document(uri)
         found = None
         if document is not None:
             found = holding(await self.programs.of(uri), document.real)
         return [] if found is None else function(*found)
 
-    # --- names ---------------------------------------------------------------------------------
+    # --- Names ---------------------------------------------------------------------------------
 
     async def hover(self, params: lsp.HoverParams) -> lsp.Hover | None:
-        """What stands at a place."""
+        """The hover text for a position."""
         found = await self._at(params, hover)
         if self.markdown or found is None or not isinstance(found.contents, lsp.MarkupContent):
             return found
@@ -78,12 +78,12 @@ class Features:
         return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.PlainText, text), found.range)
 
     async def definition(self, params: lsp.DefinitionParams) -> list[lsp.Location]:
-        """Where the name at a place is declared."""
+        """The declarations of the name at a position."""
         uri_of = self.programs.documents.uri
         return await self._at(params, lambda a, n, o: definition(a, n, o, uri_of)) or []
 
     async def references(self, params: lsp.ReferenceParams) -> list[lsp.Location]:
-        """Where the thing at a place is named."""
+        """The places where the entity at a position is named."""
         document = self._document(params.text_document.uri)
         if document is None:
             return []
@@ -102,7 +102,7 @@ class Features:
         return await self._at(params, highlights) or []
 
     async def prepare_rename(self, params: lsp.PrepareRenameParams) -> lsp.Range | None:
-        """The name at a place that can be changed.
+        """The range of the name at a position, if it can be renamed.
 
         Raises:
             RequestRefused: nothing there can be renamed; the message says why.
@@ -118,7 +118,7 @@ class Features:
             raise RequestRefused(str(refused)) from None
 
     async def rename(self, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
-        """The edits of a new name.
+        """The edits for a new name.
 
         Raises:
             RequestRefused: the name cannot be changed like that; the message says why.
@@ -137,10 +137,10 @@ class Features:
         except RenameRefused as refused:
             raise RequestRefused(str(refused)) from None
 
-    # --- writing -------------------------------------------------------------------------------
+    # --- Writing -------------------------------------------------------------------------------
 
     async def completion(self, params: lsp.CompletionParams) -> lsp.CompletionList:
-        """What may be written at a place."""
+        """The completions at a position."""
         document = self._document(params.text_document.uri)
         if document is None:
             return lsp.CompletionList(is_incomplete=False, items=[])
@@ -152,19 +152,19 @@ class Features:
         return lsp.CompletionList(is_incomplete=False, items=await self._at(params, offered) or [])
 
     def signature(self, params: lsp.SignatureHelpParams) -> lsp.SignatureHelp | None:
-        """The call that is being written."""
+        """The signature of the call that is being written."""
         document = self._document(params.text_document.uri)
         if document is None:
             return None
         return signature(document.text, document.lines.offset(params.position))
 
     def formatting(self, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
-        """The canonical form."""
+        """The edits to the canonical form."""
         document = self._document(params.text_document.uri)
         return [] if document is None else format_edits(document.text, document.lines)
 
     def quick_fixes(self, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
-        """The fixes of findings."""
+        """The quick fixes for diagnostics."""
         document = self._document(params.text_document.uri)
         only = params.context.only
         if document is None or (only and not any(_wants_fixes(kind) for kind in only)):
@@ -172,29 +172,29 @@ class Features:
         place = document.lines.offset
         return quick_fixes(document.uri, document.text, place, params.context.diagnostics)
 
-    # --- the document as a whole ---------------------------------------------------------------
+    # --- The document as a whole ---------------------------------------------------------------
 
     async def outline(self, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
-        """The items with what they declare."""
+        """The items of the document, with their declarations."""
         return await self._in(params.text_document.uri, outline)
 
     async def symbols(self, params: lsp.WorkspaceSymbolParams) -> list[lsp.WorkspaceSymbol]:
-        """What is declared anywhere."""
+        """The declarations in all programs that match a query."""
         analyses = await self.programs.everything()
         return workspace_symbols(analyses, params.query, self.programs.documents.uri)
 
     def folding(self, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
-        """What can be folded."""
+        """The ranges that can be folded."""
         document = self._document(params.text_document.uri)
         return [] if document is None else folding(document.text, document.lines)
 
     async def tokens(self, params: lsp.SemanticTokensParams) -> lsp.SemanticTokens:
-        """Every word as what it is."""
+        """The semantic tokens of the document."""
         found = await self._in(params.text_document.uri, lambda a, n: [semantic_tokens(a, n)])
         return found[0] if found else lsp.SemanticTokens([])
 
     async def links(self, params: lsp.DocumentLinkParams) -> list[lsp.DocumentLink]:
-        """The files that are named."""
+        """The links to the files that the document names."""
         uri_of = self.programs.documents.uri
         return await self._in(params.text_document.uri, lambda a, n: include_links(a, n, uri_of))
 

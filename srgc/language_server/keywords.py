@@ -1,4 +1,4 @@
-"""One line about every keyword, by the item in which it stands."""
+"""A one-line explanation of every keyword, by the kind of item in which it occurs."""
 
 from __future__ import annotations
 
@@ -200,7 +200,7 @@ _BY_ITEM = MappingProxyType(
 
 
 def explained(word: str, item: str) -> str | None:
-    """What a keyword means in an item of that kind (empty: outside all items)."""
+    """The meaning of a keyword in an item of that kind (empty: outside all items)."""
     if not item or word == item:
         return _TOP.get(word)
     return _BY_ITEM.get(item, {}).get(word) or _ANYWHERE.get(word)

@@ -1,8 +1,8 @@
-"""JSON-RPC as the specifications of JSON-RPC 2.0 and LSP 3.17 have it, on top of pygls.
+"""JSON-RPC on top of pygls, as JSON-RPC 2.0 and LSP 3.17 specify it.
 
-pygls leaves some messages without an answer: what is no JSON, a request with wrong parameters, one
-before ``initialize`` or after ``shutdown``.  Here each has its error.  Documents are not kept
-twice: pygls's own copies are never made.
+pygls leaves some messages unanswered: text that is not JSON, requests with wrong parameters, and
+requests before ``initialize`` or after ``shutdown``.  Here each of them gets an error.  Documents
+are not stored twice: the copies that pygls keeps are never made.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _NOT_INITIALIZED = lsp.ErrorCodes.ServerNotInitialized.value
 
 
 class Answered(Exception):
-    """A message that has got its answer already."""
+    """A message that has already been answered."""
 
 
 class RequestRefused(JsonRpcException):
-    """A request that cannot be done; the message is for the user."""
+    """A request that cannot be carried out; the message is for the user."""
 
     CODE = lsp.LSPErrorCodes.RequestFailed.value
     MESSAGE = "Request failed"
@@ -40,23 +40,23 @@ class Protocol(LanguageServerProtocol):
     stopped = False
 
     def refuse(self, request: Any, code: int, message: str) -> None:
-        """Answer a request, or a message that is none (None), with an error."""
+        """Answer a request with an error; ``request`` is None for a message that is no request."""
         self._send_data(
             {"jsonrpc": "2.0", "id": request, "error": {"code": code, "message": message}}
         )
 
     def receive(self, body: bytes) -> None:
-        """Handle the body of a message; one that nobody can read is answered."""
+        """Handle the body of a message; an unreadable one is answered with an error."""
         try:
             message = json.loads(body)
-            # Of an object within the parameters it does not matter what it looks like.
+            # The form of objects within the parameters does not matter here.
             found = self.structure_message(message) if isinstance(message, dict) else message
             self.handle_message(found)
         except Exception as error:
             self._refuse_unreadable(error)
 
     def structure_message(self, data: dict[str, Any]) -> Any:
-        """An object of a message; a request that is none is refused."""
+        """The message in an object; a malformed request is refused with an error."""
         try:
             return super().structure_message(data)
         except Exception as error:
@@ -65,7 +65,7 @@ class Protocol(LanguageServerProtocol):
             raise Answered from error
 
     def _refuse_unreadable(self, error: Exception) -> None:
-        """Answer a message that could not be handled, if it has no answer yet."""
+        """Answer a message that could not be handled, unless it has been answered already."""
         if isinstance(error, Answered):
             return
         if isinstance(error, json.JSONDecodeError | UnicodeDecodeError | RecursionError):
@@ -74,7 +74,7 @@ class Protocol(LanguageServerProtocol):
             self.refuse(None, _INVALID_REQUEST, "this is no message")
 
     def handle_message(self, message: Any) -> None:
-        """Handle a message where the state of the connection allows it."""
+        """Handle a message if the state of the connection allows it."""
         if not hasattr(message, "jsonrpc"):
             self.refuse(None, _INVALID_REQUEST, "this is no message")
             return
@@ -86,7 +86,7 @@ class Protocol(LanguageServerProtocol):
             try:
                 super().handle_message(message)
             finally:
-                self.writer = None  # what still comes to an end is told to nobody
+                self.writer = None  # results that arrive later are discarded
         elif method is None:
             super().handle_message(message)
         elif self.stopped:
@@ -104,7 +104,7 @@ class Protocol(LanguageServerProtocol):
 
     @lsp_method(lsp.INITIALIZE)
     def lsp_initialize(self, params: lsp.InitializeParams) -> Any:
-        """As pygls does it, which takes all folders apart, those that are no URIs as well."""
+        """Initialise as pygls does, but without folders that are not URIs, on which pygls fails."""
         params.root_path = None
         if params.root_uri and is_malformed(params.root_uri):
             params.root_uri = None
@@ -115,7 +115,7 @@ class Protocol(LanguageServerProtocol):
 
     @lsp_method(lsp.SHUTDOWN)
     def lsp_shutdown(self, *args: Any) -> Any:
-        """As pygls does it, which gives no answer where a request is going on."""
+        """Shut down as pygls does, but answer even if other requests are running."""
         yield self.fm.features[lsp.SHUTDOWN], args, None
         own = self.msg_id
         for request, future in [*self._request_futures.items()]:
@@ -124,23 +124,23 @@ class Protocol(LanguageServerProtocol):
         self._shutdown = True
 
     def _run_generator(self, future: Any, *, gen: Any, result_future: Any) -> None:
-        """As pygls does it; work that the end of the loop has cancelled has no result."""
+        """Run as pygls does; work that was cancelled at the end of the loop has no result."""
         if future is None or not future.cancelled():
             super()._run_generator(future, gen=gen, result_future=result_future)
 
-    # --- documents: kept by ``OpenDocuments`` alone ----------------------------------------------
+    # --- Documents: only ``OpenDocuments`` keeps them --------------------------------------------
 
     @lsp_method(lsp.TEXT_DOCUMENT_DID_OPEN)
     def lsp_text_document__did_open(self, params: lsp.DidOpenTextDocumentParams) -> Any:
-        """A document is opened."""
+        """Handle that a document was opened."""
         yield self.fm.features[lsp.TEXT_DOCUMENT_DID_OPEN], (params,), None
 
     @lsp_method(lsp.TEXT_DOCUMENT_DID_CHANGE)
     def lsp_text_document__did_change(self, params: lsp.DidChangeTextDocumentParams) -> Any:
-        """A document is changed."""
+        """Handle that a document was changed."""
         yield self.fm.features[lsp.TEXT_DOCUMENT_DID_CHANGE], (params,), None
 
     @lsp_method(lsp.TEXT_DOCUMENT_DID_CLOSE)
     def lsp_text_document__did_close(self, params: lsp.DidCloseTextDocumentParams) -> Any:
-        """A document is closed."""
+        """Handle that a document was closed."""
         yield self.fm.features[lsp.TEXT_DOCUMENT_DID_CLOSE], (params,), None

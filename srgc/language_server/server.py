@@ -1,4 +1,4 @@
-"""The server: which request is answered by what."""
+"""The server: connects each request with the function that answers it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from srgc.language_server.tasks.verdicts import Verdicts
 from srgc.version import VERSION
 
 _FOLDERS = ("**/out", "**/out/*")
-"""Of a folder that is removed as a whole, editors do not tell what was in it."""
+"""If a whole folder is removed, editors do not report the files in it."""
 _WATCHED = (
     *(lsp.FileSystemWatcher(one) for one in ("**/*.srg", "**/design.json", "**/certificate.json")),
     *(lsp.FileSystemWatcher(one, lsp.WatchKind.Delete) for one in _FOLDERS),
@@ -37,7 +37,7 @@ _WATCHED = (
 
 
 class Server(LanguageServer):
-    """One server, for one client."""
+    """A server for one client."""
 
     protocol: Protocol
 
@@ -54,7 +54,7 @@ class Server(LanguageServer):
         _connect_tasks(self)
 
     def report_server_error(self, error: Exception, source: Any) -> None:
-        """A fault goes to the log; what a client has done wrong is no fault."""
+        """Log errors of the server; mistakes of the client are not logged."""
         del source
         if isinstance(error, JsonRpcInternalError):
             told = error.data.get("traceback", []) if isinstance(error.data, dict) else []
@@ -64,7 +64,7 @@ class Server(LanguageServer):
 
     @property
     def stopped(self) -> bool:
-        """Whether the client has asked for the end."""
+        """Whether the client has requested shutdown."""
         return self.protocol.stopped
 
     def close(self) -> None:
@@ -74,14 +74,14 @@ class Server(LanguageServer):
         self.programs.close()
 
     def refresh_lenses(self) -> None:
-        """Have the client ask for lenses again, if it can."""
+        """Ask the client to request lenses again, if it supports that."""
         workspace = self.client_capabilities.workspace
         lens = None if workspace is None else workspace.code_lens
         if lens is not None and lens.refresh_support:
             self.workspace_code_lens_refresh(None)
 
     def started(self, params: lsp.InitializeParams) -> None:
-        """The client has said what it can do."""
+        """Store the capabilities and folders that the client has sent."""
         capabilities = params.capabilities
         encoding = ServerCapabilitiesBuilder.choose_position_encoding(capabilities)
         self.programs.documents.encoding = str(getattr(encoding, "value", encoding))
@@ -98,7 +98,7 @@ class Server(LanguageServer):
         self.features.markdown = not shown or lsp.MarkupKind.Markdown in shown
 
     def watch(self) -> None:
-        """Ask to be told of files that change on the disk."""
+        """Ask the client to report files that change on disk."""
         workspace = self.client_capabilities.workspace
         watched = None if workspace is None else workspace.did_change_watched_files
         if watched is None or not watched.dynamic_registration:
@@ -109,7 +109,7 @@ class Server(LanguageServer):
         self.client_register_capability(lsp.RegistrationParams([registration]))
 
     def folders_changed(self, event: lsp.WorkspaceFoldersChangeEvent) -> None:
-        """The workspace has other folders."""
+        """Update the folders of the workspace."""
         gone = {path_of(folder.uri) for folder in event.removed}
         new = [path_of(folder.uri) for folder in event.added]
         kept = [path for path in self.programs.folders if path not in gone]
@@ -142,7 +142,7 @@ def _connect_life(server: Server) -> None:
         server.programs.disk_changed()
         if any(change.uri.endswith(".srg") for change in params.changes):
             server.publishing.all_soon()
-        server.refresh_lenses()  # results come together with their copy of the text
+        server.refresh_lenses()  # results arrive together with their copy of the text
 
 
 def _connect_documents(server: Server) -> None:
@@ -205,7 +205,7 @@ def _connect_features(server: Server) -> None:
 
 
 def _handler(function: Any) -> Any:
-    """A function that pygls can mark: a bound method takes no attributes."""
+    """Wrap a function so that pygls can set attributes, which bound methods do not allow."""
     import asyncio
 
     if asyncio.iscoroutinefunction(function):

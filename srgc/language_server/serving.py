@@ -1,4 +1,4 @@
-"""A server on standard input and output, or on a port: frames of bounded size, and its end."""
+"""A server on standard input and output or on a port, with messages of limited size."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from pygls.io_ import StdoutWriter
 
 from srgc.language_server.server import Server
 
-# --- The messages of a client, cut out of the stream in which they come ---------------------------
+# --- The messages of a client, read from a stream -------------------------------------------------
 #
 # Source: *Language Server Protocol Specification 3.17*, "Base Protocol": a message is a header of
-# ``Name: value`` lines, of which ``Content-Length`` is due, an empty line, and so many bytes.
+# ``Name: value`` lines, of which ``Content-Length`` is required, an empty line, and that number of
+# bytes.
 #
-# pygls takes a header that it cannot read for none, reads a line of any length, and waits for bytes
-# that never come.  Here each message that cannot be read has its error, and what is held of it is
-# limited.
+# pygls treats an unreadable header as empty, reads lines of any length, and waits for bytes that
+# never arrive.  Here every unreadable message gets an error, and the memory for it is limited.
 
 
 HEADER_LIMIT = 2**13
-"""So many bytes may a header have."""
+"""The most bytes of a header."""
 MESSAGE_LIMIT = 2**26
-"""So many bytes may a message have: a text of the greatest size, every character escaped."""
+"""The most bytes of a message: a text of the greatest size with every character escaped."""
 SKIPPED_LIMIT = 2**30
-"""So many bytes of a longer message are passed over; no client sends more."""
+"""The most bytes of a longer message to skip; no client sends more."""
 
 _PIECE = 2**16
 _LENGTH = re.compile(rb"0*([0-9]{1,20})")
@@ -40,7 +40,7 @@ _UTF8 = {b"utf-8", b"utf8"}
 
 
 class UnreadableMessage(Exception):
-    """A message that cannot be read; ``lost`` if nobody can tell where the next one begins."""
+    """A message that cannot be read; ``lost`` if the start of the next one cannot be determined."""
 
     CODE = lsp.ErrorCodes.InvalidRequest.value
 
@@ -50,7 +50,7 @@ class UnreadableMessage(Exception):
 
 
 class MessageStream:
-    """The messages in a stream of bytes, one after the other."""
+    """The messages in a stream of bytes."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
@@ -60,7 +60,8 @@ class MessageStream:
         """The body of the next message; None at the end of the stream.
 
         Raises:
-            UnreadableMessage: it cannot be read; the next call goes on with the one after it.
+            UnreadableMessage: it cannot be read; unless the stream is lost, the next call continues
+                with the following message.
         """
         self._skip()
         fields = self._fields()
@@ -86,15 +87,15 @@ class MessageStream:
         return body
 
     def _skip(self) -> None:
-        """Pass over what is left of a message that was refused."""
+        """Skip the rest of a message that was refused."""
         while self._skipped:
             piece = self._stream.read(min(self._skipped, _PIECE))
             self._skipped = self._skipped - len(piece) if piece else 0
 
     def _fields(self) -> dict[bytes, set[bytes]] | None:
-        """The values in a header by name in lower case; None at the end of the stream.
+        """The values in a header by lower-case name; None at the end of the stream.
 
-        Empty lines before a header are passed over, as some clients end a message with one.
+        Empty lines before a header are skipped, as some clients end a message with one.
         """
         found: dict[bytes, set[bytes]] = {}
         left = HEADER_LIMIT
@@ -119,7 +120,7 @@ class MessageStream:
 
 
 def _length(values: set[bytes]) -> int:
-    """The one length that a header gives."""
+    """The only length that a header states."""
     if not values:
         raise UnreadableMessage("a header without Content-Length", lost=True)
     if len(values) > 1:
@@ -140,14 +141,14 @@ def _log_to_stderr() -> None:
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(logging.ERROR)
-    # What it says is said again by ``Server.report_server_error``, where it is a fault.
+    # ``Server.report_server_error`` reports the errors that pygls would log.
     logging.getLogger("pygls").setLevel(logging.CRITICAL)
 
 
 def serve_stdio() -> int:
-    """Serve one client until it ends; 0 after ``shutdown``, 1 without."""
+    """Serve one client until it ends; return 0 if it sent ``shutdown``, else 1."""
     _log_to_stderr()
-    # Whatever else prints, a library or a child, must not break into the protocol.
+    # Other output, of a library or a child process, must not disturb the protocol.
     sys.stdout.flush()
     channel = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     aside = os.open(os.devnull, os.O_WRONLY) if sys.stderr is None else sys.stderr.fileno()
@@ -175,14 +176,14 @@ def _serve(incoming: BinaryIO, outgoing: BinaryIO) -> int:
     try:
         lost = asyncio.run(_answer(server, MessageStream(incoming)))
     except (OSError, SystemExit):
-        pass  # the client has gone, or has said ``exit``
+        pass  # the client has gone, or has sent ``exit``
     finally:
         server.close()
     return 0 if server.stopped and not lost else 1
 
 
 async def _answer(server: Server, messages: MessageStream) -> bool:
-    """Handle messages to the end of the stream; whether that is because its frame is lost."""
+    """Handle all messages in the stream; return whether message boundaries were lost."""
     while True:
         try:
             body = await asyncio.to_thread(messages.next)
@@ -197,7 +198,7 @@ async def _answer(server: Server, messages: MessageStream) -> bool:
 
 
 def _refuse(server: Server, fault: UnreadableMessage) -> None:
-    """Answer what cannot be read, and say so to the user where it is the end."""
+    """Answer an unreadable message; if the connection ends with it, log that."""
     if fault.lost:
         logging.getLogger(__name__).error("the connection ends: %s", fault)
     server.protocol.refuse(None, fault.CODE, str(fault))

@@ -1,1 +1,1 @@
-"""What the page for the browser is told about the spec in its editor."""
+"""The answers about the spec in the editor of the browser page."""

@@ -1,8 +1,8 @@
-"""The requests of the page about a text, answered as commands and the language server do.
+"""Answer the requests of the page about a text, as the commands and the language server do.
 
-All of it runs in the worker of a browser, where there are no processes, threads, sockets or files,
-and of the native libraries python-flint alone.  What no import finds there is asked for by name:
-the page fetches it, if it has it, and repeats the request.
+All of this runs in the worker of a browser, which has no processes, threads, sockets or files, and
+of the native libraries only python-flint.  If an import fails, the answer names the library; the
+page fetches it, if it can, and repeats the request.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ def answer(request: str) -> str:
     """The answer to a request, both as JSON objects; no exception leaves this function.
 
     Args:
-        request: ``ask`` says what for, ``text`` is the spec; the rest is as the functions below
-            have it.  Places count code units of UTF-16 from the start of the text.
+        request: ``ask`` names the function below, ``text`` is the spec, and the rest are the
+            function's arguments.  Places count UTF-16 code units from the start of the text.
 
     Returns:
-        ``answer`` with what was asked for, or ``fault`` with a message, or ``needs`` with the name
-        of a library without which there is no answer.
+        ``answer`` with the result, ``fault`` with a message, or ``needs`` with the name of a
+        library that has to be loaded first.
     """
     asked = json.loads(request)
     try:
@@ -50,7 +50,7 @@ def _without(library: str) -> Answer:
 
 
 def _message(error: Exception) -> str:
-    """As the command line has it."""
+    """The message that the command line prints."""
     from compiler.words.budget import BudgetExceededError
     from grammar_lang.diagnostics.render import to_text
 
@@ -69,7 +69,7 @@ def _message(error: Exception) -> str:
 
 
 def check(text: str) -> Answer:
-    """What ``srgc check`` prints, its JSON, places for the editor, and what was not checked."""
+    """The output of ``srgc check``, its JSON, places for the editor, and what was not checked."""
     from grammar_lang.diagnostics.render import records, to_text
     from srgc.faults import MOST_FINDINGS
     from srgc.text_reports.findings_text import summary
@@ -87,7 +87,7 @@ def check(text: str) -> Answer:
 
 
 def fmt(text: str) -> Answer:
-    """What ``srgc fmt`` makes of the text, and whether that is something else."""
+    """The output of ``srgc fmt``, and whether it differs from the text."""
     from srgc.formatting.canonical_form import formatted
 
     made = formatted(text.encode("utf-8", "surrogatepass"), NAME)
@@ -95,7 +95,7 @@ def fmt(text: str) -> Answer:
 
 
 def explain(text: str, code: str) -> Answer:
-    """The page of a code, or the list of all codes where none is given; the spec does not count."""
+    """The page of a code, or the list of codes if ``code`` is empty; the spec is not used."""
     del text
     from srgc.text_reports.findings_text import explanation, list_of_codes
 
@@ -104,14 +104,14 @@ def explain(text: str, code: str) -> Answer:
 
 
 def graph(text: str, of: str, grammar: str, word: str, depth: int) -> Answer:
-    """What ``srgc graph`` prints: a DOT text, and notes.
+    """The output of ``srgc graph``: a DOT text and notes.
 
     Args:
         text: the spec.
         of: the view.
         grammar: its name; empty for the only one.
-        word: of a robot its word, of others the word whose run is coloured; may be empty.
-        depth: of words the most modules; 0 if it is not given.
+        word: the word of a robot; in other views, the word whose run is coloured.  May be empty.
+        depth: the most modules of a word; 0 for the default.
     """
     from compiler.views.dot import to_dot
     from srgc.graphs.graph_request import GraphRequest, drawing_of
@@ -124,7 +124,7 @@ def graph(text: str, of: str, grammar: str, word: str, depth: int) -> Answer:
 
 
 def complete(text: str, at: int) -> Answer:
-    """What the language server offers at a place, and where the word begins that it replaces."""
+    """The language server's completions at a place, and the start of the word that they replace."""
     from lsprotocol import types as lsp
 
     from srgc.language_server.completions.completion import completions
@@ -153,7 +153,7 @@ SNIPPET = 2
 
 
 def hover(text: str, at: int) -> Answer | None:
-    """What the language server says of a place, and of which part of the text; None for nothing."""
+    """The language server's hover text for a place, and its range; None if there is no text."""
     from lsprotocol import types as lsp
 
     from srgc.language_server.hovers.hover import hover as hovered

@@ -1,4 +1,4 @@
-"""The spec in the editor of the page: read once, however often something is asked about it."""
+"""The spec in the editor of the page, analysed only once for all requests."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ if TYPE_CHECKING:
     from srgc.language_server.documents.analysis import Analysis
 
 NAME = "spec.srg"
-"""What the findings call the text."""
+"""The name of the text in diagnostics."""
 SOLVER = ("numpy", "pysat")
-"""What the checks of formulas need."""
+"""The modules that checks of formulas need."""
 
 
 @lru_cache(maxsize=2)
 def spec_of(text: str) -> Spec:
-    """The spec with that text."""
+    """The spec with that text; the last two are cached."""
     return Spec(text)
 
 
 @dataclass(eq=False)
 class Spec:
-    """A text, and what is known of it; each part is made when it is first asked for."""
+    """A text, and what is known about it; each part is computed when it is first needed."""
 
     text: str
 
     @cached_property
     def loaded(self) -> Loaded:
-        """What was read; the text stands in an empty folder."""
+        """The result of reading; the text is treated as a file in an empty folder."""
         return load_text(self.text, NAME, Path())
 
     @cached_property
     def checked(self) -> Checked:
-        """All findings, but for those about formulas where there is no solver."""
+        """All diagnostics; those about formulas only if there is a solver."""
         return check_loaded(self.loaded, formulas=has_solver())
 
     @property
@@ -63,7 +63,7 @@ class Spec:
 
     @property
     def unchecked(self) -> Iterator[str]:
-        """What ``srgc check`` looks at and this does not, a sentence for each."""
+        """What ``srgc check`` would check but this page does not, one sentence each."""
         if has_solver() or self.loaded.sound is None:
             return
         for name, task in self.loaded.sound.tasks.items():
@@ -81,34 +81,34 @@ class Spec:
 
         return Analysis(self.loaded, NAME, UTF16)
 
-    # --- places: code points here, code units of UTF-16 in the browser --------------------------
+    # --- Places: code points here, UTF-16 code units in the browser -----------------------------
 
     def code_units(self, offset: int) -> int:
-        """A place as the browser counts it."""
+        """The position in UTF-16 code units of an offset in code points."""
         if self.text.isascii():
             return offset
         return len(self.text[:offset].encode("utf-16-le", "surrogatepass")) // 2
 
     def offset(self, code_units: int) -> int:
-        """The place that the browser means; within a pair of surrogates the one before it."""
+        """The offset of a position in UTF-16 code units; within a surrogate pair, its start."""
         if self.text.isascii():
             return code_units
         before = self.text.encode("utf-16-le", "surrogatepass")[: 2 * code_units]
         return len(before.decode("utf-16-le", "ignore"))
 
     def place(self, span: Span) -> tuple[int, int] | None:
-        """Where a span of this text begins and ends; None for one of another file."""
+        """Start and end of a span in UTF-16 code units; None for a span of another file."""
         if span.file:
             return None
         return self.code_units(span.start), self.code_units(span.end)
 
     def code_units_of(self, found: lsp.Range) -> tuple[int, int]:
-        """Where a range begins and ends."""
+        """Start and end of a range in UTF-16 code units."""
         lines = self.analysis.lines(0)
         return self.code_units(lines.offset(found.start)), self.code_units(lines.offset(found.end))
 
     def start_of(self, offers: Sequence[lsp.CompletionItem]) -> int:
-        """Where the word begins that offers, which are not empty, replace."""
+        """The start of the word that the given, non-empty list of completions replaces."""
         from lsprotocol import types as lsp
 
         edit = offers[0].text_edit

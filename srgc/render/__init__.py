@@ -1,1 +1,1 @@
-"""Charts, robots and workspaces as SVG: for files, for the report and for notebooks."""
+"""SVG charts and pictures of robots and workspaces, for files, reports and notebooks."""

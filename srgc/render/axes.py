@@ -1,4 +1,4 @@
-"""The axes of charts: scales, round numbers on them, and the lines and labels of a plot."""
+"""The axes of charts: scales, round tick values, and the lines and labels of a plot."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from srgc.render.svg import label
 from srgc.render.text_size import text_width
 
 LONGEST_LABEL = 7
-"""Characters of a number; longer ones get an exponent, with which they have room, too."""
+"""The most characters of a number; longer ones get an exponent and then fit, too."""
 LETTERS = 11.5
-"""The largest size of labels; where two on the axis to the right would meet, one is left out."""
+"""The largest size of labels; if two on the horizontal axis would overlap, one is omitted."""
 LEAST_SPAN = 0.04
-"""Of what is shown, as a part of the largest value."""
+"""The least range of an axis, as a fraction of the largest absolute value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """From values to places in the picture, linearly."""
+    """A linear map from values to coordinates in the picture."""
 
     low: float
     high: float
@@ -28,43 +28,43 @@ class Scale:
     last: float
 
     def __call__(self, value: float) -> float:
-        """The place of a value."""
+        """The coordinate of a value."""
         part = (value - self.low) / (self.high - self.low)
         return self.first + part * (self.last - self.first)
 
 
 @dataclass(frozen=True, slots=True)
 class Plot:
-    """A rectangle of the picture with a scale for each axis; ``up`` goes from its bottom."""
+    """A rectangle of the picture with a scale for each axis; ``up`` starts at its bottom."""
 
     across: Scale
     up: Scale
 
     @property
     def left(self) -> float:
-        """Its left side."""
+        """The x-coordinate of its left side."""
         return self.across.first
 
     @property
     def right(self) -> float:
-        """Its right side."""
+        """The x-coordinate of its right side."""
         return self.across.last
 
     @property
     def base(self) -> float:
-        """Its lower side."""
+        """The y-coordinate of its lower side."""
         return self.up.first
 
     @property
     def top(self) -> float:
-        """Its upper side."""
+        """The y-coordinate of its upper side."""
         return self.up.last
 
 
 def ticks(low: float, high: float, most: int = 5) -> list[float]:
     """Round numbers in an interval, with equal steps of 1, 2 or 5 times 10^k.
 
-    There are two at least, and at most so many (4 or more).
+    There are at least two, and at most ``most``, which is 4 or more.
     """
     span = high - low
     power = 10.0 ** math.floor(math.log10(span / most))
@@ -81,7 +81,7 @@ def _multiples(step: float, low: float, high: float) -> list[float]:
 
 
 def padded(low: float, high: float) -> tuple[float, float]:
-    """An interval a little wider, and wide enough that a constant with noise looks like one."""
+    """Widen an interval a little, and enough for a constant with noise to look constant."""
     least = max(LEAST_SPAN * max(abs(low), abs(high)), 1e-9)
     lacking = max(least - (high - low), 0.0) / 2
     edge = 0.08 * max(high - low, least)
@@ -89,9 +89,9 @@ def padded(low: float, high: float) -> tuple[float, float]:
 
 
 def tick_labels(values: Sequence[float]) -> list[str]:
-    """The labels of equally spaced values, with as many digits as tell them apart.
+    """The labels of equally spaced values, with enough digits to tell them apart.
 
-    None is longer than ``LONGEST_LABEL``, unless steps are that small beside the values.
+    No label is longer than ``LONGEST_LABEL``, unless the steps are tiny compared with the values.
     """
     if len(values) < 2:
         return [number(value, 3) for value in values]
@@ -103,7 +103,7 @@ def tick_labels(values: Sequence[float]) -> list[str]:
 
 
 def _with_exponent(value: float, finest: int) -> str:
-    """A number whose last digit counts ``10**finest``, as ``-1.5e-8``."""
+    """A number whose last digit counts ``10**finest``, such as ``-1.5e-8``."""
     if value == 0:
         return "0"
     digits = max(0, math.floor(math.log10(abs(value)) + 1e-9) - finest)
@@ -112,27 +112,27 @@ def _with_exponent(value: float, finest: int) -> str:
 
 
 def labelled(scale: Scale, most: int = 5) -> list[tuple[float, str]]:
-    """Round values on a scale with their labels."""
+    """Round values on a scale, with their labels."""
     values = ticks(scale.low, scale.high, most)
     return list(zip(values, tick_labels(values), strict=True))
 
 
 LOWER_PART, BETWEEN = 0.38, 10.0
-"""Of a plot in two parts: the part of its height that the lower one has, and what is between."""
+"""The share of the height for the lower part of a two-part plot, and the gap between the parts."""
 
 
 def two_parts(
     across: Scale, box: tuple[float, float], upper: Sequence[float], lower: Sequence[float]
 ) -> tuple[Plot, Plot]:
-    """A plot for what is feasible above one for what is not, each with a scale of its own.
+    """A plot for feasible values above one for infeasible values, each with its own scale.
 
-    Where there is nothing of one kind, both are the plot of the other kind.
+    If there are values of one kind only, both are the plot of that kind.
 
     Args:
         across: the axis that they share.
         box: the top and the base of both together.
-        upper: the values of what is feasible.
-        lower: those of what is not.
+        upper: the feasible values.
+        lower: the infeasible values.
     """
     top, base = box
     if not upper or not lower:
@@ -154,13 +154,13 @@ def axes(
     grid: bool = True,
     more: str = "",
 ) -> str:
-    """Values below and on the left of a plot, with lines to them.
+    """The axes of a plot: values below and to the left of it, with tick or grid lines.
 
     Args:
-        plot: where it is.
-        below: values along the axis to the right, with their labels.
-        beside: the same of the axis upwards.
-        grid: whether lines cross the plot; else it has a frame.
+        plot: the rectangle and its scales.
+        below: values along the horizontal axis, with their labels.
+        beside: values along the vertical axis, with their labels.
+        grid: whether lines cross the plot; otherwise it has a frame.
         more: further labels.
     """
     left, right, base, top = plot.left, plot.right, plot.base, plot.top
@@ -190,7 +190,7 @@ def _tick(x1: float, x2: float, y1: float, y2: float) -> str:
 
 
 def titles(plot: Plot, across: str, up: str, gap: float = 46.0) -> str:
-    """What the axes are of: below the middle of one, and upright beside the middle of the other."""
+    """The titles of the axes: below the horizontal one, and turned beside the vertical one."""
     x, y = (plot.left + plot.right) / 2, (plot.top + plot.base) / 2
     turned = f' transform="rotate(-90 {plot.left - gap:.1f} {y:.1f})"'
     return label(x, plot.base + 33, "middle", across) + label(

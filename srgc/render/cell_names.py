@@ -1,4 +1,4 @@
-"""The names of cells in a picture: in each cell where it has room, else beside it or not at all."""
+"""The names of cells in a picture: in the cell if there is room, else beside it or omitted."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from srgc.render.svg import View, moved, place
 from srgc.render.text_size import LINE, block_size
 
 LARGEST, SMALLEST = 12.0, 9.0
-"""Sizes of a name in units of the picture, which are about pixels; smaller ones cannot be read."""
+"""Sizes of a name in units of the picture, about pixels; smaller names cannot be read."""
 PLACES, ROUNDS = 9, 4
-"""Places in a row that are tried for a name, and how often closer ones about the best."""
+"""Places per row to try for a name, and how often the search narrows around the best."""
 STOP = 9.0
 """Half the size of the mark at an end of a path."""
 MOST_IN_SPACE = 60
@@ -26,7 +26,7 @@ MOST_IN_SPACE = 60
 
 @dataclass(frozen=True, slots=True)
 class _Spot:
-    """Lines of text about a middle (2,) in the picture."""
+    """Lines of text centred at ``middle`` (2,) in the picture."""
 
     middle: Array
     size: float
@@ -41,7 +41,7 @@ class _Spot:
         return np.concatenate([self.middle - half, self.middle + half])[None, :]
 
     def mark(self) -> str:
-        """The text."""
+        """The text as SVG."""
         first = -(len(self.lines) - 1) / 2
         rows = "".join(
             f'<tspan x="0" y="{place(LINE * self.size * (first + k))}">{text(line)}</tspan>'
@@ -53,7 +53,7 @@ class _Spot:
 
 
 class CellNames:
-    """The names of cells in a view; ``paths`` are lines (m, 2) on the picture."""
+    """The names of cells in a view; ``paths`` are lines (m, 2) in the picture."""
 
     def __init__(self, cells: Sequence[Cell], view: View, paths: Sequence[Array]) -> None:
         self.cells, self.view = cells, view
@@ -65,7 +65,7 @@ class CellNames:
         self.placer.take(self.stops)
 
     def in_plane(self, needed: Container[int]) -> tuple[str, int]:
-        """The names, and how many cells have none; those that are ``needed`` have one."""
+        """The names, and the number of cells without one; ``needed`` cells may get one outside."""
         spots = {number: self._spot(cell) for number, cell in enumerate(self.cells)}
         for spot in spots.values():
             if spot is not None:
@@ -81,7 +81,7 @@ class CellNames:
         return f'<g class="fitted">{"".join(marks)}</g>', unnamed
 
     def in_space(self, size: float) -> tuple[str, int]:
-        """The names of the cells of regions, unless there are many."""
+        """The names of the cells of regions, unless there are too many; and the number omitted."""
         named = [cell for cell in self.cells if cell.kind != "free"]
         if len(named) > MOST_IN_SPACE:
             return "", 0
@@ -89,7 +89,7 @@ class CellNames:
         return f'<g class="fitted">{"".join(marks)}</g>', marks.count("")
 
     def _beside(self, cell: Cell, size: float) -> str:
-        """A name on or beside its cell, with a line to it where it is far."""
+        """A name on or beside its cell, with a leader line if it is far away."""
         at = self.view.project(np.array(cell.polytope.centre, dtype=float))
         name = name_in_picture(cell.name)
         label = sized(at, [name], size)
@@ -99,7 +99,7 @@ class CellNames:
         return leader(label, middle) + _Spot(middle, size, (name,)).mark()
 
     def _spot(self, cell: Cell) -> _Spot | None:
-        """Where the name has room in its cell: with what it says more, or alone."""
+        """The place for the longer or the short label in its cell; None if there is no room."""
         room = _Room(cell, self.view, self.drawn, self.stops)
         for says in dict.fromkeys((cell_label(cell), cell.name)):
             lines = tuple(says.split("\n"))
@@ -111,7 +111,7 @@ class CellNames:
 
 
 class _Room:
-    """A cell of the plane on the picture, as half-planes, with what names are to keep off."""
+    """A cell of the plane in the picture, as half-planes, with the points and boxes to avoid."""
 
     def __init__(self, cell: Cell, view: View, drawn: Array, stops: Array) -> None:
         self.corners = view.project(np.array(cell.polytope.vertices, dtype=float))
@@ -127,7 +127,7 @@ class _Room:
         self.stops = stops[near]
 
     def fitted(self, lines: tuple[str, ...], *, upright: bool) -> _Spot:
-        """The largest text that fits, off the path where there is room for that."""
+        """The largest text that fits, off the paths if there is room."""
         half = np.array(block_size(lines, 1.0)) / 2
         half = half[::-1] if upright else half
         low, high = self.corners.min(axis=0), self.corners.max(axis=0)
@@ -135,7 +135,7 @@ class _Room:
         for _ in range(ROUNDS):
             middles = _lattice(low, high)
             sizes = self._sizes(middles, half)
-            # Where there is room for more, the middle of the room is best.
+            # If there is room to spare, the middle of the room is best.
             kept = np.minimum(sizes, LARGEST) + 0.02 * sizes
             if len(self.drawn):
                 kept -= self._covered(middles, half, sizes)
@@ -146,13 +146,13 @@ class _Room:
         return _Spot(best, min(size, LARGEST), lines, upright)
 
     def _sizes(self, middles: Array, half: Array) -> Array:
-        """The largest sizes of a text about middles (k, 2), whose halves are given for size 1."""
+        """The largest sizes of a text with centres (k, 2); ``half`` is its half-size at size 1."""
         slack = self.bounds - middles @ self.normals.T
         sizes: Array = (slack / (np.abs(self.normals) @ half)).min(axis=1)
         return sizes
 
     def _covered(self, middles: Array, half: Array, sizes: Array) -> Array:
-        """What it costs that texts would lie on a path, and far more on the mark at its end."""
+        """The cost of covering a path, and the far higher cost of covering the mark at its end."""
         size = half * np.clip(sizes, SMALLEST, LARGEST)[:, None]
         off = np.abs(self.drawn[None] - middles[:, None])
         on = (off < size[:, None] + 1).all(axis=2).any(axis=1)
@@ -165,7 +165,7 @@ class _Room:
 
 
 def _lattice(low: Array, high: Array) -> Array:
-    """Points (k, 2) at equal distances in a box."""
+    """Points (k, 2) of a regular grid in a box."""
     xs, ys = (np.linspace(a, b, PLACES) for a, b in zip(low, high, strict=True))
     return np.stack(np.meshgrid(xs, ys, indexing="ij"), axis=-1).reshape(-1, 2)
 

@@ -1,4 +1,4 @@
-"""Charts: curves over a number, and points."""
+"""Charts: curves over time, and scattered points."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from srgc.render.svg import label as written
 
 # --- Curves over time: bounds, the width of the tube, a cursor for the time -----------------------
 #
-# They are drawn to their own scale.  Bounds that lie far outside are not drawn to that scale but in
-# the gauge on the right, a bar from one bound to the other with the part that the curves use.
+# Curves have their own scale.  Bounds far outside of it appear only in the gauge on the right: a
+# bar from one bound to the other, on which the part that the curves use is marked.
 
 
 WIDTH, HEIGHT = 360, 190
 LEFT, RIGHT, TOP, BOTTOM = 56, 58, 10, 26
 GAUGE = 14
-"""Width of the gauge, in units of the picture."""
+"""The width of the gauge, in units of the picture."""
 VISIBLE = 0.6
-"""So many units wide a tube has to be for its band to be seen."""
+"""The least width, in units of the picture, at which the band of a tube is drawn."""
 MOST_POINTS = 500
 NEAR = 1.5
-"""A bound within so many spans of the curve is drawn to its scale."""
+"""A bound within this many spans of the curve is included in its scale."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,14 +34,14 @@ class Curve:
     """A quantity over time.
 
     Attributes:
-        name: how the motion's table calls it, as ``q1``.
-        title: what it is, for people.
-        unit: in SI.
-        times: (k,) seconds; where it is held, the last one ends the last step.
-        values: (k,) at those times; where it is held, (k - 1,), from each time to the next.
+        name: its name in the table of the motion, such as ``q1``.
+        title: its name for people.
+        unit: its SI unit.
+        times: (k,) seconds; for a held quantity, the last one ends the last step.
+        values: (k,) at those times; for a held quantity, (k - 1,), from each time to the next.
         held: whether it is constant over each step.
-        bounds: the least and the greatest value allowed; None: no bound.
-        band: what the tube allows, a pair of bounds per value; None: no band.
+        bounds: the least and the greatest value allowed; None for no bound.
+        band: the bounds of the tube, a pair per value; None for no band.
         series: the number of its colour, from 1.
     """
 
@@ -57,7 +57,7 @@ class Curve:
 
 
 def thinned(curve: Curve, most: int = MOST_POINTS) -> Curve:
-    """The curve with at most so many points; of what is held, the largest of neighbours stay."""
+    """The curve with at most ``most`` points; of held values, the largest of each group stays."""
     count = len(curve.values)
     if count <= most:
         return curve
@@ -76,12 +76,12 @@ def thinned(curve: Curve, most: int = MOST_POINTS) -> Curve:
 
 
 def line_chart(curve: Curve) -> str:
-    """The picture of one curve; its data attributes tell a script where times are."""
+    """The chart of one curve; its data attributes give scripts the scale of time."""
     return lines_chart([curve], curve.name)
 
 
 def lines_chart(curves: Sequence[Curve], name: str) -> str:
-    """The picture of curves over the same times, to one scale; ``name`` is for scripts."""
+    """The chart of curves over the same times with a common scale; ``name`` is for scripts."""
     plot = plot_of(curves, WIDTH, HEIGHT)
     says = "; ".join(map(_described, curves))
     return (
@@ -95,14 +95,14 @@ def lines_chart(curves: Sequence[Curve], name: str) -> str:
 
 
 def plot_of(curves: Sequence[Curve], width: float, height: float) -> Plot:
-    """The plot in which curves over the same times are seen, in a picture of that size."""
+    """The plot that shows curves over the same times, in a picture of the given size."""
     times, (low, high) = curves[0].times, _range(curves)
     across = Scale(float(times[0]), float(times[-1]), LEFT, width - RIGHT)
     return Plot(across, Scale(low, high, height - BOTTOM, TOP))
 
 
 def curve_marks(curves: Sequence[Curve], plot: Plot) -> str:
-    """Axes, curves and their common bounds, which are those of the first one."""
+    """Axes, curves and their common bounds, which are those of the first curve."""
     times = ticks(plot.across.low, plot.across.high, 6)
     below = [(value, number(value) + (" s" if value == times[-1] else "")) for value in times]
     bands = "".join(_band(curve, plot) for curve in curves)
@@ -116,7 +116,7 @@ def curve_marks(curves: Sequence[Curve], plot: Plot) -> str:
 
 
 def colour_class(curve: Curve) -> str:
-    """The class of its colour, of which there are six."""
+    """The CSS class of the curve's colour; there are six colours."""
     return f"series-{(curve.series - 1) % 6 + 1}"
 
 
@@ -126,14 +126,14 @@ def _described(curve: Curve) -> str:
 
 
 def _extent(curves: Sequence[Curve]) -> tuple[float, float]:
-    """The least and the greatest value of curves and their tubes."""
+    """The least and the greatest value of the curves and their tubes."""
     values = [curve.values if curve.band is None else curve.band for curve in curves]
     values += [curve.values for curve in curves]
     return min(float(each.min()) for each in values), max(float(each.max()) for each in values)
 
 
 def _range(curves: Sequence[Curve]) -> tuple[float, float]:
-    """What is shown: the curves, their tubes, and bounds that are not far."""
+    """The range to show: the curves, their tubes, and bounds that are not far away."""
     low, high = _extent(curves)
     span = high - low
     lower, upper = curves[0].bounds
@@ -155,7 +155,7 @@ def _path(curve: Curve, plot: Plot) -> str:
 
 
 def _band(curve: Curve, plot: Plot) -> str:
-    """The tube, where it is wide enough to be seen."""
+    """The band of the tube, if it is wide enough to be seen."""
     if curve.band is None:
         return ""
     size = abs(plot.up(1.0) - plot.up(0.0))
@@ -206,7 +206,7 @@ def _gauge(curves: Sequence[Curve], plot: Plot) -> str:
 
 
 def sampled(values: Array) -> Sequence[float]:
-    """Values (n,) for a script: to six digits, which is more than can be seen."""
+    """Values (n,) for a script, to six digits, which is more than can be seen."""
     return [float(f"{value:.6g}") for value in values]
 
 
@@ -214,12 +214,12 @@ def sampled(values: Array) -> Sequence[float]:
 
 
 EDGE = 12
-"""Free on the right."""
+"""The free space on the right."""
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A place with a value; ``mark`` is ``good``, ``bad`` (infeasible) or ``design``."""
+    """A point with a value; ``mark`` is ``good``, ``bad`` (infeasible) or ``design``."""
 
     x: float
     y: float
@@ -235,9 +235,9 @@ def scatter_chart(
     *,
     counted: bool = False,
 ) -> str:
-    """Points over an axis; infeasible ones in a part of their own below, with their own scale.
+    """Points over an axis; infeasible ones are in a separate part below, with their own scale.
 
-    ``best`` is a line of the best value so far; ``counted``: the axis has whole numbers only.
+    ``best`` is the curve of the best value so far; ``counted``: the axis has whole numbers only.
     """
     good, bad = (
         [each.y for each in points if (each.mark == "bad") == lacks] for lacks in (False, True)

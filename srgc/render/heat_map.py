@@ -1,4 +1,4 @@
-"""Robustness over a grid of two parameters: fields in colours, lines of equal values, the scale."""
+"""Robustness over a grid of two parameters: a heat map, contour lines and the colour scale."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from srgc.render.html_text import number, text
 from srgc.render.svg import label
 
 COLOURS = ("#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725")
-"""From low to high robustness: viridis (van der Walt and Smith, 2015), at equal distances."""
+"""From low to high robustness: viridis (van der Walt and Smith, 2015), equally spaced."""
 LACKING = ("#f3ece6", "#c9b8ad", "#8d7769")
-"""From what lacks least to what lacks most, where nothing is feasible: no colour of the others."""
+"""For infeasible points, from the least to the largest violation; distinct from ``COLOURS``."""
 STEPS = 24
-"""Fields of the scale of colours."""
+"""The number of fields in a colour scale."""
 LOWER = 0.4
-"""The part of the height that the scale of what is infeasible has, where there are both."""
+"""The share of the height for the scale of infeasible points, if there are both scales."""
 SCRAP = 45.0
-"""Lines of equal values that are shorter are left out."""
+"""Contour lines shorter than this are omitted."""
 WIDTH, SIZE = 360, 300
-"""Of the chart in the report; the second is the side of the square that holds plot and labels."""
+"""The size of the report's chart; ``SIZE`` is the side of the square with plot and labels."""
 LEFT, TOP, BOTTOM = 56, 10, 26
 
 
@@ -38,7 +38,7 @@ def edges(values: Sequence[float]) -> list[float]:
 
 
 def colour(part: float, colours: Sequence[str] = COLOURS) -> str:
-    """The colour of a part from 0 to 1, between those of the list."""
+    """The colour at a part from 0 to 1, interpolated in the list."""
     place = min(max(part, 0.0), 1.0) * (len(colours) - 1)
     i = min(int(place), len(colours) - 2)
     low, high = colours[i], colours[i + 1]
@@ -63,15 +63,15 @@ def heat_marks(
     plot: Plot,
     lacks: Array | None = None,
 ) -> str:
-    """A field for each point of the grid, in the colour of its value, and the scale of colours.
+    """A field for each point of the grid, in the colour of its value, and the colour scales.
 
     Args:
         xs: the values of the first parameter, ascending.
-        ys: those of the second.
-        values: (len(xs), len(ys)); nan: infeasible.
-        plot: where the fields are; the scales are on its right.
-        lacks: by how much, below 0, what is infeasible fails, with a scale of its own; nan: that
-            is not known, or the point is feasible.
+        ys: the values of the second parameter, ascending.
+        values: (len(xs), len(ys)); nan where infeasible.
+        plot: the place of the fields; the scales are to its right.
+        lacks: the negative robustness of infeasible points, with a scale of its own; nan where it
+            is not known or the point is feasible.
     """
     missing = np.full_like(values, np.nan) if lacks is None else lacks
     kinds = [(values, COLOURS, _ends(values)), (-missing, LACKING, _ends(-missing))]
@@ -104,19 +104,19 @@ def _field_words(value: float, lack: float) -> str:
 
 
 def _ends(values: Array) -> tuple[float, float] | None:
-    """The least and the greatest value that are known."""
+    """The least and the greatest known value."""
     known = values[np.isfinite(values)]
     return (float(known.min()), float(known.max())) if known.size else None
 
 
 def _part(value: float, ends: tuple[float, float]) -> float:
-    """Where a value is between the ends, from 0 to 1."""
+    """The position of a value between the ends, from 0 to 1."""
     low, high = ends
     return (value - low) / (high - low) if high > low else 1.0
 
 
 def _scales(ends: Sequence[tuple[float, float] | None], plot: Plot) -> str:
-    """Which colour means which robustness, and below that by how much what is infeasible fails."""
+    """The colour scale of robustness, and below it that of infeasible points."""
     above, lacks = ends
     middle = plot.base - LOWER * (plot.base - plot.top)
     found = ""
@@ -124,7 +124,7 @@ def _scales(ends: Sequence[tuple[float, float] | None], plot: Plot) -> str:
         base = plot.base if lacks is None else middle - 10
         found += _scale(above, COLOURS, (plot.top, base), plot.right + 8)
     if lacks is not None:
-        # What lacks least, and is nearest to 0, is at the top.
+        # The least violation, nearest to 0, is at the top.
         top = plot.top if above is None else middle + 10
         found += _scale((-lacks[1], -lacks[0]), LACKING[::-1], (top, plot.base), plot.right + 8)
     return found
@@ -133,7 +133,7 @@ def _scales(ends: Sequence[tuple[float, float] | None], plot: Plot) -> str:
 def _scale(
     ends: tuple[float, float], colours: Sequence[str], box: tuple[float, float], x: float
 ) -> str:
-    """A scale of colours between a top and a base, with its ends."""
+    """A colour scale between a top and a base, labelled at its ends."""
     (low, high), (top, base) = ends, box
     height = (base - top) / STEPS
     parts = [
@@ -151,7 +151,7 @@ def plane_chart(
     design: tuple[float, float],
     labels: tuple[str, str],
 ) -> str:
-    """The chart of the report; ``cells`` are two parameters, a value and whether it is feasible."""
+    """The report's chart; ``cells`` are two parameters, a value, and whether it is feasible."""
     xs, ys = sorted({cell[0] for cell in cells}), sorted({cell[1] for cell in cells})
     values, lacks = (np.full((len(xs), len(ys)), np.nan) for _ in range(2))
     places = {x: i for i, x in enumerate(xs)}, {y: j for j, y in enumerate(ys)}
@@ -169,7 +169,7 @@ def plane_chart(
     )
 
 
-# --- lines of equal values -----------------------------------------------------------------------
+# --- Contour lines -------------------------------------------------------------------------------
 
 
 def contours(
@@ -177,8 +177,8 @@ def contours(
 ) -> str:
     """Lines at ``count`` levels between the least and the greatest value (marching squares).
 
-    ``values`` (len(xs), len(ys)) are linear between the points of the grid; where one of four is
-    infeasible, nan, no line goes.
+    ``values`` (len(xs), len(ys)) are interpolated linearly between grid points; a square with a nan
+    corner (infeasible) gets no line.
     """
     known = values[np.isfinite(values)]
     if not known.size or known.min() == known.max():
@@ -208,7 +208,7 @@ _Segment: TypeAlias = tuple[_Point, _Point]
 
 
 def _without_scraps(segments: Sequence[_Segment]) -> Iterator[_Segment]:
-    """The segments of lines that are long enough to be read; those that meet are one line."""
+    """The segments of contour lines that are long enough; segments that meet form one line."""
     first: dict[_Point, _Point] = {}
 
     def root(point: _Point) -> _Point:
@@ -230,7 +230,7 @@ def _without_scraps(segments: Sequence[_Segment]) -> Iterator[_Segment]:
 def _crossings(
     places: Sequence[tuple[float, float]], heights: Sequence[float], level: float
 ) -> Iterator[tuple[float, float]]:
-    """Where a level crosses the sides of a square: at none, two or four of them."""
+    """The points where a level crosses the sides of a square; there are none, two or four."""
     for k in range(4):
         (x0, y0), (x1, y1) = places[k], places[(k + 1) % 4]
         a, b = heights[k], heights[(k + 1) % 4]

@@ -1,4 +1,4 @@
-"""What every part of a page is put together with: escaped text, short numbers, data for scripts."""
+"""Building blocks of HTML pages: escaped text, short numbers, data for scripts, displays."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from math import isfinite
 _INVISIBLE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff\u202a-\u202e\u2066-\u2069]"
 )
-"""What HTML does not allow, and what turns the direction of writing in a name."""
+"""Characters that HTML does not allow, and those that change the direction of writing."""
 
 
 def text(content: object) -> str:
-    """Text for an element or an attribute; what may not stand there is replaced by U+FFFD."""
+    """Escape text for an element or an attribute; forbidden characters become U+FFFD."""
     return escape(_INVISIBLE.sub("\ufffd", str(content)))
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number to so many significant digits, without an exponent where that is short."""
+    """A number to ``digits`` significant digits, without an exponent if it stays short."""
     if not isfinite(value):
         return "∞" if value > 0 else "-∞" if value < 0 else "none"
     short = f"{value:.{digits}g}"
@@ -34,40 +34,40 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
-    """A number with its unit, a middle dot for the product; dimensionless ones stand alone."""
+    """A number with its unit, in which ``·`` stands for products; dimensionless ones have none."""
     shown = number(value, digits)
     return shown if unit in ("", "1") else f"{shown} {unit.replace('*', '·')}"
 
 
 LONGEST_NAME = 24
-"""Characters of a name that pictures have room for."""
+"""The most characters of a name in a picture."""
 
 
 def name_in_picture(name: str) -> str:
-    """A name, its middle left out where it is too long for a picture."""
+    """A name; the middle of one that is too long for a picture is replaced by an ellipsis."""
     if len(name) <= LONGEST_NAME:
         return name
     return f"{name[: LONGEST_NAME - 9]}…{name[-8:]}"
 
 
 def many(count: int, thing: str) -> str:
-    """How many of a thing there are, in words that fit the number."""
+    """A count with its noun in the singular or plural."""
     plural = f"{thing}es" if thing.endswith("x") else f"{thing}s"
     return f"{count} {thing if count == 1 else plural}"
 
 
 def json_script(name: str, data: object) -> str:
-    """Data for a script of the page, in an element of that id; nothing in it can end that."""
+    """Data for a script of the page, in an element with that id; no data can close the element."""
     content = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
     for character in "<>&":
         content = content.replace(character, f"\\u{ord(character):04x}")
     return f'<script type="application/json" id="{text(name)}">{content}</script>'
 
 
-# --- What displays consist of: a frame with its style, tables, pictures, and text in colours ------
+# --- Displays: a frame with its style, tables, pictures, and coloured text ------------------------
 #
-# Colours are those of the notebook, light or dark. Marks mix theirs with that of the text, which
-# keeps a contrast of at least 4.5 (WCAG 2.1, 1.4.3) on either ground.
+# Colours suit light and dark notebooks. Coloured words mix their colour with that of the text,
+# which keeps a contrast of at least 4.5 (WCAG 2.1, 1.4.3) on either background.
 
 
 STYLE = (
@@ -92,25 +92,25 @@ STYLE = (
 
 
 def block(*parts: str) -> str:
-    """A display of these elements."""
+    """A display of the given elements."""
     return f'<div class="srgc">{STYLE}{"".join(parts)}</div>'
 
 
 def head(title: str, mark: str = "", colour: str = "") -> str:
-    """A first line, and a word in a colour before it."""
+    """A first line, after a coloured word."""
     word = f'<span class="{colour}">{text(mark)}</span> ' if mark else ""
     return f'<div>{word}<span class="strong">{text(title)}</span></div>'
 
 
 def lines(*content: str) -> str:
-    """Plain lines."""
+    """Plain lines of text."""
     return "".join(f"<div>{text(line)}</div>" for line in content)
 
 
 def table(names: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int] = ()) -> str:
-    """A table of elements; ``numbers`` are the columns that are set to the right.
+    """A table; ``numbers`` are the columns that are aligned right.
 
-    Names are plain texts, cells are HTML.
+    Names are plain text, cells are HTML.
     """
     top = "".join(f"<th>{text(name)}</th>" if name else "<td></td>" for name in names)
     body = "".join(
@@ -126,12 +126,12 @@ def table(names: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence
 
 
 def code(content: object) -> str:
-    """A name or a word of the specification."""
+    """A name or a word of the specification, as code."""
     return f"<code>{text(content)}</code>"
 
 
 def details(summary: str, content: str) -> str:
-    """What is opened by a click."""
+    """Content that a click on the summary opens."""
     return f"<details><summary>{text(summary)}</summary>{content}</details>"
 
 
@@ -140,9 +140,9 @@ _CLASSES = {"1;31": "bad", "1;33": "open", "1;36": "faint", "36": "faint", "1": 
 
 
 def coloured(content: str) -> str:
-    """A block of text, its escape sequences of colours turned into elements.
+    """A block of text, with its colour escape sequences turned into elements.
 
-    A sequence without a colour of ours ends the colour before it.
+    A sequence without a known colour ends the preceding colour.
     """
     pieces = _ESCAPE.split(content)
     found = [text(pieces[0])]
@@ -153,11 +153,11 @@ def coloured(content: str) -> str:
 
 
 def image(svg: str, says: str) -> str:
-    """An SVG picture, with what it says for those who do not see it."""
+    """An SVG picture, with alternative text."""
     data = b64encode(svg.encode()).decode("ascii")
     return f'<img alt="{text(says)}" src="data:image/svg+xml;base64,{data}">'
 
 
 def figure_html(svg: str, says: str) -> str:
-    """A display of a picture alone."""
+    """A display of one picture."""
     return block(image(svg, says))

@@ -1,13 +1,12 @@
-"""Where labels stand: on or beside what they name, in the picture, and never on each other.
+"""Places labels on or beside the things they name, inside the picture, without overlap.
 
-Labels are placed one after the other, in the order given: each where it costs least among the
-places that are free.  Candidates are the place asked for, rings about what is named, and, where all
-of these are taken, a grid over the whole picture.  Free is what lies within the picture and meets
-no label; it costs to be far away, and to cover what is drawn.  The scripts of a report's page place
-the labels of space in the same way (``report/assets/labels.js``).
-
-Source: greedy placement over candidates, as in J. Christensen, J. Marks, S. Shieber: An Empirical
-Study of Algorithms for Point-Feature Label Placement, ACM Transactions on Graphics 14 (1995).
+Labels are placed one after the other, in the given order, each at the free place with the least
+cost.  Candidates are the requested place, rings around the named thing, and, if all of these are
+taken, a grid over the whole picture.  A place is free if it lies within the picture and overlaps no
+label; distance costs, and so does covering the drawing.  The scripts of a report's page place
+labels of spatial scenes in the same way (``report/assets/labels.js``). Source: greedy placement
+over candidates, as in J. Christensen, J. Marks, S. Shieber: An Empirical Study of Algorithms for
+Point-Feature Label Placement, ACM Transactions on Graphics 14 (1995).
 """
 
 from __future__ import annotations
@@ -23,28 +22,28 @@ from srgc.render.svg import line_path
 from srgc.render.text_size import block_size
 
 GAP = 2.0
-"""Between labels, at least."""
+"""The least distance between labels."""
 RINGS = (4.0, 12.0, 24.0, 40.0, 60.0)
-"""Between what is named and its label."""
+"""Distances between the named thing and its label."""
 DIRECTIONS = 16
 NEAR = 12.0
-"""A label within this distance of what it names needs no line to it."""
+"""A label within this distance of what it names needs no leader line."""
 COVERED, CROSSED = 8.0, 40.0
-"""The costs of a point of the drawing under a label, and of one of a label under its leader."""
+"""The costs of a point of the drawing under a label, and of a point of its leader under a label."""
 PROBES = 12
-"""Points of a leader that are looked at."""
+"""The number of points checked on a leader."""
 _GRID = 4_000
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A text to be placed.
+    """A text to place.
 
     Attributes:
         at: the point (2,) that it names.
         size: its width and height.
-        home: where its middle should be; None: beside the point.
-        reach: half the width and height of what is named, which a label beside it keeps off.
+        home: the preferred centre (2,); None for a place beside the point.
+        reach: half the width and height of the named thing, which a label beside it avoids.
     """
 
     at: Array
@@ -54,7 +53,7 @@ class Label:
 
 
 class LabelPlacer:
-    """Places labels in a picture of a width and a height; ``drawn`` (m, 2) is to stay seen."""
+    """Places labels in a picture of a given size; ``drawn`` (m, 2) are points to keep visible."""
 
     def __init__(self, size: tuple[float, float], drawn: Array | None = None) -> None:
         self.size = np.array(size)
@@ -66,9 +65,9 @@ class LabelPlacer:
         self.taken = np.concatenate([self.taken, boxes])
 
     def place(self, label: Label) -> Array | None:
-        """The middle (2,) of the label from now on; None where no place is free.
+        """Place a label and return its centre (2,); None if no place is free.
 
-        What is named outside of the picture has no label.
+        Things outside the picture get no label.
         """
         if not ((label.at >= 0) & (label.at <= self.size)).all():
             return None
@@ -83,7 +82,7 @@ class LabelPlacer:
         return None
 
     def _candidates(self, label: Label, half: Array) -> Iterator[Array]:
-        """Middles to choose from, the nearer ones first."""
+        """Centres to choose from, nearer ones first."""
         yield _rings(label, half)
         yield self._grid(half)
 
@@ -95,7 +94,7 @@ class LabelPlacer:
         return middle
 
     def _free(self, middles: Array, half: Array) -> NDArray[np.bool_]:
-        """Which labels with these middles (k, 2) are in the picture and meet no other."""
+        """Which labels with these centres (k, 2) lie in the picture and overlap no other."""
         low, high = middles - half, middles + half
         inside = np.all((low >= 0) & (high <= self.size), axis=1)
         left, top, right, bottom = self.taken.T
@@ -117,7 +116,7 @@ class LabelPlacer:
         return cost
 
     def _grid(self, half: Array) -> Array:
-        """Middles over the whole picture, half a label apart, or as many as are looked at."""
+        """Centres over the whole picture, half a label apart, or farther to limit their number."""
         room = np.maximum(self.size - 2 * half, 0.0)
         step = half * max(1.0, float(np.sqrt((room / half).prod() / _GRID)))
         xs, ys = (
@@ -127,24 +126,24 @@ class LabelPlacer:
 
 
 def _rings(label: Label, half: Array) -> Array:
-    """Middles of labels about what is named, the nearest first."""
+    """Centres of labels around the named thing, nearest first."""
     angles = 2 * np.pi * (np.arange(DIRECTIONS) - DIRECTIONS / 4) / DIRECTIONS
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     reach = half + np.array(label.reach)
-    # On the ring the rectangle of the label touches that of what is named, and then some.
+    # At distance ``scale`` the label touches the named thing; the rings add to that.
     scale = (1 / np.maximum(np.abs(ways) / reach, 1e-9)).min(axis=1)
     return np.concatenate([label.at + ways * (scale + ring)[:, None] for ring in RINGS])
 
 
 def _between(start: Array, ends: Array) -> Array:
-    """Points (k, PROBES, 2) of the lines from a point to others (k, 2)."""
+    """Points (k, PROBES, 2) on the lines from a point to others (k, 2)."""
     parts = np.linspace(0, 1, PROBES)[None, :, None]
     points: Array = start + parts * (ends[:, None, :] - start)
     return points
 
 
 def leader_ends(label: Label, middle: Array) -> Array | None:
-    """The ends (2, 2) of the line from what is named to its label; None where it is near."""
+    """The ends (2, 2) of the line from the named point to its label; None if they are near."""
     half = np.array(label.size) / 2
     end = np.clip(label.at, middle - half, middle + half)
     off = np.maximum(np.abs(middle - label.at) - half - np.array(label.reach), 0.0)
@@ -152,11 +151,11 @@ def leader_ends(label: Label, middle: Array) -> Array | None:
 
 
 def leader(label: Label, middle: Array) -> str:
-    """That line as a mark, or nothing."""
+    """The leader line from the named point to a label at ``middle`` (2,); empty if it is near."""
     ends = leader_ends(label, middle)
     return "" if ends is None else f'<path class="leader" d="{line_path(ends)}"/>'
 
 
 def sized(at: Array, lines: Sequence[str], size: float, *, bold: bool = False) -> Label:
-    """A label of lines of text of a size, beside a point (2,)."""
+    """A label for a point (2,), with the size of its lines of text."""
     return Label(at, block_size(lines, size, bold=bold))

@@ -1,7 +1,7 @@
-"""A robot module by module, in a pose in which all of it can be seen.
+"""A robot drawn module by module, in a pose that shows all of it.
 
-The pose is none of the task: it is the one, of a few simple ones within the joints' ranges, in
-which the modules are farthest from each other on the picture.
+The pose does not come from a task.  Of a few simple poses within the joint ranges, it is the one in
+which the modules are farthest apart in the picture.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from srgc.render.svg import NAMED, sight
 
 BENDS = tuple(radians(angle) for angle in (20, 35, 50, 70, -35, -50))
 SLIDES = (0.35, 0.7, 1.0)
-"""Parts of the range of a sliding joint; metres where it has none."""
+"""Positions of prismatic joints, as shares of their range; in metres if they have no range."""
 APART = 1e-6
-"""Metres from which on two points are two."""
+"""Points farther apart than this, in metres, count as distinct."""
 
 
 @dataclass(slots=True)
 class DrawnModule:
-    """A module of the word: the lines that it consists of, and the points where it stands.
+    """A module of the word: its lines, and the point where it is.
 
-    Shapes: ``lines`` (2, d) each, ``bodies`` likewise (a centre of mass twice), ``at`` (d,), and
-    ``axis`` (d,) the direction of a joint in the world.  ``joint`` is the kind of one, ``pointing``
-    the direction (d,) in which the line goes that an effector stands at the end of.
+    Shapes: ``lines`` are (2, d) each; so are ``bodies``, with a centre of mass given twice; ``at``
+    is (d,).  ``joint`` is the kind of joint, if any, and ``axis`` (d,) its direction in the world.
+    ``pointing`` (d,) is the direction of the line at whose end an effector is.
     """
 
     place: int
@@ -49,7 +49,7 @@ class DrawnModule:
     bodies: list[Array] = field(default_factory=list[Array])
 
     def anchor(self) -> Array | None:
-        """The point (d,) that a name belongs to: the middle of the longest line, or the place."""
+        """The point (d,) that a name belongs to: the middle of the longest line, or ``at``."""
         lines = [*self.lines, *self.bodies]
         longest = max(
             lines, key=lambda line: float(np.linalg.norm(line[1] - line[0])), default=None
@@ -62,13 +62,13 @@ class DrawnModule:
 
 @dataclass(frozen=True)
 class ModuleDrawing:
-    """The modules that have a place, and lines that belong to none."""
+    """The modules that have a place, and lines that belong to no module."""
 
     modules: tuple[DrawnModule, ...]
     others: tuple[Array, ...]
 
     def corners(self) -> Array:
-        """All points that have to be seen, shape (m, d)."""
+        """All points that must be visible, shape (m, d)."""
         lines = [line for module in self.modules for line in (*module.lines, *module.bodies)]
         at = [module.at[None] for module in self.modules if module.at is not None]
         return np.concatenate([*lines, *self.others, *at])
@@ -80,8 +80,8 @@ def module_drawing(
     modules: dict[str, ir.Module],
     theta: Array,
 ) -> ModuleDrawing:
-    """The drawing of a robot whose parameters have the values theta (p,), SI."""
-    # Without shapes: all bodies have points then.
+    """Draw a robot with parameter values theta (p,), in SI units."""
+    # Without shapes, every body is given by points.
     model = replace(robot.model, shapes=(), shape_owners=(), covered=(), apart=())
     numeric = NumericRobot(robot_graph(model))
     poses = _poses(robot.model.dofs)
@@ -92,7 +92,7 @@ def module_drawing(
 
 
 def _poses(dofs: Sequence[RobotDof]) -> Array:
-    """Poses (K, n) to choose from: all joints alike, or in turn to either side."""
+    """Poses (K, n) to choose from: all joints bent the same way, or alternately."""
     found = []
     for bend, slide, sign in product(BENDS, SLIDES, (1.0, -1.0)):
         pose, side = [], 1.0
@@ -120,7 +120,7 @@ def _part(interval: ir.Interval | None, part: float) -> float:
 
 
 def _clearest(points: Array, robot: MarkedRobot) -> int:
-    """The pose whose marks that are ever apart are farthest apart on the picture."""
+    """The pose with the largest distances in the picture between marks that are ever apart."""
     ends = sorted({end for each in robot.stretches for end in each.ends} | {*robot.effector_marks})
     if len(ends) < 2:
         return 0
@@ -132,7 +132,7 @@ def _clearest(points: Array, robot: MarkedRobot) -> int:
     if pairs.shape[1] == 0:
         return 0
     size = max(float(pairs.max()), APART)
-    # The least distance counts most; a wide pose is preferred where that is alike.
+    # The least distance counts most; among similar ones, a wide pose is preferred.
     score = np.round(pairs.min(axis=1) / size, 3) + 0.1 * pairs.mean(axis=1) / size
     return int(np.argmax(np.round(score, 6)))
 
@@ -174,7 +174,7 @@ def _drawing(
 
 
 def _stand(robot: MarkedRobot, found: dict[int, DrawnModule], points: Array) -> None:
-    """Where modules stand that are no joints."""
+    """Set the places of the modules that are not joints."""
     for place, mark in robot.stands.items():
         module = found[place]
         if module.at is None:
@@ -191,7 +191,7 @@ def _stand(robot: MarkedRobot, found: dict[int, DrawnModule], points: Array) -> 
 
 
 def _pointing(at: Array, lines: Sequence[Array]) -> Array | None:
-    """The direction in which the last line goes that has an end here."""
+    """The direction of the last line that ends at this point."""
     found = None
     for line in lines:
         for end, other in (line, line[::-1]):

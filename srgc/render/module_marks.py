@@ -1,9 +1,9 @@
-"""Where every module of a robot is: its frames, followed through the semantic rules.
+"""Finds where each module of a robot is, by following its frames through the semantic rules.
 
 A copy of the semantics emits an effector at every step of every frame that the rules define, so
-that the robot's own evaluation places them.  A step belongs to the module whose degree of freedom,
-parameter or constant it mentions, else to the only module of its production; other steps belong to
-nobody.  The bodies stay as they are and belong likewise.
+that evaluating the robot places them.  A step belongs to the module whose degree of freedom,
+parameter or constant it mentions, else to the only module of its production, if there is only one.
+Bodies stay as they are and are assigned to modules in the same way.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from grammar_lang import ir
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A step of a frame from one mark to the next; ``place`` is that of its module in the word.
+    """A step of a frame between two marks; ``place`` is the index of its module in the word.
 
-    ``tip`` is the mark a metre along the axis of the joint that the step is, if it is one.
+    If the step is a joint, ``tip`` is the mark a metre along its axis.
     """
 
     place: int | None
@@ -35,11 +35,11 @@ class Stretch:
 
 @dataclass(frozen=True)
 class MarkedRobot:
-    """The robot of a derivation, as its rules build it, with marks as effectors.
+    """The robot of a derivation, built by its rules, with marks as effectors.
 
-    ``bodies`` and ``effectors`` have the place of the module that each belongs to;
-    ``effector_marks`` are the marks of the robot's own effectors.  ``stands`` has, of modules that
-    no step belongs to, a mark where their production puts them.
+    ``bodies`` and ``effectors`` have the index of the module that each belongs to;
+    ``effector_marks`` are the marks of the robot's own effectors.  ``stands`` maps the index of a
+    module to a mark at which its production puts it, for modules to which no step belongs.
     """
 
     model: RobotModel
@@ -52,7 +52,7 @@ class MarkedRobot:
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """A step of a rule: the marks at its ends by their number in the block."""
+    """A step of a rule; its ends are numbers of marks in the block."""
 
     module: int | None
     ends: tuple[int, int]
@@ -62,7 +62,7 @@ class _Step:
 
 @dataclass(slots=True)
 class _Block:
-    """A semantic block with its marks, and what they are."""
+    """A semantic block with its marks and steps."""
 
     production: ir.Production
     modules: Mapping[str, ir.Module]
@@ -100,7 +100,7 @@ class _Block:
                 return None
 
     def owner(self, expression: ir.Expr) -> int | None:
-        """The module, by its place on the right side, that an expression belongs to."""
+        """The module that an expression belongs to, by its index on the production's right side."""
         found = _mentioned(expression)
         if found:
             return min(found)
@@ -108,12 +108,12 @@ class _Block:
         return own[0] if len(own) == 1 else None
 
     def own(self) -> list[int]:
-        """The modules of the production."""
+        """The modules of the production, by index."""
         return [i for i, symbol in enumerate(self.production.right) if symbol.name in self.modules]
 
 
 def _mentioned(expression: ir.Expr) -> list[int]:
-    """The modules of the right side that an expression reads something of."""
+    """The modules on the right side that an expression mentions, by index."""
     found: list[int] = []
     todo = [expression]
     while todo:
@@ -138,7 +138,7 @@ def _mentioned(expression: ir.Expr) -> list[int]:
 def marked_robot(
     grammar: ir.Grammar, modules: Mapping[str, ir.Module], derivation: Derivation, dimension: int
 ) -> MarkedRobot:
-    """The robot of a derivation with marks where its modules are.
+    """Build the robot of a derivation, with marks where its modules are.
 
     Raises:
         SemanticsError: the rules define no robot.
@@ -166,7 +166,7 @@ def marked_robot(
 
 @dataclass(slots=True)
 class _Collection:
-    """What the nodes of a derivation emit, in the order of the robot's."""
+    """The emissions of the nodes of a derivation, in the order of the robot."""
 
     stretches: list[Stretch] = field(default_factory=list[Stretch])
     bodies: list[int | None] = field(default_factory=list["int | None"])
@@ -176,7 +176,7 @@ class _Collection:
     count: int = 0
 
     def add(self, node: DerivationNode, written: ir.SemanticBlock, block: _Block) -> None:
-        """One node: its own emissions, then its marks."""
+        """Add one node: its own emissions, then its marks."""
 
         def place(position: int | None) -> int | None:
             return None if position is None else node.children[position]
@@ -200,7 +200,7 @@ class _Collection:
 
 
 def _tool(block: _Block) -> int | None:
-    """The only module with the role effector of a production, or its only module."""
+    """The only effector module of a production, or else its only module."""
     own = block.own()
     tools = [i for i in own if block.modules[block.production.right[i].name].role == "effector"]
     for found in (tools, own):
@@ -210,7 +210,7 @@ def _tool(block: _Block) -> int | None:
 
 
 def _body_owner(block: _Block, emission: ir.Emission) -> int | None:
-    """The module that the numbers of a body mention, else that of its frame's steps."""
+    """The module that the quantities of a body mention, else the one that its frame belongs to."""
     return min(emission.mentions) if emission.mentions else block.owner(emission.frame)
 
 

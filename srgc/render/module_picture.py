@@ -1,4 +1,4 @@
-"""The picture of a robot module by module: a shape per role, its name and its place in the word."""
+"""The picture of a robot module by module: a shape per role, its name and its index in the word."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from srgc.render.svg import View, fitted, line_path, place
 from srgc.render.text_size import BASELINE, LINE
 
 STEP = 8.0
-"""Between the points of what is drawn that names keep away from."""
+"""The distance between points of the drawing that names avoid."""
 SMALL, LARGE = 13.0, 21.0
-"""The size of names; the second is that on a phone, for which pictures as wide as it have room."""
+"""The sizes of names, on a page and on a phone; pictures as wide as a page have room for both."""
 GROUND = np.array([[0.0, 0.0], [-14, 12], [14, 12], [-14, 24], [0, 24], [14, 24]])
 HERE = np.array([[0.0, 0.0], [-7, 0], [7, 0], [0, -7], [0, 7]])
-"""Where the shape of a base, and that of others, covers the picture, from its place on."""
+"""The areas, relative to its place, that the shape of a base covers and that of other modules."""
 ROOM = 0.14
-"""Part of the size of a robot that is left free around it, for names."""
+"""The free space around a robot for names, as a share of its size."""
 ORDER = {"link": 0, "base": 1, "joint": 2, "effector": 3}
-"""What is drawn later lies above."""
+"""Modules that are drawn later lie above."""
 
 
 SIGNS = {"added": "+", "removed": "\N{MINUS SIGN}", "changed": "\N{GREEK CAPITAL LETTER DELTA}"}
-"""What stands before the name of a module to which this happens; it is also a class of its mark."""
+"""The sign before the name of a module by what happens to it; the key is a class of its mark."""
 
 
 def robot_picture(
@@ -43,11 +43,11 @@ def robot_picture(
 
     Args:
         drawing: the robot.
-        values: per place in the word, what a name says below itself: parameters with their units.
-        fates: per place in the word, which of the ``SIGNS`` it has.
-        beside: robots whose pictures are to have the same scale.
-        width: that of the picture, in units of the letters' 13; default: as wide as a page, with
-            room for the larger letters that it has on a phone.
+        values: by index in the word, the lines below the name: parameters with their units.
+        fates: by index in the word, the keys of ``SIGNS`` that apply.
+        beside: robots whose pictures must have the same scale.
+        width: the width of the picture, in units in which letters have size 13; by default that of
+            a page, with room for the larger letters on a phone.
     """
     view = _view(drawing, beside)
     view = view if width is None else view.scaled(width)
@@ -78,7 +78,7 @@ def robot_picture(
 
 
 def signs_of(fates: Collection[str]) -> str:
-    """The signs of what happens to a module, in their order."""
+    """The signs of what happens to a module, in the order of ``SIGNS``."""
     return " ".join(sign for fate, sign in SIGNS.items() if fate in fates)
 
 
@@ -104,7 +104,7 @@ def _middle(points: Array) -> Array:
 
 
 def _about(middle: Array, points: Array) -> Array:
-    """Points (m, d) moved so that they lie about another middle."""
+    """Points (m, d), moved so that ``middle`` is their middle."""
     return points - _middle(points) + middle
 
 
@@ -139,7 +139,7 @@ def _body(ends: Array) -> str:
 
 
 def _joint(module: DrawnModule, at: Array, view: View) -> str:
-    """A circle for a turning joint and a box for a sliding one; its axis where it can be seen."""
+    """A circle for a revolute joint and a box for a prismatic one; its axis if it is visible."""
     x, y = at
     if module.joint == "prismatic":
         angle = _turned(module, at, view)
@@ -157,7 +157,7 @@ def _joint(module: DrawnModule, at: Array, view: View) -> str:
 
 
 def _turned(module: DrawnModule, at: Array, view: View) -> float:
-    """The angle on the picture, in degrees, of a joint's axis or of where an effector points."""
+    """The angle in the picture, in degrees, of a joint's axis or of an effector's direction."""
     direction = module.axis if module.axis is not None else module.pointing
     if direction is None or module.at is None:
         return 0.0
@@ -172,7 +172,7 @@ def _moved(at: Array, kind: str, data: str, angle: float = 0.0) -> str:
 
 
 def _obstacles(drawing: ModuleDrawing, view: View) -> Array:
-    """Points (m, 2) along all that is drawn, which names keep away from."""
+    """Points (m, 2) along everything drawn, which names avoid."""
     found = [
         _along(ends)
         for module in drawing.modules
@@ -187,7 +187,7 @@ def _obstacles(drawing: ModuleDrawing, view: View) -> Array:
 
 
 def _along(ends: Array) -> Array:
-    """Points of a line, so close to each other that no name has room between them."""
+    """Points on a line, too close together for a name to fit between them."""
     length = float(np.hypot(*(ends[1] - ends[0])))
     steps = np.linspace(0, 1, 2 + int(length / STEP))[:, None]
     found: Array = ends[0] + steps * (ends[1] - ends[0])
@@ -195,14 +195,14 @@ def _along(ends: Array) -> Array:
 
 
 class _Names:
-    """Puts names where nothing is in their way, in letters of a size or smaller ones."""
+    """Places names clear of the drawing, all in one size."""
 
     def __init__(self, view: View, drawn: Array, size: float) -> None:
         self.view, self.size = view, size
         self.placer = LabelPlacer((view.width, view.height), drawn)
 
     def label(self, module: DrawnModule, values: Sequence[str], signs: str = "") -> str:
-        """The name of a module with its signs and its place, and what is said of it below."""
+        """The name of a module with its signs and its index, and the values below it."""
         anchor = module.anchor()
         if anchor is None:
             return ""

@@ -1,4 +1,4 @@
-"""The pictures of a result: the workspace with its motion, or the nearest one, and the inputs."""
+"""The pictures of a result: the workspace with its motion or the nearest motion, and the inputs."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ from srgc.render.workspace_drawing import (
 )
 
 GHOSTS = 11
-"""Poses that are drawn faintly before the last one."""
+"""The number of poses that are drawn faintly before the last one."""
 LEAST_INSTANTS, MOST_INSTANTS = 120, 600
-"""Of the line of an effector: chords must not cut corners that the motion goes round."""
+"""The number of points on an effector's curve, so many that chords do not cut corners."""
 PANEL, WIDE, HEADING = 200.0, 720.0, 20.0
 """Height, width and heading of a chart of inputs."""
 
@@ -48,7 +48,7 @@ PANEL, WIDE, HEADING = 200.0, 720.0, 20.0
 class _DrawnMotion:
     """A motion to draw: ``theta`` (p,), states ``x`` (k + 1, N) and the cells of the ``leader``.
 
-    It is drawn as far as it gets: up to ``stuck``, where that is a sample.
+    If ``stuck`` is given, it is drawn only up to that sample.
     """
 
     model: RobotModel
@@ -66,7 +66,7 @@ def workspace_figure(
 ) -> str:
     """Regions, cell path, effector trajectory and ghost poses (case study, figure (a)).
 
-    Space is seen along z.
+    Spatial scenes are seen along z.
     """
     theta = np.array([float(value) for value in design.parameters])
     robustness = design.configuration.outcome.robustness
@@ -84,7 +84,7 @@ def workspace_figure(
 
 
 def nearest_figure(nearest: NearestMotion, workspace: ir.Workspace, task: ir.Task) -> str:
-    """The same of the motion that came nearest to a design, up to where it is stuck."""
+    """The figure of the motion that came nearest to a design, up to where it is stuck."""
     theta = nearest.trajectory.theta
     title = f"{task.name}: {' '.join(nearest.derivation.word)}, the nearest motion, not proved"
     caption = _caption(nearest.model, task, theta, nearest.robustness)
@@ -146,7 +146,7 @@ def _legend(shapes: Sequence[WorkspaceShape], *, stuck: bool) -> list[tuple[str,
 
 
 def _caption(model: RobotModel, task: ir.Task, theta: Array, robustness: float) -> str:
-    """The parameters, and the robustness: in the unit of the inputs, or as a share of several."""
+    """The parameters and the robustness, in the unit of the inputs or, with several, as a share."""
     bounds = {(bound.unit, bound.widest_margin) for bound in input_bounds(model, task)}
     written = number(robustness)
     if len(bounds) > 1:
@@ -162,7 +162,7 @@ def _caption(model: RobotModel, task: ir.Task, theta: Array, robustness: float) 
 def _effector_line(
     model: RobotModel, leader: int, robot: DrawnRobot, x: Array, step: float
 ) -> Array:
-    """The way of the leading effector, (K, d), between the samples by Hermite's cubic."""
+    """The curve of the leading effector, (K, d), interpolated by Hermite cubics between samples."""
     n = len(model.dofs)
     turning = np.array([dof.kind == "revolute" for dof in model.dofs], dtype=bool)
     found = motion_samples(
@@ -174,7 +174,7 @@ def _effector_line(
 
 
 def _ghosts(robot: DrawnRobot, poses: Array, view: View) -> str:
-    """The robot at equal distances of time, the later the stronger; the last pose is not here."""
+    """The robot at equal intervals of time, later poses stronger; without the last pose."""
     samples = np.unique(np.linspace(0, len(poses) - 1, GHOSTS + 1).round().astype(int))[:-1]
     return "".join(
         f'<g class="ghost" opacity="{0.15 + 0.35 * rank / len(samples):.2f}">'
@@ -219,7 +219,7 @@ def input_figure(design: Design, task: ir.Task) -> str:
 
 
 def _panel(curves: Sequence[Curve], title: str) -> str:
-    """The inputs that share a bound, with a heading."""
+    """The chart of the inputs that share a bound, with a heading."""
     names = "".join(
         moved(
             WIDE - 60.0 * (len(curves) - rank), 0,

@@ -1,8 +1,8 @@
-"""A robot as it is drawn: its parts, where they are in a pose, and their marks.
+"""The drawing of a robot: its parts, their positions in a pose, and their marks.
 
-The robot's own graph of expressions says where they are: every frame is made an effector of it, so
-that the graph gives the origins of all.  In space every joint has one frame more, a metre along its
-axis, which shows where that points.
+The robot's own expression graph gives the positions: every frame becomes an effector of the robot,
+so the graph gives all their origins.  In space, every joint has an extra frame a metre along its
+axis, which shows the direction of the axis.
 """
 
 from __future__ import annotations
@@ -38,23 +38,25 @@ from srgc.render.svg import View, closed_path, document, fitted, label, place
 from srgc.render.workspace_drawing import outline
 
 PICTURE = 320.0
-"""Width of the picture of a robot alone."""
+"""The width of the picture of a robot alone."""
 AROUND = 0.15
-"""Metres around such a robot at least."""
+"""The least margin around such a robot, in metres."""
 BENT, SLID = radians(35), 0.5
-"""Angles and lengths of joints in a pose that nobody has chosen."""
+"""Angles and lengths of joints in a default pose."""
 SHARPEST = 0.12
-"""Radians that a joint turns at most from one drawn instant to the next; a rod that is drawn by
-interpolating its ends is then at most 0.2 % too short."""
+"""The largest angle, in radians, that a joint turns between drawn instants.
+
+A rod drawn by interpolating its ends is then at most 0.2 % too short.
+"""
 AXIS_LENGTH = 34.0
-"""Length on the picture of the line that shows a joint's axis, where that is in the picture."""
+"""The length in the picture of the line that shows a joint's axis, if that is not seen end on."""
 THINNEST_CAPSULE = 6.0
-"""Twice the radius on the picture from which on a rod is drawn as thick as it is."""
+"""The least width in the picture at which a rod is drawn with its thickness."""
 
 
 @dataclass(frozen=True, slots=True)
 class DrawnRod:
-    """A rod between two points; ``radius`` in metres, None of one that has none."""
+    """A rod between two points; ``radius`` in metres, None for a rod without one."""
 
     ends: tuple[int, int]
     radius: float | None
@@ -62,7 +64,7 @@ class DrawnRod:
 
 @dataclass(frozen=True, slots=True)
 class DrawnShape:
-    """A shape by its corners, ``radius`` metres about the hull of these."""
+    """A shape: all points within ``radius`` metres of the convex hull of its corners."""
 
     corners: tuple[int, ...]
     radius: float
@@ -88,10 +90,10 @@ class DrawnJoint:
 
 @dataclass(frozen=True)
 class DrawnRobot:
-    """The parts of a robot, as numbers of points.
+    """The parts of a robot, which refer to its points by index.
 
-    ``bones`` lead from frame to frame, where these are apart; ``effectors`` are in their order. One
-    that is not ``grounded`` flies or drives: it has no foot, and ``joints`` leave its slides out.
+    ``bones`` connect frames with different origins; ``effectors`` are in their order.  A robot that
+    is not ``grounded`` flies or drives: it has no foot, and ``joints`` omit its translations.
     """
 
     numeric: NumericRobot
@@ -109,7 +111,7 @@ class DrawnRobot:
         return self.numeric.positions(q, self.theta)
 
     def own(self, points: Array) -> Array:
-        """Of all points (..., points, d) those that are parts of the robot: no tips of axes."""
+        """The points (..., points, d) that are parts of the robot, without the tips of axes."""
         tips = {joint.tip for joint in self.joints}
         kept = [point for point in range(points.shape[-2]) if point not in tips]
         found: Array = points[..., kept, :]
@@ -117,7 +119,7 @@ class DrawnRobot:
 
 
 def drawn_robot(model: RobotModel, theta: Array) -> DrawnRobot:
-    """The parts of a robot whose parameters have the values theta (p,), SI."""
+    """The parts of a robot with parameter values theta (p,), in SI units."""
     marked, tips = _marked(model)
     numeric = NumericRobot(robot_graph(marked))
     scalars = scalar_floats(marked.scalars, theta)
@@ -178,9 +180,9 @@ def _joints(model: RobotModel, tips: dict[int, int]) -> list[DrawnJoint]:
 
 
 def _bones(model: RobotModel) -> tuple[tuple[int, int], ...]:
-    """From the parent of a frame to it, of those on the way to an effector or a body.
+    """Pairs of parent and frame, for the frames on the way to an effector or a body.
 
-    Frames that are only turned are where their parents are.
+    Frames that are only rotated have the origin of their parents and are omitted.
     """
     used = {
         frame
@@ -195,16 +197,16 @@ def _bones(model: RobotModel) -> tuple[tuple[int, int], ...]:
 
 
 def _moves(model: RobotModel, step: Step | None) -> bool:
-    """Whether the origin of a frame may be elsewhere than that of its parent."""
+    """Whether the origin of a frame may differ from that of its parent."""
     if isinstance(step, Joint):
         return model.dofs[step.dof].kind == "prismatic" and not _floats(model, step)
     return isinstance(step, Offset)
 
 
 def _floats(model: RobotModel, step: Step | None) -> bool:
-    """Whether a step is a slide of a module that moves in other ways, too: nothing leads along it.
+    """Whether a step is a translation of a module with other degrees of freedom: no line is drawn.
 
-    So drones and platforms on wheels are described, and the planar joints of URDF.
+    Drones, platforms on wheels and the planar joints of URDF are described in this way.
     """
     if not isinstance(step, Joint) or model.dofs[step.dof].kind == "revolute":
         return False
@@ -212,11 +214,11 @@ def _floats(model: RobotModel, step: Step | None) -> bool:
     return sum(dof.symbols == symbols for dof in model.dofs) > 1
 
 
-# --- marks ----------------------------------------------------------------------------------------
+# --- Marks ----------------------------------------------------------------------------------------
 
 
 def pose_marks(robot: DrawnRobot, points: Array, view: View) -> str:
-    """The robot with its points (P, d): rods, the lines between its frames, joints, effectors."""
+    """The robot at points (P, d): rods, lines between its frames, joints and effectors."""
     seen = view.project(points)
     marks = [_foot(seen[WORLD])] if robot.grounded else []
     marks += [_shape(shape, seen, view) for shape in robot.shapes]
@@ -236,7 +238,7 @@ def pose_marks(robot: DrawnRobot, points: Array, view: View) -> str:
 
 
 def ghost_marks(robot: DrawnRobot, points: Array, view: View) -> str:
-    """The rods of a robot and the lines between its frames, with its points (P, d)."""
+    """The rods of a robot and the lines between its frames, at points (P, d)."""
     seen = view.project(points)
     marks = [_segment("bone", seen[[a, b]]) for a, b in robot.bones]
     marks += [_segment("rod", seen[list(rod.ends)]) for rod in robot.rods]
@@ -244,7 +246,7 @@ def ghost_marks(robot: DrawnRobot, points: Array, view: View) -> str:
 
 
 def _foot(at: Array) -> str:
-    """The ground, where the frames of the robot begin."""
+    """The mark of the ground, where the frames of the robot begin."""
     shift = f"translate({place(at[0])} {place(at[1])})"
     return f'<path class="foot" transform="{shift}" d="M0 0L-8 13H8ZM-13 13H13"/>'
 
@@ -258,19 +260,19 @@ def _segment(kind: str, ends: Array, more: str = "") -> str:
 
 
 def _shape(shape: DrawnShape, seen: Array, view: View) -> str:
-    """The outline of a shape; a line as thick as it is about the hull of its corners."""
+    """The outline of a shape: the hull of its corners, with a stroke for its radius."""
     width = max(1.0, 2 * shape.radius * view.scale)
     path = closed_path(outline(seen[list(shape.corners)]))
     return f'<path class="solid" stroke-width="{place(width)}" d="{path}"/>'
 
 
 def _axis(joint: DrawnJoint, seen: Array) -> str:
-    """The axis of a joint of space, a metre of it shortened to a length of the picture."""
+    """The axis of a joint in space, shortened from a metre to a length in the picture."""
     return _segment("axis", axis_ends(seen[joint.point], seen[joint.tip or 0]))
 
 
 def axis_ends(foot: Array, tip: Array) -> Array:
-    """The ends (2, 2) of the line for an axis through points (2,); no longer than it is seen."""
+    """The ends (2, 2) of the line for an axis through points (2,), no longer than the axis seen."""
     along = tip - foot
     length = float(np.hypot(*along))
     half = along * min(AXIS_LENGTH / 2 / max(length, 1e-9), 1.0)
@@ -289,12 +291,12 @@ def _mass(at: Array, *, solid: bool) -> str:
 
 
 def pose_picture(model: RobotModel, theta: Array, pose: Array | None = None) -> str:
-    """A robot alone in one pose, as a file; its joints have the names of their coordinates.
+    """A robot alone in one pose, as a file; its joints are labelled with their coordinates.
 
     Args:
         model: the robot.
         theta: the values of its parameters, in SI units.
-        pose: its coordinates (n,) in rad or m; by default one with bent joints.
+        pose: its coordinates (n,) in rad or m; by default a pose with bent joints.
     """
     robot = drawn_robot(model, theta)
     q = np.array([_usual(dof) for dof in model.dofs]) if pose is None else pose
@@ -312,7 +314,7 @@ def pose_picture(model: RobotModel, theta: Array, pose: Array | None = None) -> 
 
 
 def _usual(dof: RobotDof) -> float:
-    """A coordinate in a pose that nobody has chosen, within its range."""
+    """The coordinate of a joint in the default pose, within its range."""
     value = BENT if dof.kind == "revolute" else SLID
     if dof.range is None:
         return value
@@ -327,12 +329,12 @@ def _effector(at: Array, number: int | None) -> str:
     )
 
 
-# --- instants -------------------------------------------------------------------------------------
+# --- Instants -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class MotionSamples:
-    """Instants (K,) in seconds and the coordinates (K, n) then."""
+    """Instants (K,) in seconds, and the coordinates (K, n) at these times."""
 
     times: Array
     coordinates: Array
@@ -341,15 +343,15 @@ class MotionSamples:
 def motion_samples(
     times: Array, q: Array, qd: Array, *, turning: NDArray[np.bool_], most: int, least: int = 0
 ) -> MotionSamples:
-    """Instants at which a motion is to be drawn, the first and the last among them.
+    """The instants at which a motion is drawn, including the first and the last.
 
     Args:
-        times: of the samples, (k + 1,).
+        times: the times of the samples, (k + 1,).
         q: coordinates, (k + 1, n).
         qd: rates, (k + 1, n).
         turning: which coordinates are angles, (n,).
-        most: how many instants at most, two or more; samples are left out where there are more.
-        least: about how many at least, though no joint turns far.
+        most: the largest number of instants, two or more; surplus samples are omitted.
+        least: about the least number of instants, even if no joint turns far.
     """
     kept = np.arange(len(times))
     if len(times) > most:
@@ -368,7 +370,7 @@ def motion_samples(
 
 
 def _hermite(q: Array, slopes: Array, s: Array) -> Array:
-    """The cubic with these ends (2, n) and slopes (2, n) at s (K,) in [0, 1]."""
+    """The cubic with end values (2, n) and end slopes (2, n), at s (K,) in [0, 1]."""
     s = s[:, None]
     rise: Array = s * s * (3 - 2 * s)
     start, end = s * (1 - s) ** 2, s * s * (s - 1)

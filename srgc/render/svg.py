@@ -1,7 +1,7 @@
-"""SVG: coordinates, paths and labels, and a picture as a file with a title and a legend.
+"""SVG: coordinates, paths and labels, and pictures as files with a title and a legend.
 
-The marks of all pictures have classes, whose look is one style sheet, ``assets/marks.css``.  The
-report has it in its page, where it follows light and dark; a file has it within itself.
+The marks of all pictures have classes, which one style sheet defines, ``assets/marks.css``.  The
+report's page contains it and follows light and dark mode; a file contains it as well.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from compiler.arrays import Array
 from srgc.render.html_text import text
 
 MARGIN = 14.0
-"""Around what a file shows, in units of the picture, which are about pixels."""
+"""The margin of a file, in units of the picture, about pixels."""
 LETTER = 7.0
-"""Width of a letter of titles and legends in a wide font (DejaVu Sans), all in all."""
+"""The mean width of a letter of titles and legends in a wide font (DejaVu Sans)."""
 TITLE_LINE, LEGEND_LINE, SAMPLE = 17.0, 18.0, 24.0
 MOST_TITLE_LINES = 3
 _LEADING_ZERO = re.compile(r"(^|[ -])0\.")
@@ -31,20 +31,20 @@ _COLOUR = re.compile(r"(--[a-z0-9-]+): (#[0-9a-f]+);")
 
 
 def place(value: float) -> str:
-    """A coordinate of the picture."""
+    """A coordinate in the picture, to one decimal."""
     shown = f"{value:.1f}"
     return shown.removesuffix(".0") if shown != "-0.0" else "0"
 
 
 def line_path(points: Array) -> str:
-    """A line through points (m, 2) as the data of a path."""
+    """A line through points (m, 2), as path data."""
     return "M" + "L".join(f"{place(x)} {place(y)}" for x, y in points)
 
 
 def closed_path(corners: Array) -> str:
-    """A polygon (m, 2) as the data of a path from corner to corner, short where m is large.
+    """A polygon (m, 2) as path data with relative coordinates, short even for large m.
 
-    Of a single corner it is a dot, which a stroke with round ends makes a disc.
+    A single corner gives a dot, which a stroke with round ends draws as a disc.
     """
     tenths = np.rint(10 * corners).astype(int)
     steps = "".join(
@@ -56,22 +56,22 @@ def closed_path(corners: Array) -> str:
 
 
 def label(x: float, y: float, anchor: str, content: str, more: str = "") -> str:
-    """A text; ``anchor`` is start, middle or end."""
+    """A text element; ``anchor`` is start, middle or end."""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{more}>{text(content)}</text>'
 
 
 def moved(x: float, y: float, content: str) -> str:
-    """Marks with their origin elsewhere."""
+    """Marks with their origin at another place."""
     return f'<g transform="translate({place(x)} {place(y)})">{content}</g>'
 
 
 def clipped(width: float, height: float, content: str) -> str:
-    """What of some marks is within (0, 0) and the size; a picture in a picture needs no names."""
+    """The part of marks within (0, 0) and the given size; a nested picture needs no clip names."""
     return f'<svg width="{place(width)}" height="{place(height)}">{content}</svg>'
 
 
 def symbol(kind: str, shape: str, x: float, y: float) -> str:
-    """A mark about a point: a dot, a cross, a star, a diamond, a square or a triangle."""
+    """A mark at a point, with one of ``SHAPES``."""
     return (
         f'<path class="{kind}" transform="translate({place(x)} {place(y)})" d="{SHAPES[shape]}"/>'
     )
@@ -90,7 +90,7 @@ SHAPES = {
 }
 
 
-# --- a picture as a file -------------------------------------------------------------------------
+# --- Pictures as files ---------------------------------------------------------------------------
 
 
 def document(
@@ -100,14 +100,14 @@ def document(
     title: str,
     legend: Sequence[tuple[str, str]] = (),
 ) -> str:
-    """A picture as a file, with a white ground; the same arguments give the same bytes.
+    """A picture as a file, with a white background; equal arguments give equal bytes.
 
     Args:
         content: marks, from (0, 0) to the size.
         size: width and height of the content.
-        kind: the class that its styles go by, ``scene`` or ``chart``.
-        title: a line or several, above the content; lines that are too long are broken.
-        legend: samples of marks, 24 x 12 units each, and what they stand for; below the title.
+        kind: the class that its styles use, ``scene`` or ``chart``.
+        title: one or several lines above the content; lines that are too long are wrapped.
+        legend: samples of marks, 24 x 12 units each, and their meanings; below the title.
     """
     width, height = size
     lines = _title_lines(title, width)
@@ -142,7 +142,7 @@ def _title_lines(title: str, width: float) -> list[str]:
 
 
 def _legend(entries: Iterable[tuple[str, str]], width: float) -> tuple[int, str]:
-    """How many rows there are, and the rows: as many entries in each as have room."""
+    """The number of rows, and the rows, each with as many entries as fit."""
     found, x, row = [], 0.0, 0
     for sample, says in entries:
         needed = SAMPLE + 6 + LETTER * len(says) + 16
@@ -161,7 +161,7 @@ def marks_style() -> str:
 
 @cache
 def _own_style() -> str:
-    """The same with the colours themselves, which all programs that show SVG understand."""
+    """The style sheet with the colours inserted, as some programs that show SVG lack variables."""
     style = marks_style()
     palette = _PALETTE.search(style)
     if palette is None:
@@ -172,14 +172,14 @@ def _own_style() -> str:
 
 
 # --------------------------------------------------------------------------------------------------
-# A parallel projection of the plane or of space onto a picture, the same as in the page's script.
+# A parallel projection of the plane or of space onto a picture, as in the page's script.
 #
-# In space the direction of sight is given by an azimuth and an elevation: at (0, 0) x goes to the
-# right and z up; at (0, 90 degrees) x goes to the right and y up.
+# In space, an azimuth and an elevation give the line of sight: at (0, 0), x points right and z up;
+# at (0, 90 degrees), x points right and y up.
 
 
 WIDTH, TALLEST, FLATTEST = 720.0, 620.0, 260.0
-"""Size of a picture in its own units, which are about pixels."""
+"""The size of a picture in its own units, about pixels."""
 HEIGHT_IN_SPACE = 560.0
 PADDING = 26.0
 NAMED: tuple[tuple[str, float, float], ...] = (
@@ -188,7 +188,7 @@ NAMED: tuple[tuple[str, float, float], ...] = (
     ("Side (y, z)", pi / 2, 0.0),
     ("Top (x, y)", 0.0, pi / 2),
 )
-"""The views of space that can be chosen, by azimuth and elevation; the first is where it begins."""
+"""The views of space to choose from, with azimuth and elevation; the first is the initial one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,26 +205,26 @@ class View:
     height: float
 
     def project(self, points: Array) -> Array:
-        """Where points (..., d) are in the picture, shape (..., 2)."""
+        """The positions (..., 2) in the picture of points (..., d)."""
         flat = (points - self.centre) @ self.axes.T * self.scale
         flat[..., 1] *= -1
         shifted: Array = flat + np.array([self.width / 2, self.height / 2])
         return shifted
 
     def scaled(self, width: float) -> View:
-        """The same view as a picture of another width."""
+        """The same view in a picture of another width."""
         factor = width / self.width
         return View(self.axes, self.centre, self.scale * factor, width, self.height * factor)
 
 
 def sight(azimuth: float, elevation: float) -> Array:
-    """What goes right and what goes up in a view of space, shape (2, 3)."""
+    """The directions that point right and up in a view of space, shape (2, 3)."""
     a, e = (cos(azimuth), sin(azimuth)), (cos(elevation), sin(elevation))
     return np.array([[a[0], a[1], 0.0], [-a[1] * e[1], a[0] * e[1], e[0]]])
 
 
 def fitted(corners: Sequence[Array], *, turning: bool = True) -> View:
-    """The view in which all points (..., d) fit; of space, if it is ``turning``, from any side."""
+    """The view in which all points (..., d) fit; with ``turning``, from all directions in space."""
     points = np.concatenate([each.reshape(-1, each.shape[-1]) for each in corners])
     low, high = points.min(axis=0), points.max(axis=0)
     if len(low) == 2:
@@ -244,7 +244,7 @@ def from_above(points: Array) -> View:
 
 
 def _flat(points: Array, axes: Array) -> View:
-    """The view along the normal of two axes that holds points (m, d)."""
+    """The view along the normal of two axes in which points (m, d) fit."""
     seen = points @ axes.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     across, up = (max(float(side), 1e-9) for side in high - low)

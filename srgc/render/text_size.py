@@ -1,7 +1,7 @@
-"""How wide texts are, in DejaVu Sans, a wide font: in most others they take less room.
+"""The widths of texts in DejaVu Sans, a wide font: most others need less room.
 
 Source: the advance widths of DejaVu Sans 2.37, Book and Bold, rounded up; letters beyond ASCII are
-taken to be as wide as the widest of theirs.
+taken to be as wide as the widest letter of the tables.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 LINE = 1.25
-"""The height of a line, in sizes of the font: more than from the top of Å to the foot of g."""
+"""The height of a line, in font sizes: more than from the top of Å to the foot of g."""
 BASELINE = 0.36
-"""How far below the middle of a line its letters stand, in sizes of the font."""
+"""The distance from the middle of a line down to its baseline, in font sizes."""
 OTHER = 1.3
-"""The width of a letter that is not in the tables, in sizes of the font."""
+"""The width of a letter that is not in the tables, in font sizes."""
 _FIRST = 32
 # fmt: off
 _BOOK = (
@@ -36,7 +36,7 @@ _BOLD = (
 
 
 def text_width(says: str, size: float, *, bold: bool = False) -> float:
-    """The width of a text on one line, in the unit of the size of its font."""
+    """The width of a text on one line, in the unit of the font size."""
     table = _BOLD if bold else _BOOK
     places = (ord(letter) - _FIRST for letter in says)
     widths = (table[k] / 1000 if 0 <= k < len(table) else OTHER for k in places)
@@ -44,6 +44,6 @@ def text_width(says: str, size: float, *, bold: bool = False) -> float:
 
 
 def block_size(lines: Sequence[str], size: float, *, bold: bool = False) -> tuple[float, float]:
-    """The width and the height of lines one below the other."""
+    """The width and height of lines of text below each other."""
     width = max((text_width(line, size, bold=bold) for line in lines), default=0.0)
     return width, LINE * size * len(lines)

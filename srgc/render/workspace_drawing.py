@@ -1,4 +1,4 @@
-"""A workspace as it is drawn: its sets as corners and edges, their marks, scales and directions."""
+"""The drawing of a workspace: its sets as corners and edges, their marks, scales and directions."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ ShapeKind = Literal["bounds", "cell", "region", "obstacle", "target"]
 
 @dataclass(frozen=True, slots=True)
 class WorkspaceShape:
-    """A convex polytope to be drawn.
+    """A convex polytope to draw.
 
-    ``corners`` has shape (m, d), in the plane in order round it; ``edges`` are pairs of corners.
-    ``label`` is empty where a piece of a map is not the first.
+    ``corners`` has shape (m, d), in the plane ordered around it; ``edges`` are pairs of corners.
+    ``label`` is empty for all pieces of a map but the first.
     """
 
     kind: ShapeKind
@@ -40,9 +40,9 @@ class WorkspaceShape:
 
 
 def workspace_shapes(workspace: Workspace, cells: Iterable[Cell]) -> tuple[WorkspaceShape, ...]:
-    """Bounds, these cells, then regions, in the order in which they are drawn.
+    """The shapes of the bounds, the given cells and the regions, in the order of drawing.
 
-    Of a region that has no end, the part within the bounds; empty ones and flat ones are left out.
+    Of an unbounded region, the part within the bounds; empty and flat regions are omitted.
     """
     bounds = polytope_of(workspace.bounds.shape, workspace.dimension)
     found = [_shape("bounds", "bounds", "", bounds)]
@@ -65,15 +65,16 @@ def _regions(workspace: Workspace, bounds: Polytope) -> Iterator[WorkspaceShape]
 
 
 def cell_shape(cell: Cell) -> WorkspaceShape:
-    """A cell as the region that it is of, or as a cell that is free."""
+    """The shape of a cell, with the kind of its region, or the kind ``cell`` if it is free."""
     kind: ShapeKind = "cell" if cell.kind == "free" else cell.kind
     return _shape(kind, cell.name, cell.name, cell.polytope)
 
 
 def cell_path(cells: Abstraction, path: Sequence[int]) -> Array:
-    """A path of cells as a line (m, d): the middle of the first, the facets, that of the last.
+    """A path of cells as a line (m, d) from the first centre through the facets to the last centre.
 
-    Between cells that are no neighbours, as a motion passes others within a step, it is straight.
+    It is straight between cells that are not neighbours, as when a motion passes cells within a
+    step.
     """
     way = [cell for k, cell in enumerate(path) if k == 0 or cell != path[k - 1]]
     middles = {cell: np.array(cells.cells[cell].polytope.centre, dtype=float) for cell in way}
@@ -84,7 +85,7 @@ def cell_path(cells: Abstraction, path: Sequence[int]) -> Array:
             continue
         crossing = np.array(cells.facet_centre(before, after), dtype=float)
         if np.array_equal(crossing, stops[-1]):
-            stops.append(middles[before])  # in and out the same way
+            stops.append(middles[before])  # entered and left through the same facet
         stops.append(crossing)
     return np.array([*stops, middles[way[-1]]])
 
@@ -105,7 +106,7 @@ def _shape(kind: ShapeKind, name: str, label: str, polytope: Polytope) -> Worksp
     return WorkspaceShape(kind, name, label, np.array(corners, dtype=float), tuple(sorted(edges)))
 
 
-# --- marks ----------------------------------------------------------------------------------------
+# --- Marks ----------------------------------------------------------------------------------------
 
 
 def outline(points: Array) -> Array:
@@ -126,7 +127,7 @@ def _half(ordered: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def shape_path(shape: WorkspaceShape, view: View) -> str:
-    """A set as the data of one path: what it covers, or its edges in space."""
+    """A set as the data of one path: its outline, or in space its edges."""
     corners = view.project(shape.corners)
     if view.axes.shape[1] == 3:
         return "".join(line_path(corners[[a, b]]) for a, b in shape.edges)
@@ -134,9 +135,9 @@ def shape_path(shape: WorkspaceShape, view: View) -> str:
 
 
 def shape_marks(shapes: Sequence[WorkspaceShape], view: View, here: Container[str] = ()) -> str:
-    """All sets; the pieces of a map, of which there may be thousands, are one mark.
+    """The marks of all sets; the pieces of a map, of which there may be thousands, are one mark.
 
-    ``here`` names the cells that are marked.
+    ``here`` names the cells that are highlighted.
     """
     groups: list[list[WorkspaceShape]] = []
     for shape in shapes:
@@ -148,7 +149,7 @@ def shape_marks(shapes: Sequence[WorkspaceShape], view: View, here: Container[st
 
 
 def _shape_mark(group: Sequence[WorkspaceShape], view: View, here: Container[str]) -> str:
-    """A set: what it covers, and its edges in space."""
+    """The mark of a set: the area it covers, and in space its edges."""
     shape = group[0]
     outlines = "".join(closed_path(outline(view.project(each.corners))) for each in group)
     face = f'<path class="face" d="{outlines}"/>'
@@ -162,7 +163,7 @@ def _shape_mark(group: Sequence[WorkspaceShape], view: View, here: Container[str
 
 
 NAME_SIZE, NARROW_SIZE = 13.0, 24.0
-"""Of the names of regions, in units of the picture; the second where a page shows it small."""
+"""Sizes of region names, in units of the picture; the second is for pages that show it small."""
 
 
 def shape_names(
@@ -174,14 +175,14 @@ def shape_names(
     size: float = NAME_SIZE,
     kind: str = "names",
 ) -> str:
-    """The names of regions, above all else: in the region where it has room, else beside it.
+    """The names of regions, above all else: in the region if there is room, else beside it.
 
     Args:
         shapes: the sets; those without a label have no name.
-        view: how they are seen.
+        view: the projection.
         drawn: points (m, 2) of the picture that names should not cover.
-        taken: rectangles (m, 4) of the picture that names keep off.
-        size: that of the font.
+        taken: rectangles (m, 4) of the picture that names avoid.
+        size: the size of the font.
         kind: the classes of the group; scripts move its names by their ``data-half``.
     """
     placer = LabelPlacer((view.width, view.height), drawn)
@@ -190,7 +191,7 @@ def shape_names(
     wanted = {
         index: _name_of(shape, view, size) for index, shape in enumerate(shapes) if shape.label
     }
-    # Names that have room stay in their regions, whatever the others are.
+    # Names that fit into their regions stay there, whatever the other names.
     order = sorted(wanted, key=lambda index: (wanted[index].home is None, index))
     places = {index: placer.place(wanted[index]) for index in order}
     marks = "".join(
@@ -201,9 +202,9 @@ def shape_names(
 
 
 def page_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
-    """The names of regions twice: for a page that is wide, and for a phone.
+    """The names of regions twice: for a wide page and for a phone.
 
-    They keep off the lower left corner, where the scale or the triad is.
+    They avoid the lower left corner, which has the scale bar or the axes.
     """
     wide, high = (104.0, 104.0) if view.axes.shape[1] == 3 else (0.25 * view.width + 24, 40.0)
     corner = np.array([[0.0, view.height - high, wide, view.height]])
@@ -214,7 +215,7 @@ def page_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
 
 
 def _name_of(shape: WorkspaceShape, view: View, size: float) -> Label:
-    """The label of a set, in its middle where that has room for it."""
+    """The label of a set, in its middle if it fits there."""
     corners = view.project(shape.corners)
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle = (low + high) / 2
@@ -229,7 +230,7 @@ def _name_of(shape: WorkspaceShape, view: View, size: float) -> Label:
 def _name_mark(
     shape: WorkspaceShape, index: int, label: Label, middle: Array | None, size: float
 ) -> str:
-    """A name, with a line to what it names where that is far; hidden where no place is free."""
+    """A name, with a leader line if it is far away; hidden if no place is free."""
     half = f"{label.size[0] / 2:.1f} {label.size[1] / 2:.1f}"
     x, y = label.at if middle is None else middle
     ends = None if middle is None else leader_ends(label, middle)
@@ -253,7 +254,7 @@ def boxes_path(boxes: Iterable[Array], view: View) -> str:
     return "".join(line_path(outline(view.project(box_corners(box)))) + "Z" for box in boxes)
 
 
-# --- scales --------------------------------------------------------------------------------------
+# --- Scales --------------------------------------------------------------------------------------
 
 
 def plane_axes(view: View) -> str:
@@ -272,9 +273,9 @@ KIND_SAMPLES = {
     kind: f'<g class="shape {kind}"><path class="face" d="M2 1h20v10h-20Z"/></g>'
     for kind in ("obstacle", "target", "region")
 }
-"""Of each kind of region what a legend shows."""
+"""The sample in the legend for each kind of region."""
 AXES_ROOM = (60.0, 40.0)
-"""What ``plane_axes`` need on the left and below."""
+"""The room that ``plane_axes`` needs on the left and below."""
 
 
 def scale_bar(view: View) -> str:
@@ -290,7 +291,7 @@ def scale_bar(view: View) -> str:
 
 
 def triad(view: View) -> str:
-    """Which way the axes of space go, in the lower left corner."""
+    """The directions of the axes of space, in the lower left corner."""
     marks = []
     for name, (x, y) in zip("xyz", view.axes.T, strict=True):
         marks.append(

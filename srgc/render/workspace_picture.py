@@ -29,9 +29,9 @@ from srgc.render.workspace_drawing import (
 NARROWEST, WIDEST, PER_CELL = 560.0, 1180.0, 60.0
 """The width of the picture: the last times the root of the number of cells, within the others."""
 TALLEST = 1.3
-"""The height of the picture at most, in multiples of that width."""
+"""The largest height of the picture, as a multiple of that width."""
 MOST_LINKED = 100
-"""Of more cells adjacency is not drawn: cells that touch are adjacent, and lines hide names."""
+"""With more cells, adjacency is not drawn: its lines hide names, and cells that touch show it."""
 IN_SPACE = 11.0
 """The size of names in space."""
 
@@ -46,12 +46,9 @@ def workspace_svg(
 
     Args:
         abstraction: the cells.
-        workspace: what they are of.
-        paths: indices of cells; two in a row are neighbours, or the same.
-        title: above the picture; by default the name of the workspace.
-
-    Raises:
-        KeyError: a path goes between cells that are no neighbours.
+        workspace: the workspace of the cells.
+        paths: indices of cells; a path is straight between cells that are not neighbours.
+        title: the text above the picture; by default the name of the workspace.
     """
     cells, plane = abstraction.cells, workspace.dimension == 2
     shapes = [cell_shape(cell) for cell in _ordered(cells)]
@@ -94,14 +91,14 @@ def workspace_svg(
 
 
 def _filled(view: View, points: Array, width: float) -> View:
-    """The view so wide that points (m, d) fill it; narrower where it would be too tall."""
+    """The view scaled so that points (m, d) fill the width, or less if it would be too tall."""
     size = np.ptp(view.project(points), axis=0) + 2 * PADDING
     factor = min(width / size[0], TALLEST * width / size[1])
     return View(view.axes, view.centre, view.scale * factor, *(float(s * factor) for s in size))
 
 
 def _ordered(cells: Sequence[Cell]) -> list[Cell]:
-    """Free cells first, whose edges may not hide those of others; in space from far to near."""
+    """Free cells first, so that their edges hide no others; in space, from far to near."""
     depth = (
         [0.0] * len(cells)
         if cells[0].polytope.dimension == 2
@@ -112,7 +109,7 @@ def _ordered(cells: Sequence[Cell]) -> list[Cell]:
 
 
 def _adjacency(abstraction: Abstraction, view: View) -> str:
-    """Thin lines from middle to middle through the middles of the facets."""
+    """Thin lines between the centres of adjacent cells, through the centres of their facets."""
     data = "".join(
         line_path(view.project(cell_path(abstraction, [i, j]))) for i, j in abstraction.adjacency
     )
@@ -120,7 +117,7 @@ def _adjacency(abstraction: Abstraction, view: View) -> str:
 
 
 def _said(unnamed: int) -> str:
-    """A line on cells that have no name here."""
+    """A line about the cells whose names are omitted."""
     if not unnamed:
         return ""
     return f"\n{many(unnamed, 'cell')} too small for a name: point at a cell to read its name"
@@ -131,9 +128,10 @@ def _series(number: int) -> str:
 
 
 def _path_marks(line: Array, number: int, count: int) -> str:
-    """From a dot to a star.
+    """A path from a disc to a star.
 
-    Of several the earlier are broader, so that one that goes the same way does not hide them.
+    Of several paths, earlier ones are broader, so that a later one on the same way does not hide
+    them.
     """
     below = count - 1 - number
     (x0, y0), (x1, y1) = line[0], line[-1]

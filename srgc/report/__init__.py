@@ -1,1 +1,1 @@
-"""The report: a result folder as one HTML page that needs nothing else."""
+"""Reports: a result folder as one self-contained HTML page."""

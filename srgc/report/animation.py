@@ -1,4 +1,4 @@
-"""The motion of a result: a picture with a time slider, and poses for paper."""
+"""The motion of a result: a picture with a time slider, and poses for print."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes, motion
 
 POSES = 6
 WIDEST_BOX = 15.0
-"""Up to what half width on the picture the box of an instant is magnified."""
+"""The largest half width in the picture to which the box of an instant is magnified."""
 MOST_MAGNIFIED = 1e15
-"""Narrower boxes are not drawn larger."""
+"""Boxes that need a greater factor are not magnified."""
 KIND_WORDS = {"obstacle": "obstacle", "target": "target", "region": "other region"}
 TUBE_SAMPLE = '<path class="tube" d="M2 1h10v7h10v3h-10v-3h-10Z"/>'
-"""Of the boxes of a tube what a legend shows."""
+"""The sample for the boxes of a tube in the legend."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0)
 LONGEST_SHOW, SHORTEST_SHOW = 8.0, 1.0
-"""Seconds that a motion is shown at most and at least, at the speed that is chosen first."""
+"""The longest and the shortest time in seconds that showing a motion takes at the initial speed."""
 LINE_POINTS = 160
 NEAREST = (
     "Of all motions that were tried this one came nearest to the task. It does not do it, and "
@@ -44,7 +44,11 @@ NEAREST = (
 
 
 def motion_section(evidence: Evidence) -> str:
-    """The section of the page; the workspace alone where there is neither robot nor motion."""
+    """The section about the motion; without a robot or a motion, it shows only the workspace.
+
+    Raises:
+        ValueError: there is a motion, but neither a design nor a nearest motion.
+    """
     scene = motion_scene(evidence)
     motion, found, nearest = scene.motion, evidence.found, evidence.nearest
     if motion is None:
@@ -84,7 +88,7 @@ def _workspace_alone(evidence: Evidence, scene: MotionScene) -> str:
 
 
 def scene_picture(view: View, title: str, content: str, *, turned: bool = True) -> str:
-    """A picture of a workspace; of space, one that a script can turn."""
+    """A picture of a workspace; if it is spatial, a script can turn it."""
     size = f"{view.width:.0f} {view.height:.0f}"
     space = view.axes.shape[1] == 3
     kind = "scene space" if space else "scene"
@@ -96,7 +100,7 @@ def scene_picture(view: View, title: str, content: str, *, turned: bool = True) 
 
 
 def motion_picture(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
-    """The robot at the beginning, in its workspace; a script moves it."""
+    """The robot in its workspace at the start of the motion; a script moves it."""
     view = scene.view
     parts = [shape_marks(scene.shapes, view)]
     if motion.tube is not None:
@@ -118,12 +122,12 @@ def motion_picture(scene: MotionScene, motion: RobotMotion, factor: float) -> st
 
 
 def _instant_boxes(tips: Array, half_widths: Array, factor: float) -> Array:
-    """The boxes (e, d, 2) of an instant, magnified about the effectors."""
+    """The boxes (e, d, 2) at an instant, magnified about the effectors."""
     return np.stack([tips - factor * half_widths, tips + factor * half_widths], axis=-1)
 
 
 def magnified(tube: TubeBoxes | None, view: View) -> float:
-    """A power of ten by which boxes of instants are magnified so that they can be seen."""
+    """The power of ten by which boxes of instants are magnified to make them visible."""
     if tube is None:
         return 1.0
     widest = float(tube.half_widths.max()) * view.scale
@@ -133,7 +137,7 @@ def magnified(tube: TubeBoxes | None, view: View) -> float:
 
 
 def measure(scene: MotionScene) -> str:
-    """How long and which way: a bar in the plane, the directions of the axes in space."""
+    """The scale bar of a planar scene, or the axes of a spatial one."""
     return scale_bar(scene.view) if scene.dimension == 2 else triad(scene.view)
 
 
@@ -158,7 +162,7 @@ def _views(scene: MotionScene) -> str:
 
 
 def controls(scenes: Sequence[MotionScene]) -> str:
-    """What plays the motions of the scenes one after the other, and what they show."""
+    """The controls that play the motions of the scenes in sequence and select what is visible."""
     motions = [scene.motion for scene in scenes if scene.motion is not None]
     total = sum(motion.steps * motion.step for motion in motions)
     choice = show_speeds(total)
@@ -187,7 +191,7 @@ def controls(scenes: Sequence[MotionScene]) -> str:
 
 
 def show_speeds(total: float) -> list[float]:
-    """The usual speeds, and slower and faster ones for motions of microseconds or hours."""
+    """The usual speeds, extended for motions of microseconds or hours."""
     found = list(SPEEDS)
     while found[0] * SHORTEST_SHOW > total:
         found.insert(0, found[0] / 10)
@@ -197,7 +201,7 @@ def show_speeds(total: float) -> list[float]:
 
 
 def readings(word: Sequence[str], dofs: Sequence[RobotDof], motion: RobotMotion) -> str:
-    """Time, cells and coordinates, which the script keeps up to date."""
+    """Time, cells and coordinates; the script updates them."""
     last = with_unit(motion.steps * motion.step, "s")
     rows = [("t", '<dd class="time">0 s</dd>')]
     sample = f'<dd><span class="sample">0</span> of {motion.steps}, to {last}</dd>'
@@ -220,7 +224,7 @@ def _coordinate(value: float, *, turning: bool) -> str:
 
 
 def legend(scene: MotionScene) -> str:
-    """What the marks of the picture stand for, with samples of them."""
+    """The legend of the picture."""
     kinds = {shape.kind for shape in scene.shapes}
     entries = [(KIND_SAMPLES[kind], says) for kind, says in KIND_WORDS.items() if kind in kinds]
     motion = scene.motion
@@ -236,7 +240,7 @@ def legend(scene: MotionScene) -> str:
 
 
 def robot_caption(scene: MotionScene) -> str:
-    """What the marks of a robot are."""
+    """The meanings of the marks of a robot."""
     words = (
         "The robot at its real lengths: rods as thick lines, joints as circles (turning) and "
         "squares (sliding), effectors as rings, other bodies by their centres of mass as dots."
@@ -247,7 +251,7 @@ def robot_caption(scene: MotionScene) -> str:
 
 
 def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str:
-    """What the boxes of a tube are."""
+    """The meaning of the boxes of a tube."""
     if tube is None:
         return "No tube is drawn: the motion was not enclosed for this page."
     sides = 2 * tube.half_widths
@@ -275,7 +279,7 @@ def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str
 
 
 def _length(metres: float) -> str:
-    """A length to two digits, in the unit in which it is easiest to read."""
+    """A length to two digits, in the most readable unit."""
     for unit, size in (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6), ("nm", 1e-9), ("pm", 1e-12)):
         if metres >= size:
             return f"{float(f'{metres / size:.2g}'):g} {unit}"
@@ -283,9 +287,9 @@ def _length(metres: float) -> str:
 
 
 def poses(scene: MotionScene, motion: RobotMotion, name: str = "pose") -> str:
-    """The robot at equal distances of time, for paper and where no script runs.
+    """The robot at equal intervals of time, for print and for browsers without scripts.
 
-    ``name`` begins the ids of what all of them show.
+    ``name`` is the prefix of the ids of shared elements.
     """
     total = motion.steps * motion.step
     sets = "".join(f'<path id="{name}-{kind}" d="{data}"/>' for kind, data in _sets(scene) if data)
@@ -305,9 +309,9 @@ def poses(scene: MotionScene, motion: RobotMotion, name: str = "pose") -> str:
 
 
 def _sets(scene: MotionScene) -> list[tuple[str, str]]:
-    """All sets of a kind as the data of one path, which every pose uses again.
+    """All sets of a kind as the data of one path, which all poses reuse.
 
-    A style that names elements around what is used does not reach it, one that it inherits does.
+    Selectors on ancestors of the original do not apply to its copies; inherited styles do.
     """
     kinds = ("bounds", "region", "obstacle", "target")
     return [

@@ -1,4 +1,4 @@
-"""Coordinates, rates, own states and inputs over time."""
+"""Charts of coordinates, rates, own states and inputs over time."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     from solvers.verifier.certified_tube import CertifiedTube
 
 POINTS = 160
-"""At least so many points has a curve, where the tube tells what is between the samples."""
+"""The least number of points of a curve, if a tube gives values between the samples."""
 
 
 def charts_section(evidence: Evidence) -> str:
-    """The charts with their data; nothing for a robot that was not found or cannot move."""
+    """The charts with their data; empty without a design, or if it cannot move."""
     groups = motion_curves(evidence)
     if not groups:
         return ""
@@ -89,19 +89,19 @@ def _data(curve: Curve) -> dict[str, Any]:
     }
 
 
-# --- curves ---------------------------------------------------------------------------------------
+# --- Curves ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class CurveGroup:
-    """Curves that stand together under one heading."""
+    """Curves under a common heading."""
 
     title: str
     curves: tuple[Curve, ...]
 
 
 def motion_curves(evidence: Evidence) -> tuple[CurveGroup, ...]:
-    """All groups that a design has; none without one."""
+    """All groups of curves of a design; empty without a design."""
     found, motion = evidence.found, evidence.trajectory
     if found is None or motion is None:
         return ()
@@ -110,7 +110,7 @@ def motion_curves(evidence: Evidence) -> tuple[CurveGroup, ...]:
 
 
 def planned_curves(found: FoundDesign, motion: Trajectory) -> tuple[CurveGroup, ...]:
-    """All groups of a motion at its samples, without what is proved around it."""
+    """All groups of curves of a motion at its samples, without a tube."""
     lines = _StateLines(motion.t, np.hstack([motion.q, motion.qd]), None)
     return _groups(found, motion, lines, None)
 
@@ -128,7 +128,7 @@ def _groups(
 
 
 def widest(evidence: Evidence) -> float | None:
-    """The greatest width of the tube of coordinates at an instant, in rad or m; None: no tube."""
+    """The greatest width of the tube of coordinates at an instant, in rad or m; None if no tube."""
     found, motion = evidence.found, evidence.trajectory
     if found is None or motion is None:
         return None
@@ -140,7 +140,7 @@ def widest(evidence: Evidence) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class _StateLines:
-    """Coordinates and rates: times (k,), values (k, 2 n), and what the tube allows (k, 2 n, 2)."""
+    """Coordinates and rates: times (k,), values (k, 2 n), and bounds of the tube (k, 2 n, 2)."""
 
     times: Array
     values: Array
@@ -148,9 +148,10 @@ class _StateLines:
 
 
 def _state_lines(evidence: Evidence, motion: Trajectory) -> _StateLines:
-    """The middle of the tube, also between the samples; without one, the samples.
+    """The middle of the tube, also between the samples; without a tube, the samples.
 
-    In a tube of disturbed motions the planned one need not be in the middle.
+    In a tube of disturbed motions the planned motion need not be in the middle, so the samples are
+    interpolated instead.
     """
     tube, times, samples = evidence.tube, motion.t, np.hstack([motion.q, motion.qd])
     if tube is None:
@@ -161,14 +162,14 @@ def _state_lines(evidence: Evidence, motion: Trajectory) -> _StateLines:
     bands = np.array([tube.at(min(float(time), end)) for time in fine])
     values = bands.mean(axis=-1)
     if tube.disturbed:
-        # A robot without joints has no columns.
+        # a robot without joints has no columns
         rows = [np.interp(fine, times, column) for column in samples.T]
         values = np.reshape(rows, (len(rows), len(fine))).T
     return _StateLines(fine, values, bands)
 
 
 def modules_of(word: Sequence[str], symbols: Sequence[int]) -> str:
-    """The modules at places of a word, as ``JO at symbol 2``."""
+    """The modules at the given places of a word, such as ``JO at symbol 2``."""
     names = " and ".join(dict.fromkeys(word[symbol] for symbol in symbols))
     places = " and ".join(str(symbol) for symbol in symbols)
     return f"{names} at symbol {places}"
@@ -216,7 +217,7 @@ def _states(found: FoundDesign, motion: Trajectory) -> Iterator[Curve]:
 
 
 def _inputs(found: FoundDesign, motion: Trajectory, tube: CertifiedTube | None) -> Iterator[Curve]:
-    """The planned inputs, with what a controller may command in the proved tube."""
+    """The planned inputs, with the range that a controller may command in the proved tube."""
     _, task = expanded(found.program, found.task)
     bounds = input_bounds(found.model, task)
     bands = tube.commanded if tube is not None and found.feedback is not None else None

@@ -1,4 +1,4 @@
-"""The designs of ``pareto.json``, whatever they are compared by, and their table."""
+"""The designs of ``pareto.json`` with the values they are compared by, and their table."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from srgc.render.html_text import text, with_unit
 from srgc.report.evidence import Evidence
 
 DIGITS, LENGTH = 4, 12
-"""Of numbers, and of whole ones."""
+"""Digits of numbers, and of whole numbers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """What designs are compared by: its name, its unit, and the name of its column."""
+    """A value by which designs are compared: its name, its unit, and the heading of its column."""
 
     name: str
     unit: str
@@ -32,7 +32,7 @@ USUAL = (
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """A design with a value per axis; ``folder`` is None where it was not kept."""
+    """A design with a value per axis; ``folder`` is None if it was not kept."""
 
     structure: int
     word: str
@@ -43,10 +43,9 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class ComparedDesigns:
-    """All designs, those that none dominates first.
+    """All designs, those that no other dominates first.
 
-    ``chosen`` is the structure that the result is about, where the task says what is to be least;
-    else None.
+    ``chosen`` is the structure that the result is about if the task has objectives, else None.
     """
 
     axes: tuple[Axis, ...]
@@ -57,12 +56,12 @@ class ComparedDesigns:
 
     @property
     def named(self) -> bool:
-        """Whether designs are compared by what the task asks to be least."""
+        """Whether designs are compared by the objectives of the task."""
         return self.chosen is not None
 
 
 def compared_designs(evidence: Evidence) -> ComparedDesigns | None:
-    """The designs of a result; None where there is no table of them."""
+    """The designs of a result; None without a table of designs."""
     content = evidence.pareto
     if not content.get("designs"):
         return None
@@ -85,11 +84,11 @@ def _compared(one: Mapping[str, Any], axes: tuple[Axis, ...]) -> Compared:
     )  # fmt: skip
 
 
-# --- As a part of the page ------------------------------------------------------------------------
+# --- The part of the page -------------------------------------------------------------------------
 
 
 def designs_part(evidence: Evidence) -> str:
-    """The table of all designs with a picture of them; nothing without one."""
+    """The table of all designs and a picture of them; empty without a table."""
     designs = compared_designs(evidence)
     if designs is None:
         return ""
@@ -111,7 +110,7 @@ def designs_part(evidence: Evidence) -> str:
 
 
 def designs_table(designs: ComparedDesigns) -> str:
-    """A row per design."""
+    """A row for each design."""
     heads = "".join(f'<th class="figure">{text(axis.heading)}</th>' for axis in designs.axes)
     rows = "".join(_row(each, designs.axes) for each in (*designs.front, *designs.dominated))
     return (

@@ -1,4 +1,4 @@
-"""What feedback does: how wide the proved tube is over time, and the gains of the controller."""
+"""The effect of feedback: the width of the proved tube over time, and the controller's gains."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from solvers.verifier.certified_tube import CertifiedTube
 
 MOST_VALUES, FEWEST = 10_000, 20
-"""So many values of all gains together are drawn, and of each gain so many at least."""
+"""The most values drawn of all gains together, and the fewest of each gain."""
 UNITS = {"revolute": ("rad", "rad/s"), "prismatic": ("m", "m/s")}
 LAW = (
     "At each sample the controller measures coordinates and rates, and holds the planned inputs, "
@@ -28,7 +28,7 @@ LAW = (
 
 
 def width_section(evidence: Evidence) -> str:
-    """How wide the tube of all motions is; nothing where there is one motion."""
+    """The width of the tube of all motions; empty if there is only one motion."""
     found, motion = evidence.found, evidence.trajectory
     if found is None or motion is None or evidence.tube is None or not evidence.tube.disturbed:
         return ""
@@ -46,7 +46,7 @@ def width_section(evidence: Evidence) -> str:
 
 
 def gains_section(evidence: Evidence) -> str:
-    """The gains of a controller; nothing for an open loop."""
+    """The gains of a controller; empty for open loop."""
     found, motion = evidence.found, evidence.trajectory
     if found is None or motion is None or found.feedback is None:
         return ""
@@ -61,7 +61,7 @@ def gains_section(evidence: Evidence) -> str:
 
 
 def commanded_peak(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]]:
-    """What feedback commands at most of each kind of effort, anywhere in the proved tube."""
+    """The greatest effort of each kind that feedback commands anywhere in the proved tube."""
     if evidence.report is None or found.claim.controller is None or evidence.task.robust is None:
         return
     margins = {each.name: each.margin for each in evidence.report.conditions}
@@ -85,13 +85,13 @@ def _figure(title: str, curves: Sequence[Curve], name: str) -> str:
     )
 
 
-# --- widths ---------------------------------------------------------------------------------------
+# --- Widths ---------------------------------------------------------------------------------------
 
 
 def _widths(
     tube: CertifiedTube, found: FoundDesign, motion: Trajectory
 ) -> Iterator[tuple[str, str, list[Curve]]]:
-    """Per unit of coordinates, of rates, and of all effectors: name, title and curves."""
+    """Name, title and curves for each unit of coordinates and of rates, and for all effectors."""
     bounds, n = tube.samples, len(found.model.dofs)
     widths: Array = bounds[..., 1] - bounds[..., 0]
     for rank, (mark, kind) in enumerate((("q", "coordinates"), ("q̇", "rates"))):
@@ -112,20 +112,20 @@ def _widths(
 
 
 def _by_unit(found: FoundDesign, rank: int) -> list[tuple[str, list[int]]]:
-    """The joints with the same unit of coordinates (rank 0) or rates (1), by that unit."""
+    """The joints grouped by the unit of their coordinates (rank 0) or rates (rank 1)."""
     units = [UNITS[dof.kind][rank] for dof in found.model.dofs]
     return [
         (unit, [i for i, own in enumerate(units) if own == unit]) for unit in dict.fromkeys(units)
     ]
 
 
-# --- gains ----------------------------------------------------------------------------------------
+# --- Gains ----------------------------------------------------------------------------------------
 
 
 def _gains(
     found: FoundDesign, feedback: Feedback, motion: Trajectory
 ) -> Iterator[tuple[str, str, list[Curve]]]:
-    """Per input, and per unit of what is measured: name, title and curves."""
+    """Name, title and curves for each input and each unit of the measured quantities."""
     n = len(found.model.dofs)
     most = max(FEWEST, MOST_VALUES // max(1, feedback.gains[0].size))
     for j, item in enumerate(robot_inputs(found.model)):

@@ -1,4 +1,4 @@
-"""All that a report is made of: what a result folder holds, and what is proved of it now."""
+"""The evidence of a report: the content of a result folder, and what is proved about it now."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CoveringSize:
-    """``parameters`` boxes of parameters, with ``coordinates`` boxes of coordinates in all.
+    """The number of boxes of ``parameters`` in a covering, and of ``coordinates`` in all of them.
 
-    ``by_drives`` of the former are refuted by what the drives can do, the others by poses alone.
+    ``by_drives`` of the former are refuted by the limits of the drives, the others by poses alone.
     """
 
     parameters: int
@@ -51,30 +51,30 @@ class Evidence:
     """A result folder as a report needs it.
 
     Attributes:
-        folder: where it is.
+        folder: its path.
         design: ``design.json``, whose fields docs/reference/results.md lists.
         program: the program of the folder's copy of the spec, as written.
-        task: the task of it, as written.
-        workspace: the workspace of the task, maps of obstacles as regions.
-        cells: the cells of that workspace; of a design with the cuts that its path needs.
+        task: its task, as written.
+        workspace: the workspace of the task, with maps of obstacles as regions.
+        cells: the cells of that workspace; for a design, with the cuts that its path needs.
         files: the files of the spec by their paths; ``design["spec"]`` is the main one.
-        claim: the certificate; None where there is none (unknown).
-        found: the design; None unless the verdict is ``found``.  ``found.program`` is as written,
-            too, and ``found.task`` but for the number of steps, which is that of the motion.
-        record: how the design was found; None together with ``found``.
-        trajectory: its sampled motion, by the certificate; None together with ``found``.
-        nearest: after ``unknown`` the motion that came nearest to a design, where it is kept.
-        tube: the enclosure of its motion; None without a design, where it was not computed, or
-            where that failed.
-        report: what the verifier says of the folder now; None where it was not asked.
-        conflicts: which lines of the spec rule robots out, found after ``impossible`` where that
-            is quick.
-        evaluations: what the search of parameters evaluated, in order.
-        landscape: the grid of ``srgc landscape``, where there is one.
+        claim: the certificate; None if there is none (unknown).
+        found: the design; None unless the verdict is ``found``.  ``found.program`` is as written;
+            so is ``found.task``, but for the number of steps, which is that of the motion.
+        record: how the design was found; None if ``found`` is None.
+        trajectory: its sampled motion, from the certificate; None if ``found`` is None.
+        nearest: after ``unknown``, the motion that came nearest to a design, if it was kept.
+        tube: the enclosure of its motion; None without a design, if it was not computed, or if
+            that failed.
+        report: the verifier's present report on the folder; None if it was not asked.
+        conflicts: the lines of the spec that rule robots out, after ``impossible`` if they can be
+            found quickly.
+        evaluations: the evaluations of the parameter search, in order.
+        landscape: the grid of ``srgc landscape``, if there is one.
         pareto: ``pareto.json`` of ``synth --all``, else empty.
-        objectives: what ``design.json`` says of the objectives of the task.
-        front: of a task with objectives the motions of the designs that none dominates.
-        log: ``log.json``, empty where there is none.
+        objectives: the statements of ``design.json`` about the objectives of the task.
+        front: for a task with objectives, the motions of the designs that no other dominates.
+        log: ``log.json``, empty if there is none.
         coverings: the sizes of ``proofs/NNNN.boxes`` by their paths.
         digests: SHA-256 of ``design.json`` and ``certificate.json``.
     """
@@ -105,7 +105,7 @@ class Evidence:
 
     @property
     def verdict(self) -> str:
-        """``found``, ``impossible`` or ``unknown``, as the folder says."""
+        """``found``, ``impossible`` or ``unknown``, according to the folder."""
         return str(self.design["verdict"])
 
 
@@ -113,14 +113,14 @@ class Evidence:
 
 
 GROUPS = ("found", "unresolved", "inadmissible", "refuted")
-"""Verdicts in the order in which they are told."""
+"""Verdicts in the order in which they are shown."""
 
 
 @dataclass(frozen=True, slots=True)
 class TriedRobot:
-    """A robot that was tried: its first structure, and the numbers of those equal to it.
+    """A robot that was tried: its first structure, and the structures with the same robot.
 
-    ``evidence`` is a file, or the reason where there is none; ``reason`` may be empty.
+    ``evidence`` is a file, or the reason if there is no file; ``reason`` may be empty.
     """
 
     number: int
@@ -133,7 +133,7 @@ class TriedRobot:
 
 
 def tried_robots(design: Mapping[str, Any]) -> tuple[TriedRobot, ...]:
-    """The different robots of ``design.json``, in order."""
+    """The distinct robots of ``design.json``, in order."""
     tried = design["structures_tried"]
     equal: dict[int, list[tuple[int, tuple[str, ...]]]] = {}
     for number, one in enumerate(tried):
@@ -156,17 +156,17 @@ def tried_robots(design: Mapping[str, Any]) -> tuple[TriedRobot, ...]:
 
 # --- From a result folder to the evidence of its report -------------------------------------------
 #
-# The folder is refused where ``srgc why`` and ``srgc export`` refuse it.  What can be read of it is
-# reported, whatever the verifier says: the page then says that, too.
+# A folder is refused in the same cases as by ``srgc why`` and ``srgc export``.  Everything that can
+# be read is reported, whatever the verifier's answer, which the page states.
 
 
 def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Evidence:
-    """All that the report of a result folder is made of.
+    """Read the evidence for the report of a result folder.
 
     Args:
-        folder: one that ``srgc synth`` has written, with any verdict.
+        folder: a folder that ``srgc synth`` has written, with any verdict.
         verify: whether to check the certificate again, and to enclose the motion.
-        watch: told how far the check has come.
+        watch: told about the progress of the check.
 
     Raises:
         UsageFault: there are no results, or they or the spec have been altered.
@@ -221,7 +221,7 @@ def read_evidence(folder: Path, *, verify: bool, watch: Watch = UNWATCHED) -> Ev
 
 
 def judged(evidence: Evidence, report: Report | None) -> Evidence:
-    """Evidence that was read without a check, with what the verifier says of its folder."""
+    """Evidence that was read without a check, completed by the verifier's report on its folder."""
     return replace(evidence, report=report, tube=_tube(evidence.folder, report))
 
 
@@ -241,7 +241,7 @@ def _digests(folder: Path) -> dict[str, str]:
 
 
 def _claim(folder: Path, found: FoundDesign | None) -> Claim | None:
-    """The certificate; none after ``unknown``, and none that cannot be read."""
+    """The certificate; None after ``unknown``, or if it cannot be read."""
     if found is not None:
         return found.claim
     try:
@@ -251,7 +251,7 @@ def _claim(folder: Path, found: FoundDesign | None) -> Claim | None:
 
 
 def _tube(folder: Path, report: Report | None) -> CertifiedTube | None:
-    """The enclosure of a motion that is proved; it takes as long as the proof."""
+    """The enclosure of a motion that is proved; computing it takes as long as the proof."""
     if report is None or report.outcome is not Outcome.VALID:
         return None
     from solvers.verifier.certified_tube import certified_tube
@@ -259,16 +259,16 @@ def _tube(folder: Path, report: Report | None) -> CertifiedTube | None:
     try:
         return certified_tube(folder)
     except EnclosureFailure:
-        return None  # the proof went through with another subdivision of the motion
+        return None  # the proof succeeded with another subdivision of the motion
 
 
-# --- files beside the certificate -----------------------------------------------------------------
+# --- Files next to the certificate ----------------------------------------------------------------
 
 
 def quick_conflicts(folder: TriedFolder) -> tuple[Conflict, ...]:
-    """The conflict of one refuted robot, or of all of them, of a folder that says impossible.
+    """The conflict of one refuted robot, or of all, in a folder with the verdict impossible.
 
-    None is sought where poses of whole bodies are asked for, which takes seconds.
+    No conflict is sought if the task constrains whole bodies, because that takes seconds.
     """
     tried, task = folder.tried, folder.posed.task
     if tried is None or tried.verdict != "impossible":
@@ -281,12 +281,12 @@ def quick_conflicts(folder: TriedFolder) -> tuple[Conflict, ...]:
 
 
 def checked_design(design: Mapping[str, Any], path: Path) -> None:
-    """Raise unless ``design.json`` says what was tried as ``srgc synth`` does.
+    """Refuse a ``design.json`` that does not have the form that ``srgc synth`` writes.
 
-    What the certificate determines is held against it elsewhere.
+    Whatever the certificate determines is compared with it elsewhere.
 
     Raises:
-        UsageFault: it does not.
+        UsageFault: it has another form.
     """
     tried = design.get("structures_tried")
     if not (
@@ -302,10 +302,10 @@ def checked_design(design: Mapping[str, Any], path: Path) -> None:
 
 
 def checked_designs(content: Mapping[str, Any], path: Path) -> None:
-    """The same for ``pareto.json``, which may be empty.
+    """Refuse a ``pareto.json`` of another form than ``srgc synth`` writes; it may be empty.
 
     Raises:
-        UsageFault: it is not what ``srgc synth`` writes.
+        UsageFault: it has another form.
     """
     values = None
     if "units" in content:
@@ -334,7 +334,7 @@ def _is_structure(one: Mapping[str, Any]) -> bool:
 
 
 def _follows(tried: Sequence[Mapping[str, Any]], number: int) -> bool:
-    """Whether the robot that a structure is again was tried before, itself no repetition."""
+    """Whether the structure with the same robot comes earlier and is not itself a repetition."""
     same = tried[number].get("same_robot_as")
     if same is None:
         return True
@@ -359,7 +359,7 @@ def _is_formula(one: Mapping[str, Any]) -> bool:
 
 
 def _is_design(one: Mapping[str, Any], values: int | None) -> bool:
-    """Whether it has so many values in a list; None: those that are usual, by their names."""
+    """Whether an entry has ``values`` values in a list or, for None, the usual ones by name."""
     listed: Any = one.get("values")
     if values is None:
         listed = [one.get(name) for name in ("modules", "total_length", "robustness")]
@@ -386,7 +386,7 @@ HEADER = "boxes 1\n"
 
 
 def covering_size(folder: Path, name: str) -> CoveringSize | None:
-    """The size of the covering in a file of a result folder; None where there is none."""
+    """The size of the covering in a file of a result folder; None if there is no covering."""
     try:
         content = evidence_bytes(folder, name).decode("ascii")
     except (OSError, UnicodeDecodeError):

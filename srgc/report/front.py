@@ -1,4 +1,4 @@
-"""The front of the designs of a task: a chart of it, a table, and each design in motion."""
+"""The Pareto front of the designs of a task: a chart, a table, and each design in motion."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from srgc.report.motion_scene import MotionScene, RobotMotion, robot_motion, see
 WIDTH, HEIGHT = 560, 300
 LEFT, RIGHT, TOP, BOTTOM = 74, 14, 14, 50
 MOST_DOMINATED = 200
-"""So many designs that others dominate are drawn."""
+"""The number of dominated designs to draw."""
 MOST_NUMBERS = 60_000
-"""Coordinates of points that the motions of a front hold at most, together."""
+"""The most coordinates of points that the motions of a front have together."""
 
 
 def front_part(evidence: Evidence, designs: ComparedDesigns) -> str:
-    """The chart where there are two objectives, and the designs in motion.
+    """A chart for each pair of objectives, the table of the front, and its designs in motion.
 
-    The table is with all designs, in the part about the search.
+    The table of all designs is in the part about the search.
     """
     count = many(len(designs.front), "design")
     left = f" Not all structures were tried: {text(designs.ended)}." if designs.ended else ""
@@ -49,11 +49,11 @@ def front_part(evidence: Evidence, designs: ComparedDesigns) -> str:
     )
 
 
-# --- the chart ------------------------------------------------------------------------------------
+# --- The chart ------------------------------------------------------------------------------------
 
 
 def _charts(designs: ComparedDesigns) -> str:
-    """A chart per pair of objectives, the first one seen; a choice where there are several."""
+    """A chart for each pair of objectives, the first one visible; a choice if there are several."""
     pairs = list(combinations(range(len(designs.axes)), 2))
     if not pairs:
         return ""
@@ -126,7 +126,7 @@ def _says(one: Compared, columns: Sequence[Axis]) -> str:
     return f"{one.word}: {values}"
 
 
-# --- the table, from which designs are chosen without a pointer -----------------------------------
+# --- The table, which also works without a pointer ------------------------------------------------
 
 
 def _table(designs: ComparedDesigns, moving: set[int]) -> str:
@@ -171,13 +171,13 @@ def _left_out(designs: ComparedDesigns, motions: dict[int, RobotMotion]) -> str:
     return f'<p class="soft">{many(missing, "design")} cannot be shown moving: {cause}.</p>'
 
 
-# --- the designs in motion ------------------------------------------------------------------------
+# --- The designs in motion ------------------------------------------------------------------------
 
 
 def _motions(
     evidence: Evidence,
 ) -> tuple[dict[int, RobotMotion], View | None, tuple[WorkspaceShape, ...]]:
-    """The motions by the numbers of their structures, and the view in which all fit."""
+    """The motions by the numbers of their structures, and the view in which all of them fit."""
     found = evidence.front
     most = MOST_NUMBERS // max(len(found), 1)
     motions = {
@@ -222,7 +222,7 @@ def _robot(number: int, motion: RobotMotion, view: View) -> str:
 def _data(
     designs: ComparedDesigns, motions: dict[int, RobotMotion], view: View | None
 ) -> dict[str, Any]:
-    """What the script needs: how the picture is seen, and of each design its motion."""
+    """The data for the script: the view of the picture, and the motion of each design."""
     if view is None:
         return {"designs": []}
     grid = Grid(view)

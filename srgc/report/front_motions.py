@@ -1,4 +1,4 @@
-"""The motions of designs that none dominates, read from the folders below a result."""
+"""The motions of the designs that no other dominates, read from the folders below a result."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from srgc.report.tables import Trajectory, planned_trajectory
 from srgc.results.found_design import FoundDesign, found_design
 
 MOST_MOTIONS = 24
-"""So many designs of a front are shown in motion, the first ones."""
+"""The number of designs of a front to show in motion, from the first one."""
 
 
 @dataclass(frozen=True, slots=True)
 class FrontMotion:
-    """A design of a front, by the number of its structure, with its sampled motion."""
+    """A design of a front, with the number of its structure and its sampled motion."""
 
     structure: int
     found: FoundDesign
@@ -25,10 +25,10 @@ class FrontMotion:
 
 
 def front_motions(folder: Path, pareto: Mapping[str, Any]) -> tuple[FrontMotion, ...]:
-    """The motions of the first designs of ``pareto.json``, where a task names objectives.
+    """The motions of the first designs of ``pareto.json``, if the task has objectives.
 
-    A design whose folder is missing or was altered, and one that is not that of its entry, is left
-    out.
+    Designs are omitted if their folder is missing or was altered, or if it has another robot than
+    the entry.
     """
     if "units" not in pareto:
         return ()

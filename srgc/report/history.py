@@ -1,4 +1,4 @@
-"""The search: what was tried, and what came of it."""
+"""The search: what was tried, and with which results."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from srgc.report.tables import Evaluation, varied
 MOST_STRUCTURES = 4
 MOST_PARAMETERS = 4
 MOST_POINTS = 150
-"""In one picture; of more evaluations, the last ones."""
+"""The number of evaluations in one picture; the last ones are shown."""
 MOST_CELLS = 1_200
-"""Of a landscape that is drawn here."""
+"""The most cells of a landscape to draw on the page."""
 MOST_ROBOTS = 300
-"""So many different robots are listed of one verdict; all are in ``design.json``."""
+"""The number of distinct robots to list for a verdict; all are in ``design.json``."""
 MOST_EQUAL = 60
 ALL_EQUAL = 1_200
-"""So many structures equal to one robot are listed, and of all robots together."""
+"""The number of equal structures to list for one robot, and for all robots together."""
 MOST_COUNTEREXAMPLES = 200
 HEADINGS = {
     "found": "found",
@@ -34,7 +34,7 @@ HEADINGS = {
 
 
 def history_section(evidence: Evidence) -> str:
-    """Structures, evaluations, landscape, counterexamples, designs."""
+    """Structures, designs, evaluations, landscape and counterexamples."""
     robots = tried_robots(evidence.design)
     counts = "".join(
         f"<div><dt>{text(name)}</dt><dd>{text(value)}</dd></div>"
@@ -163,7 +163,7 @@ def _counterexamples(evidence: Evidence) -> str:
 
 def _counterexample(one: Mapping[str, Any], words: Sequence[Sequence[str]]) -> str:
     structure = one["structure"]
-    # A search that was cut off has no record of the structure it was at.
+    # A search that was cut off has no record of its last structure.
     word = " ".join(words[structure]) if structure < len(words) else "not finished"
     time = "" if one["time"] is None else f"{number(one['time'])} s"
     robustness = "" if one["robustness"] is None else number(one["robustness"])
@@ -176,11 +176,11 @@ def _counterexample(one: Mapping[str, Any], words: Sequence[Sequence[str]]) -> s
     )
 
 
-# --- evaluations and landscapes -------------------------------------------------------------------
+# --- Evaluations and landscapes -------------------------------------------------------------------
 
 
 def evaluations_part(evidence: Evidence) -> str:
-    """The evaluations of the structures with the best of them."""
+    """The evaluations of the structures with the best ones."""
     samples = evidence.evaluations
     if not samples:
         return ""
@@ -235,7 +235,7 @@ def _figure(title: str, chart: str) -> str:
 def _progress(
     samples: Sequence[Evaluation],
 ) -> tuple[list[Point], str, str, list[tuple[float, float]]]:
-    """Evaluations in their order, with the best so far."""
+    """Evaluations in order, with the best value so far."""
     points, best = [], list[tuple[float, float]]()
     for place, each in enumerate(samples, start=1):
         points.append(_point(float(place), each, f"evaluation {place}"))
@@ -269,7 +269,7 @@ def _over(
 
 
 def _design(evidence: Evidence) -> dict[str, float]:
-    """The parameters of the design by their names."""
+    """The parameters of the design by name."""
     found = evidence.found
     if found is None:
         return {}
@@ -280,14 +280,14 @@ def _design(evidence: Evidence) -> dict[str, float]:
 
 
 def _lacking(samples: Sequence[Evaluation]) -> str:
-    """What is said of points that cannot be followed, which have a scale of their own."""
+    """A remark about infeasible points, which have their own scale; empty without such points."""
     if all(each.feasible for each in samples):
         return ""
     return " What cannot be followed has a scale of its own: below 0, by how much the motion fails."
 
 
 def _named(evidence: Evidence, structure: int, name: str) -> tuple[str, str]:
-    """A parameter for people, and its unit where the design has it."""
+    """A parameter's name for people, and its unit if the design has that parameter."""
     words = [each["word"] for each in evidence.design["structures_tried"]]
     place, _, own = name.partition(".")
     known = structure < len(words) and place.isdigit() and int(place) < len(words[structure])
@@ -299,11 +299,11 @@ def _named(evidence: Evidence, structure: int, name: str) -> tuple[str, str]:
     return f"{module}.{own}, symbol {place}", "" if unit == "1" else unit
 
 
-# --- landscape -----------------------------------------------------------------------------------
+# --- Landscape -----------------------------------------------------------------------------------
 
 
 def landscape_part(evidence: Evidence) -> str:
-    """The picture of ``landscape.csv``, where it is there and about this design."""
+    """The picture of ``landscape.csv``, if the file exists and is about this design."""
     samples, design = evidence.landscape, _design(evidence)
     names = varied(samples)
     if not samples or evidence.record is None or not set(names) <= design.keys():

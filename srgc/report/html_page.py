@@ -1,4 +1,4 @@
-"""A whole page: a head and sections, styles and scripts, in one file that loads nothing."""
+"""A page in one file, with a head, sections, styles and scripts; it loads nothing else."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
     "img-src data:; base-uri 'none'; form-action 'none'"
 )
-"""What a browser lets the page do: nothing is loaded, nothing is sent."""
+"""The browser's policy for the page: it may load nothing and send nothing."""
 
 
 def html_page(title: str, head: str, rest: Sequence[str]) -> str:
-    """A page of a head, which has a ``<header>``, and of sections; empty ones are left out."""
+    """A page with a head, which contains a ``<header>``, and the sections that are not empty."""
     body = _with_contents(head, [section for section in rest if section])
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -33,7 +33,7 @@ _TITLE = re.compile('<section id="([a-z-]+)"[^>]*><h2>(.*?)</h2>', re.DOTALL)
 
 
 def _with_contents(head: str, rest: Sequence[str]) -> str:
-    """All sections, with links to them behind the head of the page."""
+    """The head with links to all sections, followed by the sections."""
     titles = [found.groups() for section in rest for found in _TITLE.finditer(section)]
     links = "".join(f'<li><a href="#{name}">{title}</a></li>' for name, title in titles)
     contents = f'<nav class="screen-only" aria-label="Sections"><ul>{links}</ul></nav></header>'

@@ -1,4 +1,4 @@
-"""The data of the animation for the page's script, on a grid that is finer than the picture."""
+"""The data of the animation for the page's script, on a grid finer than the picture can show."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from srgc.render.svg import NAMED, View, sight
 from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes
 
 GRID = 0.04
-"""Width of the grid in units of the picture."""
+"""The width of the grid, in units of the picture."""
 
 
 def scene_data(scene: MotionScene) -> dict[str, Any]:
-    """What the script needs.
+    """The data that the script needs.
 
-    Coordinates are whole multiples of ``unit`` metres from ``centre``.  In space there are views,
+    Coordinates are whole multiples of ``unit`` metres from ``centre``.  Spatial scenes have views,
     each with its name, azimuth and elevation.
     """
     grid = Grid(scene.view)
@@ -51,13 +51,13 @@ class Grid:
         self.unit = GRID / view.scale
 
     def whole(self, points: Array) -> list[int]:
-        """The coordinates of points (..., d) in turn."""
+        """The coordinates of points (..., d), as whole numbers in one list."""
         found: list[int] = np.rint((points - self.centre) / self.unit).astype(int).ravel().tolist()
         return found
 
 
 def motion_data(motion: RobotMotion, grid: Grid, cells: list[str], view: View) -> dict[str, Any]:
-    """A motion for a script; ``cells`` are the names of those that are drawn, in order."""
+    """A motion for a script; ``cells`` are the names of the drawn cells, in order."""
     robot = motion.robot
     visits = [
         [[visit.since, cells.index(visit.cell) if visit.cell in cells else -1] for visit in each]
@@ -86,12 +86,12 @@ def motion_data(motion: RobotMotion, grid: Grid, cells: list[str], view: View) -
 
 
 def _short(value: float) -> float:
-    """A number to seven digits, whatever its size."""
+    """A number to seven significant digits."""
     return float(f"{value:.7g}")
 
 
 def _tube(tube: TubeBoxes, grid: Grid) -> dict[str, Any]:
-    """Boxes on the grid rounded outwards; half widths as they are, to three digits."""
+    """Boxes on the grid, rounded outwards, and exact half widths, to three digits."""
     low = np.floor((tube.boxes[..., 0] - grid.centre) / grid.unit).astype(int)
     high = np.ceil((tube.boxes[..., 1] - grid.centre) / grid.unit).astype(int)
     return {

@@ -1,4 +1,4 @@
-"""All that the animation shows, as numbers: shapes, points over time, cells and the tube."""
+"""The content of the animation as numbers: shapes, points over time, cells and the tube."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ if TYPE_CHECKING:
 
 
 MOST_BOXES, MOST_WIDTHS = 240, 90
-"""Of a tube: boxes of intervals, and instants at which it is told how wide it is."""
+"""For a tube, the most boxes of intervals, and the most instants with a width."""
 MOST_NUMBERS = 40_000
-"""Coordinates of points that a page holds at most; the instants are as many as that allows."""
+"""The most coordinates of points on a page; the number of instants depends on it."""
 MOST_INSTANTS = 900
 FEWEST_INSTANTS = 40
 MOST_CELLS = 400
 ROOM_IN_SPACE = 0.12
-"""Part of the extent of regions and motion that is seen around them; all in the plane."""
+"""In space, the room around regions and motion, as a share of their extent."""
 VAST = 4.0
-"""Bounds of the plane so many times as wide as what is in them are not shown whole."""
+"""Planar bounds this many times as wide as their content are not shown completely."""
 
 
 @dataclass(frozen=True, slots=True)
 class TubeBoxes:
-    """Boxes that hold the effectors.
+    """Boxes that contain the effectors.
 
-    Shapes: ``times`` (m + 1,) the ends of m intervals of time; ``boxes`` (m, e, d, 2) what holds
-    the effectors throughout each; ``instants`` (i,); ``half_widths`` (i, e, d) half the sides of
-    the boxes that hold them then, in metres.  ``segments`` is how many intervals the proof has.
+    Shapes: ``times`` (m + 1,) are the ends of m intervals of time; ``boxes`` (m, e, d, 2) contain
+    the effectors throughout each; ``instants`` (i,); ``half_widths`` (i, e, d) are half the sides
+    of the boxes at the instants, in metres.  ``segments`` is the number of intervals in the proof.
     """
 
     times: Array
@@ -66,7 +66,8 @@ class RobotMotion:
     """A robot in motion.
 
     Shapes: ``times`` (K,) in seconds, ``q`` (K, n), ``points`` (K, P, d) in metres.  ``visits`` has
-    the cells of every effector.  ``steps`` is the number of steps of the task, each ``step`` s.
+    the cells of every effector.  ``steps`` is the number of steps of the task, each ``step`` s
+    long.
     """
 
     robot: DrawnRobot
@@ -87,7 +88,7 @@ class RobotMotion:
 
 @dataclass(frozen=True)
 class MotionScene:
-    """The workspace, the robot in it where there is one, and the view in which both fit."""
+    """The workspace, the moving robot if there is one, and a view in which both fit."""
 
     dimension: int
     shapes: tuple[WorkspaceShape, ...]
@@ -96,16 +97,16 @@ class MotionScene:
 
     @property
     def beyond(self) -> bool:
-        """Whether the bounds of the workspace reach out of the picture."""
+        """Whether the bounds of the workspace extend beyond the picture."""
         corners = self.view.project(self.shapes[0].corners)
         size = np.array([self.view.width, self.view.height])
         return bool((corners < -0.5).any() or (corners > size + 0.5).any())
 
 
 def motion_scene(evidence: Evidence, most: int = MOST_NUMBERS) -> MotionScene:
-    """What the animation of a result shows; the workspace alone where there is no robot.
+    """The scene of the animation of a result; only the workspace if there is no robot.
 
-    ``most`` is about how many coordinates of points it holds.
+    ``most`` is about the largest number of coordinates of points in it.
     """
     motion = None
     if evidence.found is not None and evidence.trajectory is not None:
@@ -122,7 +123,7 @@ def motion_scene(evidence: Evidence, most: int = MOST_NUMBERS) -> MotionScene:
 
 
 def _shapes(evidence: Evidence, motion: RobotMotion | None) -> tuple[WorkspaceShape, ...]:
-    """Bounds, cells and regions; of many cells those that are visited."""
+    """Bounds, cells and regions; if there are many cells, only those that are visited."""
     shapes = workspace_shapes(evidence.workspace, evidence.cells.cells)
     if len(evidence.cells.cells) <= MOST_CELLS:
         return shapes
@@ -138,9 +139,9 @@ def robot_motion(
     *,
     most: int = MOST_NUMBERS,
 ) -> RobotMotion:
-    """The motion of a design at instants close enough to be interpolated on a picture.
+    """The motion of a design at instants close enough to interpolate in a picture.
 
-    Its points have about so many coordinates at most.
+    Its points have about ``most`` coordinates at most.
     """
     robot, samples = _drawn(found.model, found.theta, trajectory, most)
     visits = tuple(_visits(path) for path in found.claim.path)
@@ -157,7 +158,7 @@ def robot_motion(
 
 
 def nearest_motion(evidence: Evidence, most: int = MOST_NUMBERS) -> RobotMotion | None:
-    """The motion that came nearest to a design, where there is none; its cells are not known."""
+    """The motion that came nearest to a design, or None; the cells that it visits are not known."""
     kept = evidence.nearest
     if kept is None:
         return None
@@ -177,7 +178,7 @@ def nearest_motion(evidence: Evidence, most: int = MOST_NUMBERS) -> RobotMotion 
 def _drawn(
     model: RobotModel, theta: Array, motion: Trajectory | NearestRobot, most: int
 ) -> tuple[DrawnRobot, MotionSamples]:
-    """A robot as it is drawn, and the instants at which it is."""
+    """The drawing of a robot, and the instants at which it is drawn."""
     robot = drawn_robot(model, theta)
     first = robot.points(motion.q[:1])
     instants = int(np.clip(most // max(first.size, 1), FEWEST_INSTANTS, MOST_INSTANTS))
@@ -186,7 +187,7 @@ def _drawn(
 
 
 def _visits(path: Sequence[str]) -> tuple[CellVisit, ...]:
-    """When the cell of a path changes."""
+    """The times at which the cell of a path changes."""
     found, sample = [], 0
     for cell, run in groupby(path):
         found.append(CellVisit(sample, cell))
@@ -195,7 +196,7 @@ def _visits(path: Sequence[str]) -> tuple[CellVisit, ...]:
 
 
 def seen_corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -> list[Array]:
-    """Points (m, d) that a view has to hold: regions, motion, and bounds that are not vast."""
+    """Points (m, d) that a view has to contain: regions, motion, and bounds that are not vast."""
     bounds = shapes[0].corners
     inner = [shape.corners for shape in shapes if shape.kind not in ("bounds", "cell")]
     if motion is not None:
@@ -212,13 +213,13 @@ def seen_corners(shapes: Sequence[WorkspaceShape], motion: RobotMotion | None) -
 
 
 def _moved(motion: RobotMotion) -> Array:
-    """The extent of the whole motion; the tips of axes are no part of the robot."""
+    """The extent of the whole motion, without the tips of axes, which are not part of the robot."""
     found = motion.robot.own(motion.points).reshape(-1, motion.points.shape[2])
     return np.stack([found.min(axis=0), found.max(axis=0)])
 
 
 def tube_boxes(tube: CertifiedTube, effectors: int) -> TubeBoxes:
-    """The boxes of a tube; intervals are put together where there are many."""
+    """The boxes of a tube; intervals are merged if there are many."""
     points = tube.points[:, :effectors]
     count = len(points)
     groups = np.array_split(np.arange(count), min(count, MOST_BOXES))

@@ -1,4 +1,4 @@
-"""Of a task without a design: the motion that came nearest to one, and where it is stuck."""
+"""For a task without a design: the motion that came nearest to one, and where it is stuck."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from srgc.results.folder_writer import NEAREST_PICTURE
 
 
 def nearest_section(evidence: Evidence) -> str:
-    """What the nearest motion lacks; with its picture where the motion itself is not shown."""
+    """What the nearest motion lacks; with its picture if the page does not show the motion."""
     nearest = evidence.design.get("nearest")
     if evidence.found is not None or not isinstance(nearest, dict):
         return ""
@@ -25,7 +25,7 @@ def nearest_section(evidence: Evidence) -> str:
 
 
 def _says(nearest: Mapping[str, Any]) -> str:
-    """What it is and what it lacks."""
+    """The robot of the motion, and what the motion lacks."""
     word = nearest.get("word")
     robot = " ".join(map(str, word)) if isinstance(word, list) else ""
     cause, reason = (text(str(nearest.get(name, ""))) for name in ("cause", "reason"))
@@ -37,7 +37,7 @@ def _says(nearest: Mapping[str, Any]) -> str:
 
 
 def _stuck(stuck: Any) -> str:
-    """The instant and the place where it cannot go on."""
+    """The time and the position at which it is stuck."""
     with suppress(TypeError, KeyError, ValueError):
         place = ", ".join(number(float(value)) for value in stuck["position"])
         return f"; it is stuck at {number(float(stuck['time']))} s at ({place}) m"

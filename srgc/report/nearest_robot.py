@@ -1,6 +1,6 @@
-"""The nearest motion of a task without a design, read back from its folder.
+"""Reads the nearest motion of a task without a design from its folder.
 
-Nothing of it is proved.  What a folder holds may be altered: then there is nothing to show.
+Nothing about it is proved.  A folder may have been altered; then there is nothing to show.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MOST_SAMPLES = 100_000
 class NearestRobot:
     """A robot, the values of its parameters, and its motion at the samples.
 
-    Shapes: ``theta`` (p,) in SI; ``t`` (k + 1,) in seconds; ``q`` and ``qd`` (k + 1, n).
+    Shapes: ``theta`` (p,) in SI units; ``t`` (k + 1,) in seconds; ``q`` and ``qd`` (k + 1, n).
     """
 
     model: RobotModel
@@ -45,12 +45,12 @@ class NearestRobot:
 def nearest_robot(
     folder: Path, design: Mapping[str, Any], program: ir.Program, task: ir.Task
 ) -> NearestRobot | None:
-    """The robot that came nearest and its motion; None where the folder has none that fits.
+    """The robot that came nearest and its motion; None if the folder has no consistent data.
 
     Args:
-        folder: of a result.
+        folder: the folder of a result.
         design: its ``design.json``.
-        program: that of its specification, as written.
+        program: the program of its specification, as written.
         task: the task, as written.
     """
     nearest = design.get("nearest")
@@ -77,7 +77,7 @@ def nearest_robot(
 
 
 def _table(content: str) -> dict[str, Array]:
-    """The columns of a table of samples; only inputs may have no value in the last row."""
+    """The columns of a table of samples; only inputs may be empty in the last row."""
     rows = list(csv.DictReader(io.StringIO(content)))
     if not 0 < len(rows) <= MOST_SAMPLES:
         raise ValueError("no table of samples")
@@ -89,7 +89,7 @@ def _table(content: str) -> dict[str, Array]:
 
 
 def _columns(table: Mapping[str, Array], names: Sequence[str]) -> Array:
-    """The columns with these names (k + 1, n), finite."""
+    """The columns with these names (k + 1, n), all finite."""
     found = np.stack([table[name] for name in names], axis=1)
     if not np.isfinite(found).all():
         raise ValueError("a sample has no value")

@@ -1,4 +1,4 @@
-"""What the task asks to be least: what the design has, what is proved, the front of designs."""
+"""The objectives of the task: the design's values, what is proved, and the front of designs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HEADS = ("objective", "value", "proved least", "gap", "undecided", "what is clai
 
 
 def objectives_section(evidence: Evidence) -> str:
-    """The objectives with what is claimed of each, and the front; nothing without objectives."""
+    """The objectives with the claims about them, and the front; empty without objectives."""
     if not evidence.objectives:
         return ""
     heads = "".join(

@@ -1,4 +1,4 @@
-"""The page about a result: which sections it has, in which order."""
+"""The page about a result: its sections and their order."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ SECTIONS = (
     check_section,
     derivation_section,
 )
-"""After the head: the motion first, what it rests on later, the derivation last."""
+"""After the head: the motion first, then what it rests on, the derivation last."""
 
 
 def report_page(folder: Path, *, verify: bool = True, watch: Watch = UNWATCHED) -> str:
     """The page of a result folder; the same folder gives the same text.
 
     Args:
-        folder: one that ``srgc synth`` or ``srgc evolve`` has written, with any verdict.
-        verify: whether to check its certificate again; the page says what comes of it.
-        watch: told how far that check has come.
+        folder: a folder that ``srgc synth`` or ``srgc evolve`` has written, with any verdict.
+        verify: whether to check its certificate again; the page states the outcome.
+        watch: told about the progress of the check.
 
     Raises:
         UsageFault: there are no results, or they or the spec have been altered.

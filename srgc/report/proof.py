@@ -22,12 +22,12 @@ from srgc.version import VERSION
 
 
 DECADES = 6
-"""So many powers of ten has the scale of the bars; what is smaller has the shortest bar."""
+"""The range of the bars in powers of ten; smaller margins have the shortest bar."""
 WORDS = {Status.HOLDS: "holds", Status.FAILS: "violated", Status.UNDECIDED: "not decided"}
 
 
 def margins_section(evidence: Evidence) -> str:
-    """The table of conditions; nothing where the verifier has none."""
+    """The table of conditions; empty if the verifier has none."""
     report = evidence.report
     if report is None or not report.conditions:
         return ""
@@ -77,7 +77,7 @@ def _when(condition: CheckedCondition) -> str:
 
 
 def _bar(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
-    """How large a margin is beside the largest one of its unit, in powers of ten."""
+    """The bar of a margin, relative to the largest one of its unit, on a logarithmic scale."""
     if not math.isfinite(condition.margin) or condition.margin <= 0:
         return ""
     largest = max(
@@ -87,7 +87,7 @@ def _bar(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
     return f'<span style="width:{100 * max(part, 0.02):.0f}%"></span>'
 
 
-# --- How to verify the result without this page, and what it is about, to the byte ----------------
+# --- How to verify the result without this page, and the exact files that it is about -------------
 
 
 def check_section(evidence: Evidence) -> str:
@@ -105,13 +105,13 @@ def own_check(
     identity: Iterable[tuple[str, str]],
     program: ir.Program,
 ) -> str:
-    """The section of a page about how to check what it says.
+    """The section of a page about how to check it.
 
     Args:
-        rests: what that rests on, as HTML.
-        commands: commands, and what each of them does.
-        verifier: what follows them, as HTML.
-        identity: names of what the result is about, and the values.
+        rests: what the page's statements rest on, as HTML.
+        commands: commands, with what each of them does.
+        verifier: the text after the commands, as HTML.
+        identity: names and values that identify the result.
         program: the specification.
     """
     width = max(len(command) for command, _ in commands) + 2
@@ -164,7 +164,7 @@ def _commands(evidence: Evidence) -> Iterator[tuple[str, str]]:
 
 
 def _options(evidence: Evidence) -> str:
-    """The options that the search had."""
+    """The options of the search, as text for the command line."""
     design = evidence.design
     parts = [f" --task {design['task']}" if len(evidence.program.tasks) > 1 else ""]
     parts.append(f" --seed {design['seed']}" if design["seed"] else "")

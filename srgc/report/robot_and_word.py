@@ -1,4 +1,4 @@
-"""The robot of a result, module by module, beside its word and its derivation."""
+"""The robot of a result, module by module, with its word and its derivation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from srgc.results.found_design import FoundDesign
 
 
 def robot_section(evidence: Evidence) -> str:
-    """The robot of the page with its word; nothing where the result has none."""
+    """The robot of the page with its word; empty if the result has no robot."""
     found = evidence.found
     if found is None:
         return ""
@@ -34,7 +34,7 @@ def robot_section(evidence: Evidence) -> str:
 
 
 def derivation_section(evidence: Evidence) -> str:
-    """How the grammar derives the word; nothing where the result has none."""
+    """The derivation of the word; empty if the result has no robot."""
     found = evidence.found
     if found is None:
         return ""
@@ -88,7 +88,7 @@ def _picture(found: FoundDesign, grammar: ir.Grammar, modules: Mapping[str, ir.M
 
 
 def _parameters(found: FoundDesign) -> dict[int, list[tuple[str, str]]]:
-    """Per place in the word, the names of its parameters and their values with units."""
+    """By place in the word, the names of its parameters and their values with units."""
     shown: dict[int, list[tuple[str, str]]] = {}
     for value in found.parameters:
         known = value.parameter
@@ -119,7 +119,7 @@ def _table(found: FoundDesign, roles: Mapping[str, ir.Role]) -> str:
 
 
 def _joints(found: FoundDesign) -> dict[int, list[str]]:
-    """Per place in the word, what is said of its joints."""
+    """By place in the word, the descriptions of its joints."""
     shown: dict[int, list[str]] = {}
     for index, dof in enumerate(found.model.dofs):
         for place in dof.symbols:
@@ -145,7 +145,7 @@ def _joint_words(dof: RobotDof) -> str:
 
 
 def _labels(derivation: Derivation) -> dict[int, str]:
-    """Per place in the word, the production that put the symbol there."""
+    """By place in the word, the production that put the symbol there."""
     return {
         child: node.production.label
         for node in derivation.nodes
@@ -175,7 +175,7 @@ MARGIN = 14.0
 
 
 def derivation_tree(derivation: Derivation, roles: Mapping[str, ir.Role]) -> str:
-    """The tree as SVG: the word below, in one row, so that it reads from left to right."""
+    """The tree as SVG, with the word in one row at the bottom, so that it reads left to right."""
     xs, width = _columns(derivation)
     places = _middles(derivation, xs)
     depths = _depths(derivation)
@@ -210,7 +210,7 @@ def derivation_tree(derivation: Derivation, roles: Mapping[str, ir.Role]) -> str
 
 
 def _columns(derivation: Derivation) -> tuple[list[float], float]:
-    """Where the symbols of the word stand, and how wide the tree is."""
+    """The positions of the symbols of the word, and the width of the tree."""
     found, x = [], MARGIN
     for symbol in derivation.word:
         half = LETTER * max(len(name_in_picture(symbol)), 2) / 2
@@ -226,7 +226,7 @@ def _columns(derivation: Derivation) -> tuple[list[float], float]:
 
 
 def _middles(derivation: Derivation, xs: list[float]) -> list[float]:
-    """Where the nodes stand: over the middle of what they derive, or a gap where that is empty."""
+    """The positions of the nodes: above the middle of what they derive, or above a gap if empty."""
     found = []
     for begin, end in derivation.spans():
         if begin < end:
@@ -238,7 +238,7 @@ def _middles(derivation: Derivation, xs: list[float]) -> list[float]:
 
 
 def _depths(derivation: Derivation) -> list[int]:
-    """How many productions lie above each node."""
+    """The number of productions above each node."""
     found = [0] * len(derivation.nodes)
     for index, node in enumerate(derivation.nodes):
         for child, symbol in zip(node.children, node.production.right, strict=True):
@@ -247,11 +247,11 @@ def _depths(derivation: Derivation) -> list[int]:
     return found
 
 
-# --- What a design changes of the existing robot of its task, and the robots on the way -----------
+# --- What a design changes in the existing robot of its task, and the robots on the way -----------
 
 
 def change_section(evidence: Evidence) -> str:
-    """The section of a design with an existing robot; nothing for others."""
+    """The section about changes to an existing robot; empty without such a robot."""
     change = evidence.design.get("reconfiguration")
     if evidence.found is None or change is None:
         return ""
@@ -269,7 +269,7 @@ def change_section(evidence: Evidence) -> str:
 
 
 def _count(evidence: Evidence, old: Sequence[str], new: Sequence[str]) -> str:
-    """Which modules are added and removed, by their places in the new and in the old word."""
+    """The modules that are added and removed, with their places in the new and the old word."""
     kept = evidence.design["reconfiguration"]["kept"]
     modules = evidence.program.modules
     added = [i for i, name in enumerate(new) if name in modules and i not in {b for _, b in kept}]

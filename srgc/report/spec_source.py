@@ -1,4 +1,4 @@
-"""The specification with the colours of its language, its lines numbered."""
+"""The specification with syntax highlighting and numbered lines."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from srgc.pygments_lexer import SrgLexer
 from srgc.render.html_text import text
 
 MOST_CHARACTERS = 40_000
-"""Of all files together; what is beyond is in the folder."""
+"""The most characters of all files together; the rest is in the folder."""
 
 
 def line_anchor(file: int, line: int) -> str:
-    """The id of a line, from 1, of a source by its number."""
+    """The id of a line, counted from 1, of the source with number ``file``."""
     return f"spec{file}-{line}"
 
 
 def spec_source(program: ir.Program) -> str:
-    """All files in the language; maps and images are named only."""
+    """All files in the language; maps and images are only named."""
     left, parts = MOST_CHARACTERS, []
     for number, source in enumerate(program.sources):
         if not source.path.endswith(".srg") and number:
@@ -47,7 +47,7 @@ def _source(number: int, source: Source, most: int) -> str:
 
 
 def _allowed(content: str) -> str:
-    """The source without what HTML does not allow; text() escapes, which the formatter does."""
+    """The source without characters that HTML forbids; unlike in ``text()``, nothing is escaped."""
     return "".join(
         c if c in "\n\t" or (c.isprintable() or c == " ") else "\ufffd"
         for c in content.replace("\r\n", "\n")

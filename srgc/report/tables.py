@@ -19,12 +19,12 @@ from srgc.exports.exported_motion import planned_inputs, planned_motion
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
 
-# --- ``evaluations.csv`` and ``landscape.csv`` read back: parameters with their robustness --------
+# --- ``evaluations.csv`` and ``landscape.csv``: parameter values with their robustness ------------
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """One evaluation: ``theta`` by the parameters' names, ``symbol.name``, in SI."""
+    """One evaluation; ``theta`` maps the parameters' names, ``symbol.name``, to SI values."""
 
     structure: int
     path: int
@@ -34,12 +34,12 @@ class Evaluation:
 
 
 def evaluations(path: Path) -> tuple[Evaluation, ...]:
-    """All evaluations in order; none where the table is missing.
+    """All evaluations in order; empty if the table is missing.
 
     A landscape has neither structure nor path: both are 0.
 
     Raises:
-        UsageFault: the table is none of ours.
+        UsageFault: the file is not a table of evaluations.
     """
     try:
         content = bounded_text(path)
@@ -71,10 +71,10 @@ def varied(samples: Sequence[Evaluation]) -> tuple[str, ...]:
     return tuple(name for name in names if len({each.theta.get(name) for each in samples}) > 1)
 
 
-# --- The motion of a design at its samples, integrated anew from its certificate ------------------
+# --- The motion of a design at its samples, simulated again from its certificate ------------------
 #
-# ``trajectory.csv`` has the same numbers, but no digest: what is in a report is the motion of the
-# certificate, whatever became of that file.
+# ``trajectory.csv`` has the same numbers, but no digest: the report shows the motion of the
+# certificate, whatever happened to that file.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +97,7 @@ def planned_trajectory(found: FoundDesign) -> Trajectory:
     """The sampled motion that the inputs of a certificate cause, as ``srgc synth`` writes it.
 
     Raises:
-        UsageFault: the inputs are not those of the task, or the motion has no values in doubles.
+        UsageFault: the inputs do not fit the task, or the motion has no finite values in doubles.
     """
     planned, step, n = planned_inputs(found), found.task.step, len(found.model.dofs)
     numeric = NumericRobot(robot_graph(found.model, found.task.gravity))

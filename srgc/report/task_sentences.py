@@ -1,4 +1,4 @@
-"""What a task asks, in sentences."""
+"""What a task asks for, in sentences."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _sentences(program: ir.Program, task: ir.Task) -> Iterator[str]:
 
 
 def _least(task: ir.Task) -> str:
-    """What is to be least, in turn."""
+    """The objectives of a task, in order."""
     asked = []
     for each in task.minimize:
         left = f" (up to {_value(100 * each.within)} % more is as good)" if each.within else ""
@@ -86,7 +86,7 @@ def _start(program: ir.Program, task: ir.Task) -> str:
 
 
 def _rate_unit(program: ir.Program, task: ir.Task) -> str:
-    """The units of rates of the joints in a family."""
+    """The units of the joint rates in a family."""
     symbols = {s.name for rule in program.grammars[task.grammar].productions for s in rule.right}
     modules = [program.modules[name] for name in symbols if name in program.modules]
     kinds = {dof.kind for module in modules for dof in module.dofs}
@@ -123,7 +123,7 @@ def _carried(program: ir.Program, task: ir.Task, carry: ir.Carry) -> str:
 
 
 def _turned(reach: ir.Reach) -> str:
-    """How its frame is turned there."""
+    """The orientation of the effector's frame at the target."""
     said = []
     for pose in reach.poses:
         within = f"within {_angle(pose.within)}°"
@@ -218,7 +218,7 @@ def _radii(radii: ir.Radii) -> str:
 
 
 def _short(formula: str) -> str:
-    """A formula about the pieces of a map may have thousands of them."""
+    """A formula, cut off if it is long: with pieces of a map, it may have thousands of parts."""
     return formula if len(formula) <= 400 else f"{formula[:400]} …"
 
 

@@ -52,7 +52,7 @@ def proved_section(evidence: Evidence) -> str:
 
 
 def _code(sentence: str) -> str:
-    """A sentence in HTML, what stands in backquotes as code."""
+    """A sentence in HTML; parts in backquotes become code."""
     parts = sentence.split("`")
     return "".join(
         f"<code>{text(part)}</code>" if i % 2 else text(part) for i, part in enumerate(parts)
@@ -70,7 +70,7 @@ def _robot_line(evidence: Evidence) -> str:
 
 
 def _claimed(claim: ImpossibleClaim) -> str:
-    """What a certificate says, which need not be what ``design.json`` says."""
+    """The claim of a certificate, which may differ from what ``design.json`` says."""
     if claim.separation is not None:
         return f"no effector gets from `{claim.separation.source}` to `{claim.separation.target}`"
     bounded = f"of at most {many(claim.modules or 0, 'module')}"
@@ -94,9 +94,9 @@ def judged_words(
     """The words of the badge, and its class.
 
     Args:
-        verdict: what the result says.
-        report: what the verifier says of it, None where it was not asked.
-        claim: what it calls what the result claims.
+        verdict: the verdict of the result.
+        report: the verifier's report on it, None if it was not asked.
+        claim: the word for what the result claims.
     """
     if verdict == "unknown":
         return "unknown", "open"
@@ -114,7 +114,7 @@ def judged_words(
             return f"{verdict}: the {claim} is refuted", "bad"
 
 
-# --- what was proved -----------------------------------------------------------------------------
+# --- What was proved -----------------------------------------------------------------------------
 
 
 def _proved(evidence: Evidence) -> Iterator[str]:
@@ -213,7 +213,7 @@ def _proved_impossible(evidence: Evidence) -> Iterator[str]:
     yield MODEL.replace("the robot and the workspace", "robots and workspaces")
 
 
-# --- figures -------------------------------------------------------------------------------------
+# --- Figures -------------------------------------------------------------------------------------
 
 
 def _facts(evidence: Evidence) -> str:
@@ -261,7 +261,7 @@ def _figures(evidence: Evidence, found: FoundDesign) -> Iterator[tuple[str, str]
 
 
 def least_clearance(evidence: Evidence) -> str | None:
-    """The least distance that was proved of the motion; None where none was."""
+    """The least clearance that was proved for the motion; None if none was proved."""
     report = evidence.report
     margins = (
         []

@@ -10,7 +10,7 @@ from srgc.report.evidence import Evidence
 
 
 def next_section(evidence: Evidence) -> str:
-    """A few commands, and what each of them is good for."""
+    """A few commands, and the purpose of each."""
     items = "".join(
         f"<li><code>{text(command)}</code> {text(what)}</li>" for command, what in _steps(evidence)
     )

@@ -1,4 +1,4 @@
-"""Why refuted robots cannot do the task, and what would help where none was found."""
+"""Why refuted robots cannot do the task, and what would help if no robot was found."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_REGIONS = 12
 
 
 def why_not_section(evidence: Evidence) -> str:
-    """Conflicting lines, reasons and evidence; nothing where all robots were successful."""
+    """Conflicting lines, reasons and evidence; empty if all robots were successful."""
     robots = tried_robots(evidence.design)
     refuted = [each for each in robots if each.verdict == "refuted"]
     parts = [
@@ -62,7 +62,7 @@ def _ask(evidence: Evidence) -> str:
     )
 
 
-# --- conflicting lines ---------------------------------------------------------------------------
+# --- Conflicting lines ---------------------------------------------------------------------------
 
 
 def _conflict(evidence: Evidence, conflict: Conflict) -> str:
@@ -84,7 +84,7 @@ def _says(sentence: str) -> str:
 
 
 def _place(evidence: Evidence, span: Span) -> str:
-    """A statement, with a link to the line that it begins in, in the source below."""
+    """A statement, with a link to its first line in the source below."""
     source = evidence.program.sources[span.file]
     number, _ = source.position(span.start)
     place = f"{source.path}:{number}"
@@ -95,7 +95,7 @@ def _place(evidence: Evidence, span: Span) -> str:
     )
 
 
-# --- what was tried ------------------------------------------------------------------------------
+# --- What was tried ------------------------------------------------------------------------------
 
 
 def _separation(evidence: Evidence) -> Iterator[str]:
@@ -114,7 +114,7 @@ def _separation(evidence: Evidence) -> Iterator[str]:
 
 
 def _lemmas(evidence: Evidence) -> Iterator[str]:
-    """What holds of many robots at once, each with its condition and its bound."""
+    """The statements about many robots at once, each with its condition and its bound."""
     lemmas = evidence.design.get("lemmas", [])
     if not lemmas:
         return
@@ -135,7 +135,7 @@ def _lemmas(evidence: Evidence) -> Iterator[str]:
 
 
 def _argument(lemma: Mapping[str, Any]) -> str:
-    """What a lemma says of its robots."""
+    """What a lemma says about its robots."""
     if "region" not in lemma:
         word = f'<span class="word">{text(" ".join(lemma["word"]))}</span>'
         if "most" in lemma:
@@ -169,7 +169,7 @@ def _open(evidence: Evidence, robots: Sequence[TriedRobot]) -> Iterator[str]:
 
 
 def _reasons(refuted: Sequence[TriedRobot]) -> Iterator[str]:
-    """What was shown of how many robots, in words."""
+    """The reasons in words, with the number of robots that each refutes."""
     groups: dict[str, list[TriedRobot]] = {}
     for each in refuted:
         groups.setdefault(each.reason or "refuted", []).append(each)
@@ -190,7 +190,7 @@ def _reasons(refuted: Sequence[TriedRobot]) -> Iterator[str]:
 
 
 def _kinds(evidence: Evidence, refuted: Sequence[TriedRobot]) -> Iterator[str]:
-    """What kind of evidence there is, and what each kind means."""
+    """The kinds of evidence, and the meaning of each kind."""
     covered = [each for each in refuted if each.boxes is not None]
     scripts = [each for each in refuted if each.evidence.endswith(".smt2")]
     if covered:

@@ -1,1 +1,1 @@
-"""Result folders: written by a search, read by everything that comes after it."""
+"""Result folders: a search writes them, and all later commands read them."""

@@ -1,4 +1,4 @@
-"""What a synthesis leaves as data: ``design.json``, ``trajectory.csv`` and the certificate."""
+"""The data files of a synthesis: ``design.json``, ``trajectory.csv`` and the certificate."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ from srgc.text_reports.nearest_motion import nearest_entry
 
 
 def efforts(design: Design, task: ir.Task) -> tuple[str, str]:
-    """Peak effort and robustness as exact decimals; the norm of inputs that is none is rounded."""
+    """Peak effort and robustness as exact decimals; an irrational norm of inputs is rounded."""
     if design.controller is not None:
         proved = planned_efforts(design.model, task, design.conditions)
         return decimal(proved[0]), decimal(proved[1])
@@ -79,8 +79,8 @@ def certificate_text(
 ) -> str | None:
     """The certificate of a verdict; None for unknown.
 
-    ``modules`` is the bound within which all structures are refuted; with a ``separation`` there is
-    no bound, as there are no structures.
+    All structures within the bound ``modules`` are refuted; with a ``separation`` there is no
+    bound, as there are no structures.
     """
     design = result.design
     if design is not None:
@@ -118,7 +118,7 @@ def certificate_text(
 
 
 def _evidence(result: Synthesis) -> Evidence:
-    """What a result knows of structures and lemmas."""
+    """The records of structures and the lemmas of a result."""
     return Evidence(result.records, result.lemmas)
 
 
@@ -139,7 +139,7 @@ def _structure(result: Synthesis, index: int, record: StructureRecord) -> dict[s
 
 
 def _basis(record: StructureRecord) -> str | None:
-    """The lemma that a structure rests on, counted from 1; None where there is none."""
+    """The lemma that refutes a structure, counted from 1; None if there is no such lemma."""
     return None if record.lemma is None else f"lemma {record.lemma + 1}"
 
 
@@ -171,7 +171,7 @@ def design_text(
     identity: Identity,
     change: Reconfiguration | None = None,
 ) -> str:
-    """``design.json`` of a verdict; ``change``: the way from the existing robot to the design."""
+    """``design.json`` of a verdict; ``change``: how the existing robot becomes the design."""
     design = result.design
     content: dict[str, Any] = {
         "verdict": result.verdict,
@@ -247,7 +247,7 @@ def design_text(
 
 
 def _objectives(found: Optimality) -> list[dict[str, Any]]:
-    """What is known of the objectives of a design."""
+    """What is known about the objectives of a design."""
     units = [objective_unit(each.amount.objective) for each in found.objectives]
     entries = objective_entries(objectives_claim_of(found).values, units)
     return [
@@ -257,7 +257,7 @@ def _objectives(found: Optimality) -> list[dict[str, Any]]:
 
 
 def trajectory_csv(design: Design, task: ir.Task) -> str:
-    """The trajectory of a design, sampled."""
+    """The sampled trajectory of a design."""
     return samples_csv(design.model, design.configuration.outcome.trajectory, design.inputs, task)
 
 
@@ -291,20 +291,20 @@ def samples_csv(
 
 
 # --------------------------------------------------------------------------------------------------
-# ``evaluations.csv``: all parameters that a synthesis has evaluated, for tables and pictures.
+# ``evaluations.csv``: all parameter values that a synthesis evaluated, for tables and pictures.
 
 
 FIXED = ("structure", "path", "rho", "feasible")
 
 
 def parameter_names(paths: Sequence[PathSamples]) -> list[str]:
-    """The names of all parameters, ``symbol.name``, by symbol and then as first seen."""
+    """The names of all parameters, ``symbol.name``, by symbol and then by first occurrence."""
     names = dict.fromkeys(name for each in paths for name in each.names)
     return sorted(names, key=lambda name: int(name.partition(".")[0]))
 
 
 def evaluations_csv(paths: Sequence[PathSamples]) -> str:
-    """The table: a row per evaluation, in order; a parameter that a robot lacks is left empty.
+    """The table: a row per evaluation, in order; parameters that a robot lacks are left empty.
 
     Columns are ``structure`` and ``path`` (both from 0), the parameters in SI units, ``rho`` and
     ``feasible`` (0 or 1).
@@ -329,10 +329,10 @@ def evaluations_csv(paths: Sequence[PathSamples]) -> str:
 
 
 def last_samples(path: Path, structure: int, names: Sequence[str]) -> tuple[Sample, ...]:
-    """The samples of the last path of a structure in a table; none without the table.
+    """The samples of the last path of a structure in a table; empty if the table is missing.
 
     Raises:
-        ValueError: the table is none of ours.
+        ValueError: the file is not a table of evaluations.
     """
     try:
         rows = list(csv.DictReader(io.StringIO(bounded_text(path))))

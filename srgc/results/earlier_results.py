@@ -1,6 +1,7 @@
-"""Results of an earlier version of a spec: the whole folder is moved beside its place, and kept.
+"""Keeps the results of an earlier version of a spec: the whole folder is moved next to its place.
 
-A kill at any moment leaves them whole in one of the two places, since the move is one rename.
+The move is a single rename, so a kill at any moment leaves the results complete in one of the two
+places.
 """
 
 from __future__ import annotations
@@ -18,19 +19,20 @@ _OURS = frozenset((*OWN_FILES, *OWN_FOLDERS, *UNFINISHED))
 def keep_aside(folder: Path) -> Path:
     """Move a result folder that this process has locked to ``FOLDER.1``, ``.2`` and so on.
 
-    An empty folder takes its place, which nobody has locked.
+    An empty folder, which nobody has locked, takes its place.
 
     Returns:
-        Where it is now.
+        The new path of the results.
 
     Raises:
-        UsageFault: something in it is not srgc's, or it cannot be moved; it is as it was.
+        UsageFault: the folder contains something that srgc did not write, or cannot be moved; it is
+            unchanged.
     """
-    place = Path(os.path.realpath(folder))  # a link to a folder goes on leading to its place
+    place = Path(os.path.realpath(folder))  # a link to the folder keeps pointing to its place
     foreign = sorted(each.name for each in place.iterdir() if each.name not in _OURS)
     if foreign:
         raise _not_moved(folder, f"`{foreign[0]}`, which srgc did not write, is in it")
-    # A process is in a folder, not at a path: what it writes would go where the folder has gone.
+    # A process stays in a moved folder, so its output would go to the new place.
     here = Path(os.path.realpath(Path.cwd()))
     if place == here or place in here.parents:
         raise _not_moved(folder, "it is the folder that one is in")
@@ -46,7 +48,7 @@ def keep_aside(folder: Path) -> Path:
 
 
 def _next_name(place: Path) -> Path:
-    """The first name behind all that are taken: a number that was given once keeps its folder."""
+    """The name with the first number after all that are taken, so no number changes its folder."""
     numbers = (each.name.removeprefix(f"{place.name}.") for each in place.parent.iterdir())
     taken = (int(each) for each in numbers if each.isascii() and each.isdigit())
     return place.with_name(f"{place.name}.{1 + max(taken, default=0)}")

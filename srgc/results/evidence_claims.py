@@ -1,4 +1,4 @@
-"""What a certificate claims of structures and lemmas, and the files that their evidence is in."""
+"""The claims of a certificate about structures and lemmas, and the files of their evidence."""
 
 from __future__ import annotations
 
@@ -17,21 +17,23 @@ from solvers.verifier.claims.objective_claims import ObjectivesClaim, ObjectiveV
 from solvers.verifier.claims.structure_claims import StructureClaim
 
 PROOFS, BOUND, LEAST, TIME = "proofs", "proofs/bound", "proofs/least", "proofs/time"
-"""The folders of what refutes structures in the task, with narrower bounds on the inputs, of those
-that may have less of an objective, and in less time.
+"""The folders of evidence that refutes structures.
+
+In order: in the task itself, with narrower bounds on the inputs, for structures that may have less
+of an objective, and in less time.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What is known of structures and of lemmas, whose evidence is in files of one ``folder``."""
+    """Structures and lemmas, with their evidence in files of one ``folder``."""
 
     records: Sequence[StructureRecord]
     lemmas: Sequence[Lemma]
     folder: str = PROOFS
 
     def files(self) -> dict[str, str]:
-        """The evidence by the names of files."""
+        """Maps the names of files to the evidence in them."""
         found: dict[str, str] = {}
         for index, record in enumerate(self.records):
             if record.script is not None:
@@ -52,16 +54,16 @@ class Evidence:
         return f"{self.folder}/{index:04d}.boxes"
 
     def weights_name(self, index: int) -> str:
-        """That of the covering of the structure with that index and all weights it may have."""
+        """The file of the covering for the structure with that index and all weights possible."""
         return f"{self.folder}/{index:04d}.weights.boxes"
 
     @property
     def _places(self) -> dict[tuple[str, ...], int]:
-        """The structures by their derivations."""
+        """Maps each derivation to the index of its structure."""
         return {record.derivation: i for i, record in enumerate(self.records)}
 
     def lemma_claims(self) -> tuple[LemmaClaim, ...]:
-        """The lemmas, with the evidence of the robots whose variants they are about."""
+        """The lemmas; those about variants of a robot have the evidence of that robot."""
         places = self._places
         found: list[LemmaClaim] = []
         for lemma in self.lemmas:
@@ -75,7 +77,7 @@ class Evidence:
         return tuple(found)
 
     def structure_claims(self) -> tuple[StructureClaim, ...]:
-        """The structures that no lemma is about; what is the same robot is numbered among them."""
+        """The structures that no lemma covers; duplicates refer to their index in this tuple."""
         alone = [i for i, record in enumerate(self.records) if record.lemma is None]
         place = {index: number for number, index in enumerate(alone)}
         found: list[StructureClaim] = []
@@ -87,7 +89,7 @@ class Evidence:
         return tuple(found)
 
     def of(self, index: int) -> tuple[str | None, int | None, str | None]:
-        """The script of a structure, the structure whose robot it is again, and its covering."""
+        """The script of a structure, the structure whose robot it repeats, and its covering."""
         record = self.records[index]
         first = index if record.same_robot_as is None else record.same_robot_as
         judged = self.records[first]
@@ -97,7 +99,7 @@ class Evidence:
 
 
 def bound_evidence(bound: RobustnessBound) -> Evidence:
-    """What a bound rests on."""
+    """The evidence of a bound."""
     return Evidence(bound.evidence.records, bound.evidence.lemmas, BOUND)
 
 
@@ -111,17 +113,17 @@ def bound_claim_of(bound: RobustnessBound) -> BoundClaim:
 
 
 def least_evidence(found: Optimality) -> Evidence:
-    """What the least values of objectives rest on, but for time."""
+    """The evidence of the least values of all objectives except time."""
     return Evidence(found.records, found.lemmas, LEAST)
 
 
 def time_evidence(bound: TimeBound) -> Evidence:
-    """What a bound on the time rests on."""
+    """The evidence of a bound on the time."""
     return Evidence(bound.evidence.records, bound.evidence.lemmas, TIME)
 
 
 def optimality_files(found: Optimality) -> dict[str, str]:
-    """The evidence of all objectives by the names of files."""
+    """Maps the names of files to the evidence of all objectives."""
     timed = {} if found.time is None else time_evidence(found.time).files()
     return least_evidence(found).files() | timed
 

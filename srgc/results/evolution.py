@@ -1,4 +1,4 @@
-"""The robot of a result as the one that there is, and the results that led to it."""
+"""The robot of a result as the existing robot of a new task, with the history of results."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _LEFT_OUT = ("journal.jsonl", "log.json", "report.html", "landscape.csv")
 
 
 def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebuilding) -> Step:
-    """One step from the robot of a result to a task.
+    """A step from the robot of a result to a task.
 
     Args:
-        folder: the result: of a task, of a mission (its last robot), or of a step before.
+        folder: the result of a task, of a mission (its last robot), or of an earlier step.
         program: the spec of the task.
         task: the task.
         rebuilding: what may change.
 
     Raises:
-        UsageFault: the folder has no robot, or the spec does not know its modules.
+        UsageFault: the folder has no robot, or the spec does not declare its modules.
     """
     if task.origin is not None:
         raise UsageFault(
@@ -60,10 +60,10 @@ def step_from(folder: Path, program: ir.Program, task: ir.Task, rebuilding: Rebu
 
 
 def refuse_inside(output: Path, folder: Path) -> None:
-    """Refuse to write a step into the folder of the robot that it begins with, or about it.
+    """Refuse to write a step inside the folder of its initial robot, or around that folder.
 
     Raises:
-        UsageFault: one of the two is in the other.
+        UsageFault: one of the two folders contains the other.
     """
     new, old = output.resolve(), folder.resolve()
     if new == old or old in new.parents or new in old.parents:
@@ -75,7 +75,7 @@ def refuse_inside(output: Path, folder: Path) -> None:
 
 
 def _last_robot(folder: Path) -> str:
-    """Where the last robot of a result is, below its folder."""
+    """The subfolder of a result that has its last robot; empty for the folder itself."""
     if not folder.is_dir():
         raise no_folder(folder)
     refuse_links(folder)
@@ -98,7 +98,7 @@ def _last_robot(folder: Path) -> str:
 def _check_known(
     folder: Path, claim: FoundClaim, old: ir.Program, new: ir.Program, task: ir.Task
 ) -> None:
-    """The spec has the modules of the robot."""
+    """Refuse a spec that lacks a module of the robot or declares it with other parameters."""
     for symbol in dict.fromkeys(claim.word):
         if symbol not in old.modules:
             continue
@@ -128,7 +128,7 @@ def _earlier(folder: Path) -> list[int]:
 
 
 def _files(folder: Path, number: int) -> dict[str, bytes]:
-    """The files of a result but for its history, by the names that they get in another one."""
+    """The files of a result without its history, by the names that they get in the new result."""
     found: dict[str, bytes] = {}
     for name in (*OWN_FILES, *OWN_FOLDERS):
         path = folder / name

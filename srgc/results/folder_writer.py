@@ -1,4 +1,4 @@
-"""Files below a result folder: each written whole or not at all, and nothing through a link."""
+"""Files in a result folder: each is written completely or not at all, and never through a link."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from pathlib import Path, PurePosixPath
 from srgc.faults import WITH_O, UsageFault
 from srgc.paths import unwritable, write_output
 
-# --- What srgc calls its own in a result folder: plain files and folders, and no links ------------
+# --- The plain files and folders in a result folder that srgc owns --------------------------------
 #
-# A link leads to what is not ours.  Through one, a new result would be written over somebody's
-# files, and an old one removed with them.
+# A link leads to something that srgc does not own.  Through one, a new result would overwrite a
+# user's files, and removing an old result would delete them.
 
 
 JOURNAL = "journal.jsonl"
 LOCK = ".lock"
-"""There while a run writes to the folder; what is left of it after a kill locks nothing."""
+"""Exists while a run writes to the folder; a file left after a kill locks nothing."""
 OWN_FILES = (
     "design.json", "certificate.json", "trajectory.csv", "evaluations.csv", "landscape.csv",
     "nearest.csv", "pareto.csv", "pareto.json", "log.json", "report.html", "mission.json", JOURNAL,
 )  # fmt: skip
 NEAREST_PICTURE = "figures/nearest.svg"
-"""Of a result without a design."""
+"""Written for results without a design."""
 OWN_FOLDERS = ("spec", "proofs", "figures", "designs", "tasks", "history")
 
 _LONGEST = 60
@@ -37,23 +37,23 @@ _REPARSE_TAGS = tuple(
     getattr(stat, f"IO_REPARSE_TAG_{kind}") for kind in ("SYMLINK", "MOUNT_POINT")
     if hasattr(stat, f"IO_REPARSE_TAG_{kind}")
 )  # fmt: skip
-"""Of Windows: links and junctions, but not the files of a cloud that are not here yet."""
+"""On Windows: links and junctions, but not files of a cloud that have not been downloaded."""
 
 
 def part_name(name: str) -> str:
-    """The name under which a file is written before it is moved to its place."""
+    """The temporary name of a file, which is then renamed to its final name."""
     return f".{name[:_LONGEST]}.part"
 
 
 UNFINISHED = (LOCK, *map(part_name, OWN_FILES))
-"""What a kill may leave behind beside the results."""
+"""Names that a kill may leave behind in addition to the results."""
 
 
 def refuse_links(folder: Path) -> None:
-    """Refuse a result folder in which anything of ours is a link, or of another kind than is due.
+    """Refuse a result folder in which one of srgc's names is a link or has the wrong kind.
 
     Raises:
-        UsageFault: there is such a thing, or a folder of ours cannot be listed.
+        UsageFault: there is such an entry, or one of srgc's folders cannot be listed.
     """
     for name in (*OWN_FILES, *UNFINISHED):
         refuse_other(folder / name, "file")
@@ -65,10 +65,10 @@ def refuse_links(folder: Path) -> None:
 
 
 def refuse_other(path: Path, due: str) -> None:
-    """Refuse what is at a path, if anything is, where it is no plain ``file`` or ``folder``.
+    """Refuse anything at a path other than a plain ``file`` or ``folder``, as ``due`` says.
 
     Raises:
-        UsageFault: it is not what is due, or one cannot see what it is.
+        UsageFault: it is something else, or the system does not tell what it is.
     """
     try:
         status = path.lstat()
@@ -96,7 +96,7 @@ def _kind(status: os.stat_result) -> str:
 
 
 def _folders_in(folder: Path) -> list[Path]:
-    """The folders in a folder of ours, all of whose entries are plain; none where it is not there.
+    """The subfolders of one of srgc's folders, if all its entries are plain; none if it is missing.
 
     Raises:
         UsageFault: an entry is neither a plain file nor a folder.
@@ -123,24 +123,24 @@ _NO_LINK = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 
 @dataclass(frozen=True, slots=True)
 class FolderWriter:
-    """Writes and removes what has a name below ``folder``, with ``/`` between its parts.
+    """Writes and removes files and folders by name below ``folder``, with ``/`` as separator.
 
-    A file is written beside its place and then moved there, so that a kill at any moment leaves the
-    old file, the new one or none; a hard link to an old one keeps what it had.
+    A file is written under a temporary name and then renamed, so that a kill at any moment leaves
+    the old file, the new one or none; a hard link to an old file keeps the old content.
 
-    Every method raises UsageFault where a link, or anything else than what is due, is in the way,
-    and where the system does not let it write.
+    All methods raise UsageFault if a link or anything of the wrong kind is in the way, or if the
+    system refuses to write.
     """
 
     folder: Path
     prefix: str = ""
 
     def within(self, name: str) -> FolderWriter:
-        """The same for what is below a folder of that name."""
+        """A writer for the subfolder with that name."""
         return FolderWriter(self.folder, f"{self.prefix}{name}/")
 
     def write(self, name: str, content: str | bytes) -> None:
-        """Write a file, text as UTF-8, and the folders that it is in."""
+        """Write a file, text as UTF-8, and make the folders that it is in."""
         target = self._place(name, "file", make=True)
         beside = target.with_name(part_name(target.name))
         refuse_other(beside, "file")
@@ -158,7 +158,7 @@ class FolderWriter:
             raise unwritable(target, error) from None
 
     def append(self, name: str, text: str) -> None:
-        """Add to the end of a file, at once."""
+        """Append text to a file at once."""
         target = self._place(name, "file")
         try:
             with os.fdopen(os.open(target, _APPEND | _NO_LINK, 0o666), "ab") as file:
@@ -167,7 +167,7 @@ class FolderWriter:
             raise unwritable(target, error) from None
 
     def discard(self, name: str) -> None:
-        """Remove a file or a folder with all that is in it, if it is there."""
+        """Remove a file, or a folder with its contents, if it exists."""
         target = self._place(name, None)
         try:
             if target.is_dir():
@@ -178,7 +178,7 @@ class FolderWriter:
             raise unwritable(target, error) from None
 
     def keep_only(self, name: str, paths: Container[str]) -> None:
-        """Remove every file below a folder whose path there is not among ``paths``."""
+        """Remove every file below a folder whose path in it is not among ``paths``."""
         top = self._place(name, "folder")
         for path in [*top.rglob("*")]:
             inner = path.relative_to(top).as_posix()
@@ -186,9 +186,9 @@ class FolderWriter:
                 self.discard(f"{name}/{inner}")
 
     def _place(self, name: str, due: str | None, *, make: bool = False) -> Path:
-        """Where a name leads, through plain folders; None is due where anything but a link may be.
+        """The path of a name, through plain folders; for ``due`` None, anything but a link will do.
 
-        With ``make`` the folders on the way are made.
+        With ``make``, the folders on the way are made.
         """
         *above, last = PurePosixPath(self.prefix + name).parts
         path = self.folder
@@ -211,16 +211,17 @@ def _make(path: Path) -> None:
 
 # --- One writer at a time in a result folder ------------------------------------------------------
 #
-# The lock is the operating system's, on a file in the folder: it ends with the process that holds
-# it, however that ends.  Source: the locks of ``flock(2)`` and ``LockFileEx``, by way of filelock.
+# The operating system holds the lock, on a file in the folder: it ends with the process that holds
+# it, however that ends.  Source: the locks of ``flock(2)`` and ``LockFileEx``, used through
+# filelock.
 
 
 @contextmanager
 def only_writer(folder: Path) -> Iterator[None]:
-    """In the block nobody else, in this process or another, writes to the folder, which is there.
+    """Lock a folder in the block: nobody else, in this process or another, writes to it.
 
     Raises:
-        UsageFault: somebody does already, or the folder cannot be written.
+        UsageFault: somebody else has the lock, or the folder cannot be written.
     """
     from filelock import FileLock, Timeout
 
@@ -239,26 +240,26 @@ def only_writer(folder: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        if sys.platform != "win32":  # where filelock removes the file, as nobody else can
+        if sys.platform != "win32":  # on Windows, filelock removes the file
             with suppress(OSError):
-                # In the block the folder may have been moved away, and another one is there.
+                # During the block the folder may have been moved away and replaced by another.
                 if os.path.samestat(held, place.stat()):
                     place.unlink()
         lock.release()
 
 
-# --- What a command writes about a result folder: into it, or wherever its user wants it ----------
+# --- Files that a command writes about a result folder: into it, or to a path of the user ---------
 
 
 _OWN = {name.casefold() for name in (*OWN_FILES, *OWN_FOLDERS, *UNFINISHED)}
-"""As file systems compare names that do not tell capitals apart."""
+"""Casefolded, as on file systems that ignore case."""
 
 
 @dataclass(frozen=True, slots=True)
 class FolderOutput:
-    """A file to be written; ``name`` is that below the folder, None if it is elsewhere.
+    """A file to write; ``name`` is its name in the folder, None if it is elsewhere.
 
-    In the folder no link is followed, as ``synth`` follows none there.
+    No link is followed inside the folder, as in ``synth``.
     """
 
     path: Path
@@ -269,8 +270,8 @@ class FolderOutput:
         """Write the file, text as UTF-8.
 
         Raises:
-            UsageFault: it cannot be written, is a link in the folder, or somebody else is writing
-                to the folder.
+            UsageFault: it cannot be written, it is a link in the folder, or somebody else is
+                writing to the folder.
         """
         if self.name is None:
             write_output(self.path, content)
@@ -280,15 +281,15 @@ class FolderOutput:
 
 
 def folder_output(folder: Path, path: Path, own: Collection[str] = ()) -> FolderOutput:
-    """Where a command writes about a result folder.
+    """The output file of a command about a result folder.
 
     Args:
         folder: the result folder.
-        path: what its user has named, or the default.
+        path: the path that the user has named, or the default.
         own: the results that this command may write.
 
     Raises:
-        UsageFault: the path is, links followed, a place where others write results.
+        UsageFault: the path, with links followed, is a place where other commands write results.
     """
     top = Path(realpath(folder))
     named = _below(*(Path(normpath(each.absolute())) for each in (folder, path)))
@@ -300,5 +301,5 @@ def folder_output(folder: Path, path: Path, own: Collection[str] = ()) -> Folder
 
 
 def _below(top: Path, path: Path) -> str | None:
-    """The name of a path below a folder, None where it is not there."""
+    """The name of a path relative to a folder; None if it is outside."""
     return path.relative_to(top).as_posix() if top in path.parents else None

@@ -1,6 +1,6 @@
-"""The robot of a result folder, rebuilt from its certificate and its own copy of the spec.
+"""The robot of a result folder, rebuilt from its certificate and its copy of the spec.
 
-Nothing is proved here: that the robot does its task is what ``srgc verify`` shows.
+Nothing is proved here: ``srgc verify`` shows that the robot does its task.
 """
 
 from __future__ import annotations
@@ -55,14 +55,14 @@ class Feedback:
 
     Attributes:
         reference: (k, 2n) coordinates, then rates, at each sample.
-        gains: (k, m, 2n) what a deviation from it takes away from the inputs.
+        gains: (k, m, 2n); times the deviation from the reference, subtracted from the inputs.
     """
 
     reference: Array
     gains: Array
 
     def commanded(self, step: int, planned: Array, state: Array) -> Array:
-        """The inputs (m,) that are held in a step, by those planned and the measured state."""
+        """The inputs (m,) of a step, from the planned inputs and the measured state."""
         off = state[: self.reference.shape[1]] - self.reference[step]
         held: Array = planned - self.gains[step] @ off
         return held
@@ -70,7 +70,7 @@ class Feedback:
 
 @dataclass(frozen=True, slots=True)
 class FoundDesign:
-    """A design: the claim of the certificate, and what it is about."""
+    """A design: the claim of the certificate, with the program, task and robot that it is about."""
 
     claim: FoundClaim
     program: ir.Program
@@ -87,10 +87,10 @@ class FoundDesign:
 
     @property
     def feedback(self) -> Feedback | None:
-        """The controller; None for an open loop.
+        """The controller; None for open loop.
 
         Raises:
-            UsageFault: it does not fit the robot, or one of its numbers is none.
+            UsageFault: it does not fit the robot, or one of its numbers is invalid.
         """
         controller = self.claim.controller
         if controller is None:
@@ -108,12 +108,12 @@ class FoundDesign:
 
     @property
     def stated(self) -> tuple[Fraction, ...]:
-        """The rationals that the certificate states the parameters by."""
+        """The rationals by which the certificate states the parameters."""
         return tuple(value.stated for value in self.parameters)
 
 
 def _fits(law: ControlLaw, steps: int, inputs: int, measured: int) -> bool:
-    """Whether a law has gains for so many steps, inputs and measured quantities."""
+    """Whether a law has gains for these numbers of steps, inputs and measured quantities."""
     rows = [measured] * inputs
     return [len(row) for row in law.reference] == [measured] * steps and [
         [len(row) for row in gain] for gain in law.gains
@@ -142,8 +142,8 @@ def found_tube(folder: Path) -> CertifiedTube:
     """The tube of the design in a result folder, computed as ``srgc verify`` does.
 
     Raises:
-        UsageFault: there is no design, or its certificate is false before anything is integrated.
-        NoAnswer: the tube does not get to the end of the motion.
+        UsageFault: there is no design, or its certificate is refuted before any integration.
+        NoAnswer: the tube does not reach the end of the motion.
     """
     try:
         return certified_tube(folder)
@@ -190,15 +190,15 @@ def _design(claim: FoundClaim, program: ir.Program) -> FoundDesign:
     return FoundDesign(claim, program, task, derivation, model, parameters, start)
 
 
-# --- What ``design.json`` says of a found design beside its certificate, held against that --------
+# --- What ``design.json`` adds to the certificate of a design, checked against it -----------------
 
 
 @dataclass(frozen=True, slots=True)
 class FoundRecord:
     """How a design was found.
 
-    ``structure`` is its number among those tried, ``leader`` the effector that followed its cell
-    path, ``robustness`` its rho; ``cells`` are those that the path names.
+    ``structure`` is its number among the structures tried, ``leader`` the effector that followed
+    its cell path, ``robustness`` its rho; ``cells`` are the cells that the path names.
     """
 
     seed: int
@@ -209,10 +209,10 @@ class FoundRecord:
 
 
 def found_record(folder: Path, found: FoundDesign) -> FoundRecord:
-    """What ``design.json`` in a result folder says.
+    """How a design was found, according to ``design.json`` in its folder.
 
     Raises:
-        UsageFault: there is none, it is of another version, or it and the certificate differ.
+        UsageFault: the file is missing, of another version, or differs from the certificate.
     """
     content = json_object(folder / "design.json")
     ours, theirs = VERSION, content.get("version")
@@ -232,7 +232,7 @@ def found_record(folder: Path, found: FoundDesign) -> FoundRecord:
 
 
 def _cells(found: FoundDesign, program: ir.Program, task: ir.Task) -> Abstraction:
-    """The cells of the claim: those of the workspace, cut as it says."""
+    """The cells of the claim: those of the workspace with the cuts that it states."""
     cuts = [Cut(cell, half_space) for cell, half_space in exact_cuts(found.claim.cuts)]
     return abstract(program.workspaces[task.workspace]).cut(cuts)
 

@@ -1,4 +1,4 @@
-"""``srgc graph DIR --of lemmas``: what the lemmas of a result leave of its family."""
+"""``srgc graph DIR --of lemmas``: the words of a family that the lemmas of a result leave."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from srgc.graphs.graph_request import Drawing
 from srgc.results.why_folder import tried_folder
 
 NAMED = 2
-"""So many conditions are named beside a picture."""
+"""The number of conditions to name in a remark."""
 
 
 def drawing_of_lemmas(folder: Path) -> Drawing:
-    """The automaton of the words of a result's family that no lemma of it is about.
+    """The automaton of the words of a result's family that no lemma covers.
 
-    A finite one where the form of the grammar shows that there is one, else a pushdown automaton;
-    words have as many modules as the task allows.
+    It is finite if the form of the grammar shows that a finite one exists, else a pushdown
+    automaton; words have at most as many modules as the task allows.
 
     Raises:
-        UsageFault: the folder holds no results, or results without lemmas.
+        UsageFault: the folder has no results, or the results have no lemmas.
     """
     if folder.is_file():
         raise UsageFault(f"{folder} is a file: the lemmas are in the folder of a result")

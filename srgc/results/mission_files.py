@@ -1,4 +1,4 @@
-"""What a mission leaves as data: ``mission.json`` with its claim, and ``design.json`` about it."""
+"""The data files of a mission: ``mission.json`` with its claim, and its ``design.json``."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ from srgc.results.undecided_robots import undecided_entry
 
 
 def proofs_of(task: str) -> str:
-    """The folder of what is refuted in a task."""
+    """The folder of the evidence that refutes robots in a task."""
     return f"proofs/{task}"
 
 
 def _boxes_name(result: MissionResult, robot: int, task: int, number: int) -> str:
-    """The file of a covering of a box of a robot that was cut."""
+    """The file of a covering for a box of a robot whose parameter box was cut."""
     return f"{proofs_of(result.mission.tasks[task])}/cut{robot:03d}.{number:03d}.boxes"
 
 
 def evidence_files(result: MissionResult) -> dict[str, str]:
-    """The evidence of all tasks by the names of files."""
+    """Maps the names of files to the evidence of all tasks."""
     found: dict[str, str] = {}
     for name, own in zip(result.mission.tasks, result.evidence, strict=False):
         found |= Evidence(own.records, own.lemmas, proofs_of(name)).files()
@@ -119,7 +119,11 @@ def _boxes(result: MissionResult, robot: int, cut: CutRobot) -> BoxesClaim:
 def existing_claim(
     existing: Existing | None, origin: ir.Origin | None, source: ExistingClaim | None
 ) -> ExistingClaim | None:
-    """The robot before the first task as the claim states it."""
+    """The robot before the first task, as the claim states it.
+
+    Raises:
+        ValueError: there is an existing robot, but neither a source nor an origin.
+    """
     if existing is None or source is not None:
         return source
     if origin is None:
@@ -127,7 +131,7 @@ def existing_claim(
     return ExistingClaim(origin.word, (), "from")
 
 
-# --- What is said of a mission for people and other programs --------------------------------------
+# --- The description of a mission for people and other programs -----------------------------------
 
 
 def mission_design_text(
@@ -140,8 +144,8 @@ def mission_design_text(
 ) -> str:
     """``design.json`` of a mission.
 
-    ``before`` is how many results are in its history, ``differs`` are the modules of the robot
-    that there is which the spec builds otherwise.
+    ``before`` is the number of results in its history; ``differs`` are the modules of the existing
+    robot that the spec builds differently.
     """
     content: dict[str, Any] = {
         "verdict": result.verdict,
@@ -203,7 +207,7 @@ def _robot(task: str, design: Design, step: Changes | None) -> dict[str, Any]:
 
 
 def _refuted(result: MissionResult, number: int) -> dict[str, Any]:
-    """What is refuted in the task of that number, counted, and why in words."""
+    """The number of refutations in task ``number``, and the reasons in words."""
     own = result.evidence[number]
     refuted = [each for each in own.records if each.verdict == "refuted"]
     alone = [each for each in refuted if each.same_robot_as is None and each.lemma is None]
@@ -228,7 +232,7 @@ def _refuted(result: MissionResult, number: int) -> dict[str, Any]:
 
 
 def change_entry(step: Changes) -> dict[str, Any]:
-    """A step from robot to robot; modules by their numbers, from 0, in the old or the new robot."""
+    """A step between robots; modules are numbered from 0 in the old or the new robot."""
     return {
         "cost": float(step.cost),
         "kept": [list(pair) for pair in step.kept],

@@ -1,6 +1,6 @@
-"""The folder of a mission, read back: what it claims, its robots, what changes between them.
+"""Reads the folder of a mission: its claim, its robots, and the changes between them.
 
-What the certificates determine is computed from them: what ``design.json`` says of it has to agree.
+Whatever the certificates determine is computed from them; ``design.json`` has to agree.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ from srgc.version import VERSION
 
 Word = tuple[str, ...]
 FROM = "from"
-"""Where a robot comes from that the first task names."""
+"""The source of a robot that the first task names by ``from``."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotBefore:
-    """The robot that there is before the first task; ``source``: ``from``, or a folder's name.
+    """The existing robot before the first task; ``source``: ``from``, or the name of a folder.
 
-    ``values`` has where those of its parameters are that are known, by symbol and name.
+    ``values`` maps symbol and name of each known parameter to the ranges of its value.
     """
 
     word: Word
@@ -50,10 +50,10 @@ class RobotBefore:
 
 @dataclass(frozen=True, slots=True)
 class TaskRefutations:
-    """What is refuted in a task, whatever became of the others.
+    """The refutations in one task, whatever happened in the others.
 
-    ``reasons`` has what was shown of how many structures, with the word of one of them; ``boxes``
-    counts boxes of parameters of structures that have others.
+    ``reasons`` has each reason with the number of structures and the word of one of them; ``boxes``
+    is the number of refuted parameter boxes of structures that are not refuted as a whole.
     """
 
     task: str
@@ -69,16 +69,16 @@ class MissionFolder:
     """A result folder of a mission.
 
     Attributes:
-        folder: where it is.
-        design: what its ``design.json`` says.
-        claim: that of its ``mission.json``; None of an unknown mission.
+        folder: its path.
+        design: the content of its ``design.json``.
+        claim: the claim in its ``mission.json``; None if the verdict is unknown.
         program: the program of the folder's copy of the spec.
-        mission: the mission of it, or that of one step from a robot that there is.
-        robots: the designs of its tasks in their order; none unless the verdict is found.
+        mission: the mission, or the mission of one step from an existing robot.
+        robots: the designs of its tasks in order; empty unless the verdict is found.
         before: the existing robot before the first task, if any.
-        steps: what is changed before each task; of the first one only where there is a robot.
-        refuted: what is refuted in each task.
-        undecided: the robots that are neither found nor refuted, by why.
+        steps: the changes before each task; None before the first one without an existing robot.
+        refuted: the refutations in each task.
+        undecided: the robots that are neither found nor refuted, grouped by reason.
     """
 
     folder: Path
@@ -99,14 +99,14 @@ class MissionFolder:
 
     @property
     def cost(self) -> Fraction | None:
-        """What all changes cost; None without robots, and of one robot."""
+        """The total cost of the changes; None without robots, and for a mission with one robot."""
         if self.verdict != "found" or self.mission.prices is None:
             return None
         return sum((step.cost for step in self.steps if step is not None), Fraction(0))
 
     @property
     def least(self) -> Fraction | None:
-        """What no robots are claimed to cost less than; None together with ``cost``."""
+        """The cost below which no robots are claimed to exist; None whenever ``cost`` is None."""
         if self.cost is None or self.claim is None or self.claim.least is None:
             return None
         return exact(self.claim.least)
@@ -122,10 +122,10 @@ class MissionFolder:
 
 
 def mission_folder(folder: Path) -> MissionFolder:
-    """What a folder of a mission holds.
+    """Read the folder of a mission.
 
     Raises:
-        UsageFault: there are no results of a mission, or they or the spec have been altered.
+        UsageFault: it has no results of a mission, or they or the spec have been altered.
     """
     if not folder.is_dir():
         raise no_folder(folder)
@@ -133,7 +133,7 @@ def mission_folder(folder: Path) -> MissionFolder:
     path = folder / "design.json"
     if not path.exists():
         raise UsageFault(f"{folder} has no design.json: it holds no finished results")
-    design = {"differs": []} | json_object(path)  # earlier results do not have it
+    design = {"differs": []} | json_object(path)  # missing in earlier results
     try:
         return _read(folder, design)
     except OSError as error:
@@ -177,7 +177,7 @@ def _read(folder: Path, design: Mapping[str, Any]) -> MissionFolder:
 
 
 def _check_texts(design: Mapping[str, Any]) -> None:
-    """What is shown as it stands has the types that it is to have."""
+    """Check the types of entries that are displayed unchanged."""
     texts = ("mission", "task", "spec", "spec_sha256", "kind", "version")
     if not all(isinstance(design[name], str) for name in texts):
         raise TypeError(texts)
@@ -198,10 +198,10 @@ def _check_texts(design: Mapping[str, Any]) -> None:
 
 
 def _check_alike(folder: Path, design: Mapping[str, Any], claim: MissionClaim | None) -> None:
-    """``design.json`` and the claim agree.
+    """Check that ``design.json`` and the claim agree.
 
     Raises:
-        UsageFault: they do not, or one of them is missing.
+        UsageFault: they differ, or one of them is missing.
     """
     if claim is None:
         if design["verdict"] != "unknown":
@@ -240,7 +240,7 @@ def _mission(
             raise CertificateError(f"the spec has no task `{name}`")
         return posed_mission(name, claim.posed, program)
     if claim is None and design["existing"] is not None and design["history"]:
-        # What changes cost is only in a claim; nothing of an unknown step is computed with it.
+        # Only claims state prices; nothing about an unknown step is computed with them.
         return ir.Mission(program.tasks[name].name, (name,), ir.Prices())
     if name not in program.missions:
         raise CertificateError(f"the spec has no mission `{name}`")
@@ -253,7 +253,7 @@ def _before(
     claim: MissionClaim | None,
     program: ir.Program,
 ) -> RobotBefore | None:
-    """The robot before the first task: that of the claim, or of the spec."""
+    """The robot before the first task, from the claim or from the spec."""
     origin = program.tasks[mission.tasks[0]].origin
     if claim is not None and claim.posed is not None and claim.existing is not None:
         stated = claim.existing
@@ -281,7 +281,7 @@ def _known(word: Word, values: Mapping[tuple[int, str], Fraction], source: str) 
 def _check_same_spec(
     folder: Path, claim: MissionClaim, mission: ir.Mission, robots: Sequence[FoundDesign]
 ) -> None:
-    """The designs are those of the tasks of the mission, as this spec has them."""
+    """Check that the designs are for the tasks of the mission, with this spec."""
     for name, found in zip(mission.tasks, robots, strict=True):
         theirs = found.claim.task, found.claim.spec, found.claim.spec_sha256
         if theirs != (name, claim.spec, claim.spec_sha256):
@@ -294,7 +294,7 @@ def _steps(
     before: RobotBefore | None,
     program: ir.Program,
 ) -> tuple[Changes | None, ...]:
-    """What is changed before each task, from the certificates."""
+    """The changes before each task, computed from the certificates."""
     if mission.prices is None:
         return (None,) * len(robots)
     last: Built | None = None
@@ -309,7 +309,7 @@ def _steps(
 
 
 def _refuted(entry: Mapping[str, Any]) -> TaskRefutations:
-    """What is refuted in a task, as ``design.json`` counts it."""
+    """The refutations in a task, as ``design.json`` counts them."""
     reasons = tuple(
         (_text(each["reason"]), _count(each["robots"]), tuple(map(_text, each["word"])))
         for each in entry["reasons"]
@@ -337,10 +337,10 @@ def _count(value: Any) -> int:
 
 
 def _check_robots(found: MissionFolder) -> None:
-    """What ``design.json`` says of the robots is what their certificates say.
+    """Check that ``design.json`` describes the robots as their certificates do.
 
     Raises:
-        UsageFault: it is not.
+        UsageFault: it does not.
     """
     said = [
         {

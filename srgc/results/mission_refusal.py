@@ -1,4 +1,4 @@
-"""Folders of missions where those of one task are due: told apart, and refused by one message."""
+"""Folders of missions given instead of those of one task: recognised and refused."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from srgc.faults import UsageFault
 from srgc.results.result_folder import json_object
 
 MOST_NAMED = 4
-"""So many tasks are named in a message."""
+"""The number of tasks to name in a message."""
 
 
 def is_mission_folder(folder: Path) -> bool:
-    """Whether a folder holds the results of a mission, with any verdict."""
+    """Whether a folder has the results of a mission, with any verdict."""
     if (folder / MISSION).is_file():
         return True
     if not (folder / "design.json").is_file():
@@ -27,10 +27,10 @@ def is_mission_folder(folder: Path) -> bool:
 
 
 def refuse_mission(folder: Path) -> None:
-    """Refuse the results of a mission where those of one task are due.
+    """Refuse the results of a mission if those of a single task are needed.
 
     Raises:
-        UsageFault: they are such; the message names the folders of its tasks.
+        UsageFault: the folder has results of a mission; the message names the folders of its tasks.
     """
     if not is_mission_folder(folder):
         return

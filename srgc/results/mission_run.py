@@ -1,4 +1,4 @@
-"""``srgc synth --mission`` and ``srgc evolve``: one mission from a file to a result folder."""
+"""``srgc synth --mission`` and ``srgc evolve``: one mission, from a file to a result folder."""
 
 from __future__ import annotations
 
@@ -49,10 +49,10 @@ from srgc.version import VERSION
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step from a robot that there is: the robot, the claim, and the results that led to it.
+    """One step from an existing robot: the claim, the robot, and the results that led to it.
 
-    ``history`` has the files of every result before, by the names that they get; ``differs`` are
-    the modules of the robot that the spec of the task builds otherwise.
+    ``history`` maps new names to the files of all earlier results; ``differs`` are the modules of
+    the robot that the spec of the task builds differently.
     """
 
     posed: PosedClaim
@@ -63,7 +63,7 @@ class Step:
 
     @property
     def digest(self) -> str:
-        """What tells steps apart: the robot, the prices and what is free."""
+        """A digest of the step: the robot, the prices and the free parameters."""
         text = json.dumps([asdict(self.posed), asdict(self.existing)], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -75,18 +75,18 @@ def run_mission(
     options: SynthesisOptions,
     step: Step | None = None,
 ) -> MissionResult:
-    """Search and write the result folder.
+    """Search, and write the result folder.
 
     Args:
         path: the file.
-        program: what it says.
-        mission: one of its missions; with a ``step``, that of one task.
+        program: the program of the file.
+        mission: one of its missions; with a ``step``, the mission of one task.
         options: how to search, and where to write.
-        step: the existing robot.
+        step: the step from an existing robot, if any.
 
     Raises:
         UsageFault: the folder or the cluster cannot be used.
-        NoAnswer: the workers were lost; another run goes on from the folder.
+        NoAnswer: the workers were lost; another run can resume from the folder.
     """
     with workers_for(options.jobs, options.cluster) as workers:
         return _run(path, program, mission, options, step, workers)
@@ -154,7 +154,7 @@ def _searched(
 
 
 def _existing(program: ir.Program, step: Step) -> Existing:
-    """The robot that there is, for the search."""
+    """The existing robot, in the form that the search needs."""
     values: dict[tuple[int, str], Ranges] = {
         (each.symbol, each.name): single(exact(each.value)) for each in step.existing.parameters
     }
@@ -172,7 +172,7 @@ def _write(
     files: Mapping[str, bytes],
     step: Step | None,
 ) -> bool:
-    """All files of a result, the claim and ``design.json`` last; whether all was drawn."""
+    """Write the result's files, the claim and ``design.json`` last; return whether all is drawn."""
     writer, drawn = folder.files, True
     for name in ("tasks", "proofs", "history", "design.json", MISSION, "report.html"):
         writer.discard(name)
@@ -202,7 +202,7 @@ def _write(
 
 
 def design_alone(design: Design) -> Synthesis:
-    """A design of a mission as the result of a search of its structure in its task."""
+    """A design of a mission, as the result of a search of its structure in its task."""
     word, labels = design.derivation.word, design.derivation.labels
     record = StructureRecord(word, labels, "found", "proved")
     counts = {"structures": 1, "paths": 0, "evaluations": 0, "smt": 0}

@@ -1,4 +1,4 @@
-"""What is said of a result without a robot where one is due."""
+"""The error about a result without a robot."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from srgc.faults import UsageFault
 
 
 def no_robot(folder: Path, verdict: object) -> UsageFault:
-    """The fault, with its code.
+    """The error about a result that has no robot, with its code.
 
     Args:
-        folder: that of the result.
-        verdict: what the result says instead of *found*.
+        folder: the folder of the result.
+        verdict: the verdict of the result, which is not *found*.
     """
     return UsageFault(
         f"{folder} has no robot: its verdict is {verdict}",

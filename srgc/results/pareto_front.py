@@ -1,7 +1,7 @@
-"""Designs held against each other: which of them others dominate.
+"""Compares designs and finds out which of them others dominate.
 
 A design is dominated if another is nowhere worse and somewhere better.  Exact values are compared
-as they are; what a search has computed in floating point counts to few digits.
+exactly; values that a search has computed in floating point are compared to few digits.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from compiler.objectives.objective_text import LONGEST
 from grammar_lang import ir
 
 DIGITS = 4
-"""Significant digits to which other values are compared: below them is the noise of a search."""
+"""Significant digits of rounded values: further digits are noise of the search."""
 SEARCHED = ("effort", "energy")
 """Objectives whose values come from the motion that a search has found."""
 Cost: TypeAlias = Fraction | float
@@ -24,7 +24,7 @@ Cost: TypeAlias = Fraction | float
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """What a design has of an objective: its ``cost`` is to be small; ``shown`` is for people."""
+    """A design's value of an objective; a smaller ``cost`` is better, ``shown`` is for people."""
 
     value: float
     cost: Cost
@@ -32,18 +32,18 @@ class Figure:
 
 
 def whole_figure(value: int) -> Figure:
-    """A number of things, to be small."""
+    """The figure of a count, for which less is better."""
     return Figure(value, value, str(value))
 
 
 def rounded_figure(value: float, *, large: bool = False) -> Figure:
-    """A value that counts to few digits, to be small, or ``large``."""
+    """The figure of a value that counts to few digits; less is better, or more if ``large``."""
     shown = f"{value:.{DIGITS}g}"
     return Figure(value, -float(shown) if large else float(shown), shown)
 
 
 def objective_figure(objective: ir.Objective, bounds: Bounds) -> Figure:
-    """A value of an objective of a task: exact where its bounds are equal and it was not searched.
+    """The figure of a task's objective: exact if its bounds are equal and it was not searched.
 
     Args:
         objective: the objective.
@@ -58,7 +58,7 @@ def objective_figure(objective: ir.Objective, bounds: Bounds) -> Figure:
 
 @dataclass(frozen=True, slots=True)
 class ParetoRow:
-    """A proved design; ``dominated_by`` is the number of a structure that is better, or None."""
+    """A proved design; ``dominated_by`` is the number of a better structure, or None."""
 
     structure: int
     word: tuple[str, ...]
@@ -68,12 +68,12 @@ class ParetoRow:
 
     @property
     def folder(self) -> str:
-        """Where its results are."""
+        """The subfolder with its results."""
         return f"designs/{self.structure}"
 
     @property
     def costs(self) -> tuple[Cost, ...]:
-        """What it has of each objective, all to be small."""
+        """Its cost for each objective; less is better."""
         return tuple(figure.cost for figure in self.figures)
 
     def dominates(self, other: ParetoRow) -> bool:
@@ -84,7 +84,7 @@ class ParetoRow:
 
 
 def judged(rows: Sequence[ParetoRow]) -> tuple[ParetoRow, ...]:
-    """The rows, each with the first that dominates it."""
+    """The rows, each with the first row that dominates it."""
     found = []
     for row in rows:
         better = next((other.structure for other in rows if other.dominates(row)), None)

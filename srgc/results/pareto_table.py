@@ -1,8 +1,8 @@
-"""All designs of ``synth --all`` held against each other, and those of ``synth --pareto``.
+"""The table that compares all designs of ``synth --all`` or ``synth --pareto``.
 
-They differ in what the task asks to be least; where it asks for nothing, in modules, total length
-and robustness.  One design per robot: the best that was found.  That it is the best of its robot is
-not proved, so the table is about the designs, not about all that there could be.
+The columns are the objectives of the task, or without objectives, modules, total length and
+robustness.  There is one design per robot, the best one found.  It is not proved to be the best of
+its robot, so the table is about the designs, not about everything that is possible.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from srgc.results.pareto_front import (
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """An objective: its name in files, its unit, and what stands above it."""
+    """An objective: its name in files, its unit, and its heading."""
 
     name: str
     unit: str
@@ -55,16 +55,16 @@ USUAL = (
     Column("total_length", "m", "length (m)"),
     Column("robustness", "", "robustness"),
 )
-"""Few, short, and large."""
+"""Fewer modules, shorter length and larger robustness are better."""
 
 
 @dataclass(frozen=True, slots=True)
 class ParetoTable:
-    """All designs, a row each.
+    """All designs, one per row.
 
-    ``chosen`` is the number of the structure that the result is about, where a task says what is to
-    be least; else None.  ``front_only``: designs that others dominate are named, and not kept.
-    ``ended`` says why not all structures were tried.
+    ``chosen`` is the number of the structure that the result is about if the task has objectives,
+    else None.  ``front_only``: dominated designs are named, but not kept.  ``ended`` says why not
+    all structures were tried.
     """
 
     columns: tuple[Column, ...]
@@ -75,21 +75,22 @@ class ParetoTable:
 
     @property
     def front(self) -> tuple[ParetoRow, ...]:
-        """The designs that none dominates."""
+        """The designs that no other dominates."""
         return tuple(row for row in self.rows if row.dominated_by is None)
 
     @property
     def dominated(self) -> tuple[ParetoRow, ...]:
-        """The others."""
+        """The designs that another one dominates."""
         return tuple(row for row in self.rows if row.dominated_by is not None)
 
 
 def pareto_table(
     result: Synthesis, program: ir.Program, task: ir.Task, *, front_only: bool
 ) -> ParetoTable:
-    """The designs of a result.
+    """The table of the designs of a result.
 
-    They are in the order of the structures, or in that of what the task asks to be least.
+    They are in the order of the structures or, if the task has objectives, in the order of their
+    costs.
     """
     family, asked = family_of(program, task), amounts(program, task)
     rows = judged([_row(proved, family, task, asked) for proved in result.designs])
@@ -101,7 +102,7 @@ def pareto_table(
 
 
 def _columns(asked: Sequence[Amount]) -> tuple[Column, ...]:
-    """The objectives of a task."""
+    """The columns for the objectives of a task."""
     found = []
     for amount in asked:
         unit, heading = objective_unit(amount.objective), objective_name(amount.objective)
@@ -127,7 +128,7 @@ def _row(proved: Proved, family: RobotFamily, task: ir.Task, asked: Sequence[Amo
 
 
 def _usual(design: Design, family: RobotFamily, task: ir.Task) -> tuple[Figure, ...]:
-    """What designs are compared by where a task does not say."""
+    """The values by which designs are compared if the task has no objectives."""
     theta = np.array([float(value) for value in design.parameters])
     length = total_length(family.built(design.derivation), theta)
     return (
@@ -141,7 +142,7 @@ def _usual(design: Design, family: RobotFamily, task: ir.Task) -> tuple[Figure, 
 
 
 def pareto_csv(table: ParetoTable) -> str:
-    """The designs that none dominates: ``structure``, the objectives, ``word``, ``folder``."""
+    """The designs of the front: ``structure``, the objectives, ``word``, ``folder``."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     names = [column.name for column in table.columns]
@@ -155,7 +156,7 @@ def pareto_csv(table: ParetoTable) -> str:
 
 
 def pareto_json(table: ParetoTable) -> str:
-    """All designs, those that are dominated apart."""
+    """All designs as JSON, with the dominated ones separately."""
     named = {} if table.chosen is None else {"units": [column.unit for column in table.columns]}
     content = {
         "objectives": [column.name for column in table.columns],
@@ -185,12 +186,12 @@ def _entry(row: ParetoRow, table: ParetoTable) -> dict[str, Any]:
 
 
 def _by_name(table: ParetoTable, values: Sequence[float]) -> dict[str, float]:
-    """Values by the names of their objectives."""
+    """Maps the names of the objectives to their values."""
     return {column.name: value for column, value in zip(table.columns, values, strict=True)}
 
 
 def pareto_text(table: ParetoTable) -> str:
-    """The table for people; the dominated designs below it, and why it ends where it does."""
+    """The table for people, with the dominated designs below it, and why the search ended early."""
     shown = table.front if table.front_only else table.rows
     widths = [
         max(len(column.heading), *(len(row.figures[k].shown) for row in shown))
@@ -206,7 +207,7 @@ def pareto_text(table: ParetoTable) -> str:
 
 
 def _dominated(table: ParetoTable, widths: Sequence[int]) -> Iterator[str]:
-    """The designs that others dominate."""
+    """The lines about dominated designs."""
     others = table.dominated
     if others and table.front_only:
         yield f"dominated: {counted(len(others), 'design')}, named in pareto.json"
@@ -221,11 +222,11 @@ def _line(row: ParetoRow, widths: Sequence[int]) -> str:
 
 
 def _aligned(texts: Sequence[str], widths: Sequence[int]) -> str:
-    """Texts on the right of columns."""
+    """Texts aligned right in columns."""
     return " ".join(f"{text:>{width}}" for text, width in zip(texts, widths, strict=True))
 
 
-# --- The total length of a robot: how much of it there is between its joints ----------------------
+# --- The total length of a robot: the distances between its joints --------------------------------
 
 
 def total_length(model: RobotModel, theta: Array) -> float:
@@ -233,16 +234,16 @@ def total_length(model: RobotModel, theta: Array) -> float:
 
     .. math:: \sum_{f \in F} \lVert t_f(\theta) \rVert_2
 
-    Source: own definition.  F are the frames that a ``move`` by a vector t leads to and that lie
-    on the way from the world to a joint or to an effector, each once however many ways share it.
-    So a bracket ``move(x, a) * move(y, b)`` has length a + b, where ``model`` is the robot as it
-    was built, before neighbouring displacements are merged.  Not counted are the travel of
-    prismatic joints, which is no part of the design, and frames that only bodies are placed in:
-    the way to the middle of a link is part of the link.
+    Source: own definition.  F are the frames that a ``move`` by a vector t leads to and that lie on
+    the way from the world to a joint or to an effector; a frame on several ways counts once. So a
+    bracket ``move(x, a) * move(y, b)`` has length a + b, where ``model`` is the robot as it was
+    built, before neighbouring displacements are merged.  Not counted are the travel of prismatic
+    joints, which is no part of the design, and frames that only place bodies: the way to the middle
+    of a link is part of the link.
 
     Args:
         model: the robot.
-        theta: its parameters, shape (p,), SI.
+        theta: its parameters, shape (p,), in SI units.
     """
     values = scalar_floats(model.scalars, theta)
     joints = (i for i, frame in enumerate(model.frames) if isinstance(frame.step, Joint))

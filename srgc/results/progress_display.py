@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 SILENCE = 1.0
-"""Seconds before the live line is shown: what is done by then needs none."""
+"""Seconds before the live line is shown; shorter work needs none."""
 REDRAWN = 0.25
 """Seconds between two versions of the line in a notebook."""
 SPARSE = 10.0
-"""Seconds between two plain lines about the points of a grid."""
+"""Seconds between two plain lines about finished parts."""
 
 
 class QuietProgress:
-    """What is told of a run, a reporter of a synthesis: here nothing is shown of it."""
+    """The interface for reporting progress; this class shows nothing."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
@@ -49,23 +49,23 @@ class QuietProgress:
         self._open.close()
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """A structure is being tried."""
+        """Report that a structure is being tried."""
 
     def path(self, cells: tuple[str, ...]) -> None:
-        """A cell path is being tried."""
+        """Report that a cell path is being tried."""
 
     def robustness(self, value: float) -> None:
-        """The best robustness so far."""
+        """Report the best robustness so far."""
 
     def note(self, text: str) -> None:
-        """A finding worth a line."""
+        """Report a finding that is worth a line."""
 
     def part(self, done: int, count: int) -> None:
-        """So many of all parts of the work are done."""
+        """Report that ``done`` of ``count`` parts of the work are finished."""
 
 
 class PlainProgress(QuietProgress):
-    """One line per structure, path and improvement; ``unit`` is that of robustness."""
+    """One line per structure, path and improvement; ``unit`` is the unit of robustness."""
 
     def __init__(self, unit: str = "") -> None:
         super().__init__()
@@ -74,27 +74,27 @@ class PlainProgress(QuietProgress):
         self._told = self._start
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """A structure is being tried."""
+        """Print that a structure is being tried."""
         self._best = None
         self._line(f"structure {number}: {' '.join(word)}")
 
     def path(self, cells: tuple[str, ...]) -> None:
-        """A cell path is being tried."""
+        """Print that a cell path is being tried."""
         self._best = None
         self._line(f"path: {' > '.join(cells)}")
 
     def robustness(self, value: float) -> None:
-        """A line where it grew."""
+        """Print the robustness if it has increased."""
         if self._best is None or value > self._best:
             self._best = value
             self._line(f"best robustness: {value:.4g} {self._unit}".rstrip())
 
     def note(self, text: str) -> None:
-        """A finding worth a line."""
+        """Print a finding."""
         self._line(text)
 
     def part(self, done: int, count: int) -> None:
-        """A line now and then, and none for work that is done soon."""
+        """Print a line now and then, and none if the work is short."""
         now = time.monotonic()
         if now - self._told >= SPARSE:
             self._told = now
@@ -105,25 +105,25 @@ class PlainProgress(QuietProgress):
 
 
 def tell_kept(kept: Path | None, *, quiet: bool) -> None:
-    """Say where the results of an earlier version of a spec are, if there are any."""
+    """Print where the results of an earlier version of a spec were moved, if there are any."""
     if kept is not None and not quiet:
         _say(visible(f"note: the spec was edited; the results so far are kept in {kept}"))
 
 
 def _say(text: str) -> None:
-    """A line on standard error that stays."""
+    """Write a permanent line to standard error."""
     try:
         sys.stderr.write(f"{text}\n")
         sys.stderr.flush()
-    except OSError:  # nobody reads it, or the disk is full: the work goes on all the same
+    except OSError:  # nobody reads it, or the disk is full: the work continues
         silence(sys.stderr)
 
 
 class LiveProgress(QuietProgress):
-    """A line that is redrawn in place, and is gone at the end.
+    """A line that is redrawn in place and removed at the end.
 
-    What matters most comes first: a terminal that is too narrow cuts the rest.  ``measure`` is the
-    unit of robustness.
+    The most important parts come first, because a narrow terminal cuts off the rest.  ``measure``
+    is the unit of robustness.
     """
 
     def __init__(
@@ -156,25 +156,25 @@ class LiveProgress(QuietProgress):
         return self
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """A structure is being tried: the ones before it are finished."""
+        """Show that a structure is being tried; the ones before it are finished."""
         self._step(number)
         self._best, self._detail = None, " ".join(word)
 
     def path(self, cells: tuple[str, ...]) -> None:
-        """Paths are too many to be told one by one."""
+        """Reset the robustness; there are too many paths to show each."""
         self._best = None
 
     def robustness(self, value: float) -> None:
-        """The best robustness so far."""
+        """Show the best robustness so far."""
         if self._best is None or value > self._best:
             self._best = value
 
     def note(self, text: str) -> None:
-        """The last finding stands until there is another."""
+        """Show a finding until there is another."""
         self._detail = " ".join(text.split())
 
     def part(self, done: int, count: int) -> None:
-        """So many of all parts of the work are done."""
+        """Show that ``done`` of ``count`` parts are finished."""
         self._total = count
         self._step(done)
 
@@ -186,7 +186,7 @@ class LiveProgress(QuietProgress):
         self._begun, self._number = now, number
 
     def text(self) -> str:
-        """The line."""
+        """The current line."""
         now = time.monotonic()
         parts = [self._what]
         left = None
@@ -209,12 +209,12 @@ class LiveProgress(QuietProgress):
         if time.monotonic() - self._start < SILENCE:
             return Text("")
         line = Text(self.text(), no_wrap=True, overflow="ellipsis")
-        # The terminal's `^C` goes behind it: on a new line it could not be taken back.
+        # Leave room for the terminal's `^C`: on a new line, it could not be removed.
         return Constrain(line, max(1, self._console.width - len("^C") - 1))
 
 
 class NotebookProgress(LiveProgress):
-    """The same line below the cell of a notebook, which is empty at the end."""
+    """The live line below the cell of a notebook, cleared at the end."""
 
     def __init__(self, what: str, unit: str, count: Callable[[], int | None]) -> None:
         super().__init__(what, unit, count)
@@ -235,22 +235,22 @@ class NotebookProgress(LiveProgress):
             self._handle.update({"text/plain": ""}, raw=True)
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
-        """A structure is being tried: the ones before it are finished."""
+        """Show that a structure is being tried; the ones before it are finished."""
         super().structure(number, word)
         self._draw()
 
     def robustness(self, value: float) -> None:
-        """The best robustness so far."""
+        """Show the best robustness so far."""
         super().robustness(value)
         self._draw()
 
     def note(self, text: str) -> None:
-        """The last finding stands until there is another."""
+        """Show a finding until there is another."""
         super().note(text)
         self._draw()
 
     def part(self, done: int, count: int) -> None:
-        """So many of all parts of the work are done."""
+        """Show that ``done`` of ``count`` parts are finished."""
         super().part(done, count)
         self._draw()
 
@@ -267,7 +267,7 @@ class NotebookProgress(LiveProgress):
 
 
 def in_notebook() -> bool:
-    """Whether the kernel of a notebook runs this."""
+    """Whether the code runs in the kernel of a notebook."""
     ipython: Any = sys.modules.get("IPython")
     shell = None if ipython is None else ipython.get_ipython()
     return getattr(shell, "kernel", None) is not None
@@ -282,15 +282,15 @@ def progress(
     plain: bool = True,
     measure: str = "",
 ) -> QuietProgress:
-    """The display that fits standard error, or the notebook.
+    """The display that fits standard error or the notebook.
 
     Args:
-        what: is being done.
-        quiet: nothing is shown.
-        unit: what is counted.
-        count: how many there are of it, None where that is not known; asked on terminals only.
-        plain: where standard error is no terminal, there are lines.
-        measure: the unit of robustness, "" where it has none or several.
+        what: the name of the work.
+        quiet: whether to show nothing.
+        unit: the things that are counted.
+        count: gives their number, or None if it is not known; called on terminals only.
+        plain: whether to print lines if standard error is not a terminal.
+        measure: the unit of robustness, "" if it has none or several.
     """
     if quiet:
         return QuietProgress()
@@ -302,26 +302,27 @@ def progress(
 
 
 # --------------------------------------------------------------------------------------------------
-# How long work of equal-looking parts may still take: a range from what its parts have taken.
+# The remaining time of work with similar parts, as a range estimated from the finished parts.
 
 
 LEAST_PARTS = 4
-"""After fewer finished parts there is no estimate."""
+"""There is no estimate before this many parts are finished."""
 NO_ESTIMATE = "no estimate"
 
 
 def remaining(finished: Sequence[float], running: float, left: int) -> tuple[float, float] | None:
-    """Seconds that the parts which are left may take, at the least and at the most.
+    """The least and the greatest time in seconds that the remaining parts may take.
 
     Args:
-        finished: what each finished part took, s, in order.
-        running: for how long the present part has been under way, s.
-        left: how many parts there still are, the present one among them.
+        finished: the durations of the finished parts, s, in order.
+        running: how long the present part has been running, s.
+        left: the number of remaining parts, including the present one.
 
     Returns:
-        The parts that are left, each as long as those finished on average, all of them or the last
-        quarter with the present one, if that is longer already: parts mostly become longer, and a
-        range says how much.  None after too few parts.
+        The number of remaining parts times two means, the smaller first: that of all finished
+        parts, and that of the last quarter of them, with the present part if it has already
+        taken longer.  Parts mostly become longer, and the range shows how much.  None after too
+        few parts.
     """
     if len(finished) < LEAST_PARTS:
         return None
@@ -333,7 +334,7 @@ def remaining(finished: Sequence[float], running: float, left: int) -> tuple[flo
 
 
 def estimate_text(finished: Sequence[float], running: float, left: int | None) -> str:
-    """The estimate in words; ``left`` None: nobody knows how many parts there are."""
+    """The estimate in words; ``left`` is None if the number of parts is not known."""
     expected = None if left is None else remaining(finished, running, left)
     if expected is None:
         return NO_ESTIMATE
@@ -342,7 +343,7 @@ def estimate_text(finished: Sequence[float], running: float, left: int | None) -
 
 
 def duration_text(seconds: float) -> str:
-    """A duration as one says it, in one unit: ``40 s``, ``3 min``, ``2 h``."""
+    """A duration in one unit: ``40 s``, ``3 min``, ``2 h``."""
     for unit, size in (("s", 1), ("min", 60), ("h", 3600)):
         if seconds < 100 * size or unit == "h":
             return f"{max(1, round(seconds / size))} {unit}"

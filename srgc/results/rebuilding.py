@@ -1,4 +1,4 @@
-"""What a step from a robot may change, and at which price, as options and arguments say it."""
+"""What a rebuilding may change, and at which prices, parsed from options or arguments."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from solvers.verifier.claims.mission_claim import PosedClaim
 from srgc.faults import UsageFault, argument
 
 Price: TypeAlias = int | float | Fraction | Decimal | str
-"""A number from 0 on; a text as the command line has it; a double is the decimal that it shows."""
+"""A number of at least 0; texts as on the command line; a double counts as its shortest decimal."""
 
 _TEXT = re.compile(r"[0-9]{1,12}(\.[0-9]{1,12}|/[1-9][0-9]{0,11})?")
 _MOST, _FINEST = 10**12, 10**30
 _LONGEST = 60
-"""Of what is shown of a value, in characters."""
+"""The most characters of a value that are shown."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rebuilding:
-    """What changes cost, which parameters of kept modules may change, and what all may cost."""
+    """The prices of changes, the parameters of kept modules that may change, and the cost limit."""
 
     prices: ir.Prices
     free: Sequence[tuple[str, str]]
@@ -35,7 +35,7 @@ class Rebuilding:
 
     @property
     def posed(self) -> PosedClaim:
-        """The same as a claim states it."""
+        """The rebuilding as a claim states it."""
         prices = self.prices
         add, remove, change = map(exact_text, (prices.add, prices.remove, prices.change))
         most = None if self.most is None else exact_text(self.most)
@@ -55,19 +55,19 @@ def asked_rebuilding(
     free: Sequence[str],
     changes: Price | None,
 ) -> Rebuilding:
-    """What may change, by the values of options or arguments.
+    """The rebuilding that the values of options or arguments describe.
 
     Args:
         program: the spec, whose modules ``free`` names.
-        add: the price of a module that is added.
-        remove: that of one that is removed.
-        change: that of a free parameter that changes.
-        free: parameters that kept modules may change, as ``L.length``.
-        changes: what all changes may cost together; None: without a bound.
+        add: the price of adding a module.
+        remove: the price of removing a module.
+        change: the price of changing a free parameter.
+        free: parameters that kept modules may change, such as ``L.length``.
+        changes: the limit on the total cost of all changes; None for no limit.
 
     Raises:
-        UsageFault: a price is none, there is no such parameter, or ``change`` has a price and
-            nothing is free.
+        UsageFault: a price is invalid, there is no such parameter, or ``change`` has a price and no
+            parameter is free.
     """
     prices = ir.Prices(_price("add", add), _price("remove", remove), _price("change", change))
     most = None if changes is None else _price("changes", changes)
@@ -81,10 +81,10 @@ def asked_rebuilding(
 
 
 def _price(option: str, value: Price) -> Fraction:
-    """A number from 0 on.
+    """Parse a number of at least 0.
 
     Raises:
-        UsageFault: it is none.
+        UsageFault: it is not such a number.
     """
     known = _exact(value)
     if known is None:
@@ -96,7 +96,7 @@ def _price(option: str, value: Price) -> Fraction:
 
 
 def _exact(value: object) -> Fraction | None:
-    """The rational that a value stands for; None where that is none, or no plain one."""
+    """The rational that a value stands for; None if it is not a number, or not a plain one."""
     known = None
     if isinstance(value, bool):
         return None
@@ -113,14 +113,14 @@ def _exact(value: object) -> Fraction | None:
 
 
 def _decimal(value: Decimal) -> Fraction | None:
-    """A decimal as a fraction; None where that would be very long."""
+    """A decimal as a fraction; None if the fraction would be very long."""
     return Fraction(value) if value == 0 or -30 <= value.adjusted() < 12 else None
 
 
 def _shown(value: object) -> str:
     try:
         text = str(value)
-    except ValueError:  # of more digits than Python writes
+    except ValueError:  # it has more digits than Python converts
         text = "a number of many digits"
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
@@ -129,7 +129,7 @@ def _parameter(program: ir.Program, text: str) -> tuple[str, str]:
     """The module and the parameter of ``M.p``.
 
     Raises:
-        UsageFault: there is none of that name.
+        UsageFault: there is no such module or parameter.
     """
     module, _, name = str(text).partition(".")
     option = argument("free")

@@ -1,4 +1,4 @@
-"""The folder a synthesis writes: whose results it holds, and a journal to go on from."""
+"""The folder that a synthesis writes: the identity of its results, and a journal for resuming."""
 
 from __future__ import annotations
 
@@ -28,15 +28,16 @@ from srgc.results.folder_writer import (
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What a folder's results belong to.
+    """The search to which a folder's results belong.
 
-    ``least_cells`` is how many a search was to begin with; ``all_designs``: it was to go on after
-    the first design; ``solver`` is that of its convex programs, None: our own; ``search`` is that
-    of its parameters, None: the usual one; ``paths`` and ``evaluations`` are its budgets, None: the
-    usual ones; ``one_by_one``: without lemmas; ``smt`` are the solvers of scripts, None: z3 as
-    a library; ``gap``, in percent, is the one that the search was to close, None: none; ``front``:
-    of all designs those alone are kept that none dominates; ``mission`` is what the
-    tasks, in one text, belong to; ``origin`` tells the robots apart that a step may begin with.
+    ``least_cells`` is the number of cells that the search began with.  ``all_designs``: the search
+    went on after the first design.  ``solver`` solves its convex programs (None for our own), and
+    ``search`` searches its parameters (None for the default).  ``paths`` and ``evaluations`` are
+    budgets (None for the defaults).  ``one_by_one``: there were no lemmas.  ``smt`` names the
+    solvers of scripts (None for z3 as a library).  ``gap`` is the gap to close, in percent (None
+    for no gap).  ``front``: only designs that no other dominates are kept.  ``mission`` is the name
+    of the mission, whose tasks are listed in ``task``.  ``origin`` is a digest of the robot that a
+    step begins with, and of its prices.
     """
 
     spec_sha256: str
@@ -59,9 +60,9 @@ class Identity:
 
 @dataclass(slots=True)
 class ResultFolder:
-    """An opened result folder with its ``files``.  It is also the journal of the synthesis.
+    """An opened result folder with its ``files``; it is also the journal of the synthesis.
 
-    ``kept`` is where the results of an earlier version of the spec are, which were here.
+    ``kept`` is the path to which results of an earlier version of the spec were moved.
     """
 
     path: Path
@@ -74,11 +75,11 @@ class ResultFolder:
         self.files = FolderWriter(self.path)
 
     def recall(self, key: str) -> Recorded:
-        """The result of a step finished in this or an earlier, interrupted run, or None."""
+        """The result of a step that this or an earlier, interrupted run has finished, or None."""
         return self.values.get(key)
 
     def record(self, key: str, value: Recorded) -> None:
-        """A step is finished: one line, written at once."""
+        """Record a finished step, as one line that is written at once."""
         self.values[key] = value
         self.files.append(JOURNAL, json.dumps([key, value]) + "\n")
 
@@ -91,7 +92,7 @@ class ResultFolder:
         return verdict == "found" and (self.path / "certificate.json").is_file()
 
     def finish(self) -> None:
-        """The run is complete: nothing is left to resume."""
+        """Remove the journal: the run is complete."""
         self.files.discard(JOURNAL)
 
 
@@ -99,21 +100,21 @@ class ResultFolder:
 def open_folder(
     path: Path, identity: Identity, *, force: bool, spec: str | None = None
 ) -> Iterator[ResultFolder]:
-    """Open or make a result folder; an interrupted run of the same synthesis goes on.
+    """Open or make a result folder; an interrupted run of the same synthesis is resumed.
 
-    Nobody else writes to it in the block.  Results of the same command before its spec was edited
-    are kept: without ``force`` their folder is moved to ``PATH.1`` and so on.
+    Nobody else writes to the folder within the block.  Results of the same command from before its
+    spec was edited are kept: without ``force``, their folder is moved to ``PATH.1`` and so on.
 
     Args:
         path: the folder.
-        identity: what its results are to belong to.
-        force: replace what is there.
-        spec: the name of the main file of a spec that may have been edited; None: nothing is moved.
+        identity: the identity of the new results.
+        force: whether to replace other results.
+        spec: the name of the main file of a spec that may have been edited; None to move nothing.
 
     Raises:
-        UsageFault: somebody else writes to it; the folder holds other results or other files, and
-            ``force`` is not given; a link is where a file or folder of ours is due; or it cannot
-            be written.
+        UsageFault: somebody else writes to the folder; it has other results or other files, and
+            ``force`` is not given; a link has the name of one of srgc's files or folders; or the
+            folder cannot be written.
     """
     kept = None
     with ExitStack() as locks:
@@ -128,7 +129,7 @@ def open_folder(
 
 @contextmanager
 def _held(path: Path) -> Iterator[None]:
-    """In the block nobody else writes to a folder, which is made, and has no links."""
+    """Make a folder and lock it in the block; it must have no links."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -141,9 +142,9 @@ def _held(path: Path) -> Iterator[None]:
 
 
 def _is_edited(path: Path, identity: Identity, spec: str | None) -> bool:
-    """Whether a folder has the results of the same command, before what it reads was edited.
+    """Whether a folder has results of the same command from before its inputs were edited.
 
-    That is the spec, and of a step the robot that it begins with, with the prices.
+    The inputs are the spec and, for a step, its initial robot with the prices.
     """
     owner = _owner(path)
     if spec is None or owner is None or owner == identity:
@@ -165,7 +166,7 @@ def _opened(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
         )
     ours = [name for name in OWN_FOLDERS if (path / name).exists()]
     if owner is None and ours and force:
-        # They are somebody else's: a result must not be mixed with them, nor may they be deleted.
+        # They belong to somebody else: they must neither be mixed with results nor deleted.
         raise UsageFault(f"{path} has a `{ours[0]}` that is not ours; choose another folder")
     if owner is not None and owner != identity and not force:
         raise UsageFault(
@@ -184,10 +185,10 @@ def _opened(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
 
 
 def copy_results(source: Path, target: Path, *, force: bool) -> Path:
-    """Copy the results of a folder, and of an unfinished run what it needs to go on.
+    """Copy the results of a folder, with the journal of an unfinished run.
 
     Raises:
-        UsageFault: the source holds no results or a link, or the target cannot be used
+        UsageFault: the source has no results or has a link, or the target cannot be used
             (``open_folder``).
     """
     refuse_links(source)
@@ -216,7 +217,7 @@ def copy_results(source: Path, target: Path, *, force: bool) -> Path:
 
 
 def _journal_text(identity: Identity, values: Mapping[str, Recorded]) -> str:
-    """A whole journal, so that a line cut by a kill is gone before the next one is appended."""
+    """A whole journal; writing it removes a line cut by a kill before the next one is appended."""
     lines = (asdict(identity), *values.items())
     return "".join(f"{json.dumps(line)}\n" for line in lines)
 
@@ -242,7 +243,7 @@ def _difference(a: Identity, b: Identity) -> str:
 
 
 def _owner(path: Path) -> Identity | None:
-    """What the folder's results belong to, or None."""
+    """The identity of the folder's results, or None."""
     for name in (JOURNAL, "design.json"):
         try:
             text = bounded_text(path / name)
@@ -271,7 +272,7 @@ def _owner(path: Path) -> Identity | None:
 
 
 def _journal_values(path: Path) -> dict[str, Recorded]:
-    """The steps of a journal; a last line cut by a kill is ignored."""
+    """The steps of a journal; a last line that a kill has cut is ignored."""
     values: dict[str, Recorded] = {}
     try:
         lines = bounded_bytes(path).split(b"\n")[1:]
@@ -286,14 +287,14 @@ def _journal_values(path: Path) -> dict[str, Recorded]:
     return values
 
 
-# --- The object that a JSON file of a result folder holds -----------------------------------------
+# --- The object in a JSON file of a result folder -------------------------------------------------
 
 
 def json_object(path: Path, *, needed: bool = True) -> dict[str, Any]:
-    """The object in a file; an empty one where the file is missing and not ``needed``.
+    """The object in a file; empty if the file is missing and not ``needed``.
 
     Raises:
-        UsageFault: it holds none, or cannot be read.
+        UsageFault: the file has no object, or cannot be read.
     """
     try:
         content = json.loads(bounded_bytes(path))

@@ -1,4 +1,4 @@
-"""``srgc synth``: one synthesis from a file to a result folder."""
+"""``srgc synth``: one synthesis, from a file to a result folder."""
 
 from __future__ import annotations
 
@@ -75,18 +75,18 @@ class SynthesisOptions:
     gap: float | None = None
     """In percent."""
     front: bool = False
-    """Of all designs those alone are kept that none dominates."""
+    """Whether to keep only the designs that no other dominates."""
 
 
 def run_synthesis(
     path: Path, program: ir.Program, task: ir.Task, options: SynthesisOptions
 ) -> Synthesis:
-    """Synthesise and write the result folder.
+    """Synthesise, and write the result folder.
 
     Raises:
         UsageFault: the folder or the cluster cannot be used.
-        NoAnswer: the workers were lost; another run goes on from the folder.
-        SolversDisagree: two SMT solvers contradict each other; the folder has the script.
+        NoAnswer: the workers were lost; another run can resume from the folder.
+        SolversDisagree: two SMT solvers contradict each other; the script is in the folder.
     """
     with workers_for(options.jobs, options.cluster) as workers:
         return _run(path, program, task, options, workers)
@@ -115,7 +115,7 @@ def _run(
         program, task = expanded(program, task)
 
         def keep(better: Synthesis) -> None:
-            """Leave a design in the folder whose search goes on."""
+            """Write a design to the folder while the search goes on."""
             write_result(folder.files, better, program, task, path.name, identity, limit)
 
         try:
@@ -145,7 +145,7 @@ def _run(
 
 
 def unusual(budget: int | None, usual: int) -> int | None:
-    """A budget that differs from the usual one; None: that."""
+    """The budget, or None if it is the default."""
     return None if budget == usual else budget
 
 
@@ -158,7 +158,7 @@ def _searched(
     limit: TimeLimit,
     told: Callable[[Synthesis], None],
 ) -> Synthesis:
-    """The search itself, with its progress; ``told`` is given results with ever better designs."""
+    """Search and show progress; ``told`` is called with results that have ever better designs."""
     with progress(
         f"synth {task.name}",
         quiet=options.quiet,
@@ -187,7 +187,7 @@ def run_context(
     journal: Journal,
     limit: TimeLimit,
 ) -> RunContext:
-    """How a run searches, by its options; the workers, the display and the journal are its own."""
+    """The context of a run: its options, with its workers, display and journal."""
     return RunContext(
         seed=options.seed,
         workers=workers,
@@ -204,7 +204,7 @@ def run_context(
 
 
 def _told(result: Synthesis, limit: TimeLimit) -> Synthesis:
-    """The result, which says so if the search has passed its limit by far."""
+    """The result; its texts mention it if the search has exceeded its time limit by far."""
     overrun = limit.overrun(result.last_step) if result.unfinished else ""
     if not overrun:
         return result
@@ -213,10 +213,10 @@ def _told(result: Synthesis, limit: TimeLimit) -> Synthesis:
 
 
 def files_to_copy(program: ir.Program) -> dict[str, bytes]:
-    """The files of a program, for a copy that means the same.
+    """The files of a program, for a copy with the same meaning.
 
     Raises:
-        UsageFault: no copy does.
+        UsageFault: no copy would have the same meaning.
     """
     for source in program.sources:
         if source.twin is not None:
@@ -240,10 +240,10 @@ def _write_all(
     files: Mapping[str, bytes],
     limit: TimeLimit,
 ) -> bool:
-    """All designs to be kept, each in a folder of its own, and the tables about all of them.
+    """Write each design to keep into its own folder, and the tables about all designs.
 
     Returns:
-        whether all were drawn.
+        Whether all were drawn.
     """
     from srgc.results.pareto_table import pareto_csv, pareto_json, pareto_table
 
@@ -263,7 +263,7 @@ def _write_all(
 
 
 def alone(result: Synthesis, proved: Proved, task: ir.Task) -> Synthesis:
-    """One design of a result as the result of a search of its structure alone."""
+    """One design of a result, as the result of a search of its structure alone."""
     asked = () if result.optimality is None else result.optimality.objectives
     amounts = tuple(each.amount for each in asked)
     values = design_values(proved.design, amounts, task)
@@ -292,16 +292,16 @@ def write_result(
     identity: Identity,
     limit: TimeLimit,
 ) -> bool:
-    """All files of a result; the certificate and ``design.json`` last.
+    """Write all files of a result; the certificate and ``design.json`` come last.
 
-    Pictures take a second; out of time, they are left to another run.
+    Pictures take a second; if the time is over, they are left to another run.
 
     Returns:
-        whether they were drawn, or there is nothing to draw.
+        Whether they were drawn, or there is nothing to draw.
     """
     design = result.design
     if design is not None:
-        # What is written is about the motion that was found.
+        # All files are about the motion that was found, with its own number of steps.
         task = task.lasting(len(design.inputs))
     evidence = Evidence(result.records, result.lemmas).files()
     if result.bound is not None:
@@ -320,7 +320,7 @@ def write_result(
     certificate = certificate_text(
         result, task, spec, identity.spec_sha256, task.modules, result.separation
     )
-    # What is read together is never of two designs: one of them is missing meanwhile.
+    # Files that are read together must not be of two designs, so one is missing meanwhile.
     files.discard("design.json")
     if certificate is not None:
         files.write("certificate.json", certificate)
@@ -334,7 +334,7 @@ def write_result(
 def _write_nearest(
     files: FolderWriter, result: Synthesis, program: ir.Program, task: ir.Task
 ) -> None:
-    """Of a result without a design the nearest motion, with its picture, if there is one."""
+    """Write the nearest motion of a result without a design and its picture, if there is one."""
     for name in ("trajectory.csv", "figures", "certificate.json"):
         files.discard(name)
     nearest = result.nearest
@@ -358,7 +358,7 @@ def _write_motion(
     task: ir.Task,
     limit: TimeLimit,
 ) -> bool:
-    """The motion of a design; whether it was drawn."""
+    """Write the motion of a design; return whether it was drawn."""
     for name in (NEAREST, NEAREST_PICTURE):
         files.discard(name)
     files.write("trajectory.csv", trajectory_csv(design, task))
@@ -374,15 +374,15 @@ def _write_motion(
     return True
 
 
-# --- How many structures a search may have to try -------------------------------------------------
+# --- The number of structures that a search may have to try ---------------------------------------
 
 
 MOST_COUNTED = 500
-"""More are not counted: that takes a tenth of a second."""
+"""The most structures to count, which takes a tenth of a second."""
 
 
 def structure_total(program: ir.Program, task: ir.Task) -> int | None:
-    """The structures up to the bound of a task; None where they are very many, or only limited."""
+    """The number of structures up to the task's bound; None if it is very large or only limited."""
     family = family_of(program, task)
     if robot_limit(family, task) is not None:
         return None

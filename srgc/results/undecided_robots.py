@@ -1,4 +1,4 @@
-"""Robots of a mission that are neither found nor refuted, in ``design.json`` and read from it."""
+"""Robots of a mission that are neither found nor refuted, as ``design.json`` states them."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from solvers.missions.undecided_robots import UndecidedRobots
 from srgc.text_reports.nearest_motion import FIRST
 
 MOST_WORDS = 12
-"""So many words are listed of the robots that are undecided for one reason."""
+"""The most words to list for one reason."""
 APART = "narrower ranges of its parameters"
 
 
 @dataclass(frozen=True, slots=True)
 class StatedUndecided:
-    """So many robots that are undecided for one reason, and the words of the first of them.
+    """The number of robots that are undecided for one reason, and the words of the first of them.
 
-    ``task`` is the one whose search says so, None: all tasks together.  ``try_first`` is what may
-    be done about it, None where nothing is known that may.
+    ``task`` is the task whose search states the reason; None for all tasks together.  ``try_first``
+    is a remedy to try; None if none is known.
     """
 
     task: str | None
@@ -31,7 +31,7 @@ class StatedUndecided:
     words: tuple[tuple[str, ...], ...]
 
     def says(self, most: int = MOST_WORDS) -> str:
-        """It in words, with at most so many robots by name."""
+        """The reason in words, with at most ``most`` robots by name."""
         named = ", ".join(" ".join(word) for word in self.words[:most])
         said = f"{counted(self.robots, 'robot')}, {'as ' if self.robots > most else ''}{named}"
         return f"{said}: {self.reason}"
@@ -40,7 +40,7 @@ class StatedUndecided:
 def undecided_by_task(
     undecided: Sequence[StatedUndecided],
 ) -> dict[str | None, list[StatedUndecided]]:
-    """The robots by task, in the order in which tasks come; None: in all tasks together."""
+    """Maps each task, in order, to its undecided robots; None stands for all tasks together."""
     found: dict[str | None, list[StatedUndecided]] = {}
     for each in undecided:
         found.setdefault(each.task, []).append(each)
@@ -48,7 +48,7 @@ def undecided_by_task(
 
 
 def undecided_entry(result: MissionResult, each: UndecidedRobots) -> dict[str, Any]:
-    """The entry of ``design.json``."""
+    """The entry in ``design.json``."""
     why = each.why
     by_cause = None if why.cause is None else FIRST.get(why.cause)
     return {
@@ -63,10 +63,10 @@ def undecided_entry(result: MissionResult, each: UndecidedRobots) -> dict[str, A
 def stated_undecided(
     design: Mapping[str, Any], tasks: Sequence[str]
 ) -> tuple[StatedUndecided, ...]:
-    """What ``design.json`` says of them.
+    """The undecided robots that ``design.json`` states.
 
     Raises:
-        TypeError, LookupError: it is not what is written there.
+        TypeError, LookupError: the content is not what srgc writes there.
     """
     for name in ("ended_by", "try_first"):
         if not isinstance(design.get(name), str | None):

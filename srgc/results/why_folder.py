@@ -1,6 +1,6 @@
-"""A result folder without a design, read for an explanation.
+"""Reads a result folder for an explanation.
 
-Nothing is claimed of it: what it says was tried is asked again.
+The folder makes no claim about what was tried: it is asked again.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from srgc.session import UsageFault
 
 @dataclass(frozen=True, slots=True)
 class TriedFolder:
-    """What a folder is about; ``tried`` is None where it holds a design."""
+    """The content of a result folder; ``tried`` is None if the folder has a design."""
 
     posed: PosedTask
     seed: int
@@ -45,7 +45,7 @@ class TriedFolder:
     lemmas: tuple[LemmaClaim, ...] = ()
 
     def context(self, out_of_time: Callable[[], bool]) -> RunContext:
-        """How its synthesis was run, with a limit of time of its own."""
+        """The settings of the folder's synthesis, with another time limit."""
         return RunContext(
             seed=self.seed,
             search=self.search,
@@ -57,12 +57,11 @@ class TriedFolder:
 
 
 def tried_folder(folder: Path) -> TriedFolder:
-    """What a result folder says was tried.
+    """What was tried, according to a result folder.
 
     Raises:
-        UsageFault: there are no results, they or the spec have been altered, or they name a solver
-            or a search that is not here.
-        SpecErrors: the task has a clause that is not compiled.
+        UsageFault: there are no results, they or the spec have been altered, or they name a
+            solver or a search that is not available.
     """
     if not folder.is_dir():
         raise no_folder(folder)
@@ -115,7 +114,7 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
 
 
 def _lemmas(content: Mapping[str, Any]) -> tuple[LemmaClaim, ...]:
-    """The lemmas of a folder, in their order."""
+    """The lemmas of a folder, in order."""
     items = [dict(item) for item in content.get("lemmas", [])]
     for item in items:
         del item["reason"]
@@ -123,7 +122,7 @@ def _lemmas(content: Mapping[str, Any]) -> tuple[LemmaClaim, ...]:
 
 
 def _budget(content: Mapping[str, Any], name: str, usual: int) -> int:
-    """A budget of a run; folders from before there were any have the usual one."""
+    """A budget of a run; folders from before budgets existed have the default."""
     found = content.get(name)
     if found is None:
         return usual
@@ -143,7 +142,7 @@ def _verdict(text: str) -> NotFound:
 def _refuted(
     posed: PosedTask, structures: Sequence[Mapping[str, Any]]
 ) -> tuple[tuple[str, ...], ...]:
-    """The derivations of the refuted structures, one of each different robot."""
+    """The derivations of the refuted structures, one for each distinct robot."""
     family = family_of(posed.program, posed.task)
     found = [
         tuple(one["derivation"])
@@ -156,7 +155,7 @@ def _refuted(
 
 
 def _nearest(folder: Path, structures: Sequence[Mapping[str, Any]]) -> Nearest | None:
-    """The unresolved structure with the best robustness; the first one without evaluations."""
+    """The unresolved structure with the best robustness; without evaluations, the first one."""
     best = _robustness(folder / "evaluations.csv")
     open_ones = [
         (number, one)
@@ -170,7 +169,7 @@ def _nearest(folder: Path, structures: Sequence[Mapping[str, Any]]) -> Nearest |
 
 
 def _robustness(path: Path) -> dict[int, float]:
-    """The best robustness that was evaluated, by the number of the structure."""
+    """Maps the number of each structure to the best robustness that was evaluated."""
     if not path.exists():
         return {}
     best: dict[int, float] = {}

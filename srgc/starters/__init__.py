@@ -1,1 +1,1 @@
-"""Starter files, and what `srgc new` says about them."""
+"""Starter files, and what ``srgc new`` prints about them."""

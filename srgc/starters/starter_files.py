@@ -20,7 +20,7 @@ STARTERS: Mapping[str, str] = MappingProxyType(
         "kit": "an arm of drives, tubes and a gripper with ports, in space",
     }
 )
-"""The kinds, and what the file of each is about."""
+"""Maps each kind to what its file is about."""
 
 
 def starter(kind: str) -> str:
@@ -37,14 +37,14 @@ def starter(kind: str) -> str:
 
 
 def list_of_starters() -> str:
-    """The kinds, one a line, and how to go on."""
+    """The kinds, one per line, and how to continue."""
     width = max(map(len, STARTERS))
     rows = [f"{kind:{width}}  {about}" for kind, about in STARTERS.items()]
     return "\n".join([*rows, "", "`srgc new planar` writes planar.srg."])
 
 
 def next_steps(path: Path, text: str) -> str:
-    """What was written, and the commands to go on with."""
+    """What was written, and the next commands to run."""
     task = re.findall(r"^task (\w+)", text, re.MULTILINE)[0]
     file, folder = shlex.quote(str(path)), f"out/{task}"
     steps = {

@@ -1,1 +1,1 @@
-"""What the commands print, as text and as JSON."""
+"""The reports that commands print, as text and as JSON."""

@@ -1,4 +1,4 @@
-"""What ``srgc check`` and ``srgc explain`` print about codes."""
+"""The texts of ``srgc check`` and ``srgc explain`` about diagnostics and their codes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grammar_lang.diagnostics.wording import counted
 from srgc.faults import UsageFault
 from srgc.session import Checked
 
-# --- The last line of ``srgc check``: how many findings of which kind -----------------------------
+# --- The last line of ``srgc check``: the number of diagnostics of each severity ------------------
 
 
 def summary(results: Sequence[Checked]) -> str:
@@ -25,7 +25,7 @@ def summary(results: Sequence[Checked]) -> str:
     return f"{files}: {', '.join(counts)}; `srgc explain CODE` explains a code"
 
 
-# --- What ``srgc explain`` prints: pages of the catalogue, or the list of all codes ---------------
+# --- The text of ``srgc explain``: pages of the catalogue, or the list of all codes ---------------
 
 
 _BOLD, _RESET = "\033[1m", "\033[0m"
@@ -33,7 +33,7 @@ _HEADING = re.compile(r"^(?:# .*|Fails:|Repaired:)$", re.MULTILINE)
 
 
 def list_of_codes() -> str:
-    """Every code with its title, one a line."""
+    """All codes with their titles, one per line."""
     return "".join(f"{code.value}  {title(code)}\n" for code in Code)
 
 
@@ -41,7 +41,7 @@ def explanation(codes: Sequence[str], *, colour: bool) -> str:
     """The pages of the codes that the user named, as Markdown; headings in bold with ``colour``.
 
     Raises:
-        UsageFault: one of them is no code.
+        UsageFault: a text is not a code.
     """
     pages = "\n".join(_page(_known(text)) for text in codes)
     return _HEADING.sub(rf"{_BOLD}\g<0>{_RESET}", pages) if colour else pages

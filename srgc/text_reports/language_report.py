@@ -1,4 +1,4 @@
-"""``srgc language``: what kind of language a robot family is, and by what automata it is read."""
+"""The reports about words: the language of a robot family, its automata, membership, lists."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from srgc.session import UsageFault
 MOST_TRANSITIONS = 20_000
 
 EMPTY_WORD = "(empty word)"
-"""How a list shows the word without symbols; no symbol has such a name."""
+"""The text for the word without symbols; no symbol has this name."""
 
 READERS = {
     "finite automaton": "a finite automaton",
@@ -34,7 +34,7 @@ READERS = {
 
 
 def language_text(program: ir.Program, grammar: ir.Grammar) -> str:
-    """What ``srgc language`` prints."""
+    """The text of ``srgc language``."""
     family = language(grammar, program.terminals, program.modules)
     rows = [
         ("productions", str(len(grammar.productions))),
@@ -95,7 +95,7 @@ def _lr(family: Language) -> str:
 
 
 def _conflict(family: Language, conflict: LrConflict) -> str:
-    """After which symbols, seeing what, the next step is open."""
+    """The prefix and the lookahead at which an LR(1) conflict leaves the next step open."""
     names = (*family.srg.terminals, *family.srg.nonterminals)
     at_end = conflict.lookahead == family.srg.cfg.terminals
     after = " ".join(names[s] for s in conflict.prefix)
@@ -142,19 +142,19 @@ def _ambiguity(family: Language) -> Iterator[tuple[str, str]]:
 
 
 # --------------------------------------------------------------------------------------------------
-# ``srgc accepts``: membership, with the run of the automaton and a derivation where asked for.
+# ``srgc accepts``: membership, and on request the run of the automaton and a derivation.
 
 
 SHOWN_STACK = 8
-"""So many symbols are shown from the top of the stack."""
+"""The number of symbols to show from the top of the stack."""
 SHOWN_WORD = 12
-"""So many symbols are shown of the word that cannot go on."""
+"""The number of symbols to show of a prefix that no word continues."""
 
 
 def acceptance_text(
     program: ir.Program, grammar: ir.Grammar, word: tuple[str, ...], *, trace: bool
 ) -> tuple[bool, str]:
-    """Whether the word is accepted, and what to print."""
+    """Whether the word is accepted, and the text to print."""
     family = language(grammar, program.terminals, program.modules)
     if not family.accepts(word):
         return False, f"not accepted: {_reason(family, word)}"
@@ -170,7 +170,7 @@ def acceptance_text(
 def _first_derivation(
     family: Language, grammar: ir.Grammar, pda: Pda, word: tuple[str, ...]
 ) -> Derivation:
-    """The first one; any one where there may be infinitely many."""
+    """The first derivation of a word; an arbitrary one if there may be infinitely many."""
     if not cyclic(trimmed(family.srg.cfg)):
         return next(derivations_of(family, word))
     run = accepting_run(pda, word) or ()
@@ -193,7 +193,7 @@ def _reason(family: Language, word: tuple[str, ...]) -> str:
 
 
 def _run(pda: Pda, run: Sequence[Transition]) -> Iterator[str]:
-    """The configurations: symbols read so far, state, stack; and what leads to the next one."""
+    """The configurations (symbols read, state, stack), each with the step to the next one."""
     yield ""
     yield "run of the pushdown automaton (symbols read, state, stack from its top; step):"
     stack = list(reversed(pda.initial_stack))
@@ -247,10 +247,10 @@ def _derivation(derivation: Derivation) -> Iterator[str]:
 def comparison_text(
     program: ir.Program, first: ir.Grammar, second: ir.Grammar, max_length: int
 ) -> tuple[bool, str]:
-    """Whether no difference is found, and what to print.
+    """Whether no difference is found, and the text to print.
 
     Raises:
-        BudgetExceededError: it would take too long.
+        BudgetExceededError: the comparison would take too long.
     """
     families = [language(g, program.terminals, program.modules) for g in (first, second)]
     found = compare(families[0], families[1], max_length)
@@ -266,11 +266,11 @@ def comparison_text(
     )
 
 
-# --- ``srgc words``: the lines of the list, of the counts, of the sample --------------------------
+# --- ``srgc words``: the lines of the list, of the counts, and of the sample ----------------------
 
 
 def nothing_listed(family: ir.Grammar, shortest: str | None, max_length: int | None) -> str:
-    """Why a list of words has no line; ``shortest`` is the shortest word of the family, if any."""
+    """Why a list of words is empty; ``shortest`` is the shortest word of the family, if any."""
     if shortest is None:
         return f"grammar `{family.name}` has no words"
     length = len(shortest.split())
@@ -283,7 +283,7 @@ def nothing_listed(family: ir.Grammar, shortest: str | None, max_length: int | N
 def listed(
     program: ir.Program, grammar: ir.Grammar, max_length: int | None, limit: int
 ) -> Iterator[str]:
-    """The first words."""
+    """The first ``limit`` words, one per line."""
     family = language(grammar, program.terminals, program.modules)
     return map(" ".join, islice(family.words(max_length=max_length), min(limit, sys.maxsize)))
 
@@ -292,8 +292,8 @@ def counted(program: ir.Program, grammar: ir.Grammar, max_length: int | None) ->
     """The number of words of each length.
 
     Raises:
-        UsageFault: a length is needed.
-        BudgetExceededError: it would take too long.
+        UsageFault: the language is infinite and no length is given.
+        BudgetExceededError: counting would take too long.
     """
     family = language(grammar, program.terminals, program.modules)
     if max_length is None and not family.is_finite():
@@ -309,7 +309,7 @@ def sampled(
 
     Raises:
         UsageFault: there is no word of that length.
-        BudgetExceededError: it would take too long.
+        BudgetExceededError: drawing would take too long.
     """
     family = language(grammar, program.terminals, program.modules)
     sampler = WordSampler(family, length)

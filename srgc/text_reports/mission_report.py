@@ -1,4 +1,4 @@
-"""A mission as plain text: its verdict, the line of robots, and what changes between them."""
+"""A mission as plain text: its verdict, its robots in order, and the changes between them."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from srgc.text_reports.verification_report import (
 def mission_text(
     result: MissionResult, folder: str, program: ir.Program, notes: Sequence[str] = ()
 ) -> str:
-    """What a search came to, and where it is.
+    """The result of a search, and where it was written.
 
     Args:
         result: the result.
         folder: its folder.
-        program: what it is about.
-        notes: more to be said, a line each.
+        program: the program of the mission.
+        notes: further lines.
     """
     last = [f"written to {folder}", after_mission(result, folder)]
     return "\n".join([*_lines(result, program), *notes, *last])
 
 
 def difference_text(difference: ModuleDifference, folder: str, spec: str) -> str:
-    """That a module of the robot of a folder is built otherwise in a spec, in one line."""
+    """A note that a module of the robot of a folder differs from the spec's."""
     return visible(
         f"note: module {difference.module} differs from that of {folder} "
         f"({', '.join(difference.what)}): it is now as {spec} says"
@@ -74,7 +74,7 @@ def _lines(result: MissionResult, program: ir.Program) -> Iterator[str]:
 
 
 def after_mission(result: MissionResult, folder: str) -> str:
-    """The line on what to do next, of results in a folder."""
+    """The line about the next step, for results in a folder."""
     if result.verdict == "found":
         return next_command("srgc verify", folder)
     if result.ended is not None:
@@ -83,7 +83,7 @@ def after_mission(result: MissionResult, folder: str) -> str:
 
 
 def _claim(result: MissionResult) -> str:
-    """What it costs or is worth, and what is proved of that."""
+    """The cost of the changes or the values of the objectives, and what is proved about them."""
     if result.mission.prices is None:
         values = [
             amount_text(each.objective, each.value)
@@ -106,7 +106,7 @@ def _least(value: Fraction, least: Fraction, text: str) -> str:
 
 
 def _robot(result: MissionResult, number: int) -> str:
-    """The word of a robot with its parameters and the robustness of its motion."""
+    """The word of a robot with its parameters."""
     design = result.designs[number]
     values = ", ".join(
         f"{p.parameter.module}.{p.parameter.name} = {float(p):.4g} {p.parameter.unit}".removesuffix(
@@ -119,12 +119,12 @@ def _robot(result: MissionResult, number: int) -> str:
 
 
 def step_text(step: Changes, old: Sequence[str], new: Sequence[str]) -> str:
-    """What is changed, in words.
+    """The changes of a step, in words.
 
     Args:
         step: the changes.
-        old: what the modules of the old robot are called, in their order.
-        new: those of the new one.
+        old: the labels of the old robot's modules, in order.
+        new: the labels of the new robot's modules, in order.
     """
     parts = []
     if step.removed:
@@ -137,7 +137,7 @@ def step_text(step: Changes, old: Sequence[str], new: Sequence[str]) -> str:
 
 
 def design_labels(design: Design, program: ir.Program) -> list[str]:
-    """What the modules of a design are called: their names with the values of their parameters."""
+    """The labels of a design's modules: their names, with the values of their parameters."""
     values: dict[int, list[str]] = {}
     for each in design.parameters:
         unit = "" if each.parameter.unit == "1" else f" {each.parameter.unit}"
@@ -150,7 +150,7 @@ def design_labels(design: Design, program: ir.Program) -> list[str]:
 
 
 def existing_labels(existing: Existing, program: ir.Program) -> list[str]:
-    """The same of the existing robot before."""
+    """The labels of the existing robot's modules: their names, with their parameter values."""
     found = []
     for module in existing.robot:
         units = {each.name: each.unit for each in program.modules[module.name].parameters}
@@ -162,11 +162,11 @@ def existing_labels(existing: Existing, program: ir.Program) -> list[str]:
     return found
 
 
-# --- What the verifier says of a mission ----------------------------------------------------------
+# --- The verifier's report on a mission -----------------------------------------------------------
 
 
 def mission_check_text(report: MissionReport) -> str:
-    """The verifier's answer on a mission, then that on each of its designs."""
+    """The verifier's answer about a mission, then about each of its designs."""
     lines = [answer(report.report)]
     if report.mission is not None:
         lines.append(f"mission: {visible(report.mission)}")
@@ -176,7 +176,7 @@ def mission_check_text(report: MissionReport) -> str:
 
 
 def mission_check_json(report: MissionReport) -> str:
-    """The same for other programs."""
+    """The verifier's answer about a mission as JSON."""
     content = json.loads(verification_json(report.report))
     del content["task"]
     content["mission"] = report.mission

@@ -21,16 +21,16 @@ from srgc.chosen_robot import ChosenRobot, RobotRequest, chosen_robot
 from srgc.session import UsageFault
 
 MOST_WRITTEN = 8
-"""Equations of more degrees of freedom run to thousands of lines."""
+"""With more degrees of freedom, the equations are thousands of lines long."""
 BOXES = 512
-"""How many boxes the check of M may examine: a second or two."""
+"""The number of boxes that the check of M may examine, which takes a second or two."""
 
 Form: TypeAlias = Literal["text", "latex", "smt2"]
 
 
 @dataclass(frozen=True, slots=True)
 class ModelReport:
-    """The report, and what a reader has to know beside it."""
+    """The report, and remarks for the reader."""
 
     text: str
     remarks: tuple[str, ...]
@@ -39,10 +39,10 @@ class ModelReport:
 def model_report(
     program: ir.Program, request: RobotRequest, form: Form = "text", *, whole: bool = False
 ) -> ModelReport:
-    """What ``srgc model`` prints; ``whole``: the equations of many degrees of freedom, too.
+    """The text of ``srgc model``; ``whole``: with the equations even of many degrees of freedom.
 
     Raises:
-        UsageFault: choices that do not fit the program, or a word without a robot.
+        UsageFault: the choices do not fit the program, or the word has no robot.
     """
     robot = chosen_robot(program, request)
     return ModelReport(model_text(robot, form, whole=whole), robot.remarks)
@@ -76,7 +76,7 @@ def _sections(robot: ChosenRobot, *, whole: bool) -> Iterator[Section]:
 
 
 def _checks(robot: ChosenRobot) -> Iterator[tuple[str, list[str]]]:
-    """Titles and lines of what is proved about the robot, the last sections of the report."""
+    """Titles and lines of what is proved about the robot, for the last sections of the report."""
     if robot.model.dofs:
         text = (
             "undecided: a quotient or a root of parameters is not shown to have a value everywhere"
@@ -107,7 +107,7 @@ def _facts(robot: ChosenRobot) -> Iterator[Fact]:
 
 
 def _listed(counts: Mapping[str, int]) -> str:
-    """``2 rods, 1 sphere``; the plural of a box is boxes."""
+    """A list such as ``2 rods, 1 sphere``; the plural of box is boxes."""
     plurals = {name: f"{name}{'es' if name.endswith('x') else 's'}" for name in counts}
     return ", ".join(f"{n} {name if n == 1 else plurals[name]}" for name, n in counts.items() if n)
 

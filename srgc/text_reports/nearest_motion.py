@@ -1,6 +1,6 @@
-"""Of a task that stayed unknown: the motion that came nearest to a design, and where it is stuck.
+"""For a task that stayed unknown: the motion that came nearest to a design, and where it is stuck.
 
-Nothing of it is proved.
+Nothing about it is proved.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ FIRST = {
     Cause.UNPROVED: "shorter steps",
     Cause.UNDER_WAY: "a longer `--time-limit`",
 }
-"""What is tried first against a cause."""
+"""Maps each cause to what to try first against it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stuck:
-    """Where a motion cannot go on: the time in s, and the place of its leading effector in m."""
+    """The point at which a motion is stuck: time in s, position of the leading effector in m."""
 
     time: float
     position: tuple[float, ...]
 
 
 def stuck_at(nearest: NearestMotion, task: ir.Task) -> Stuck | None:
-    """Where a motion cannot go on; None where it gets to all samples, or that is not known."""
+    """Where a motion is stuck; None if it reaches all samples, or if that is not known."""
     sample = nearest.stuck
     if sample is None:
         return None
@@ -54,12 +54,12 @@ def stuck_at(nearest: NearestMotion, task: ir.Task) -> Stuck | None:
 
 
 def first_to_try(nearest: NearestMotion) -> str | None:
-    """What is tried first against what blocked a motion, in words; nothing was run for it."""
+    """What to try first against the cause that blocked a motion, in words; no run has tested it."""
     return FIRST.get(nearest.cause)
 
 
 def nearest_entry(nearest: NearestMotion | None, task: ir.Task) -> dict[str, Any] | None:
-    """The entry of ``design.json``."""
+    """The entry about the nearest motion in ``design.json``."""
     if nearest is None:
         return None
     stuck = stuck_at(nearest, task)

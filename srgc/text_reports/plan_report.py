@@ -59,10 +59,11 @@ class PlanReport:
 
 
 def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = None) -> PlanReport:
-    """The plan with the fewest changes of cell, one cell a line; or why there is none.
+    """The plan with the fewest changes of cell, one cell per line; or why there is none.
 
-    Where it matters when cells are entered, lines say so; paths of several effectors have headings.
-    A plan keeps effectors that are on a body out of what bodies avoid, where there is such a plan.
+    If the times matter, lines give the samples at which cells are entered; paths of several
+    effectors have headings.  If possible, a plan keeps effectors that are on a body out of the
+    cells that bodies have to avoid.
     """
     program, task = expanded(program, task)
     workspace, cells = program.workspaces[task.workspace], _cells(program, task, least_cells)
@@ -77,8 +78,8 @@ def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = No
                 found = PlanReport("unknown", f"unknown: {reason.value}", workspace, cells)
             case ended:
                 text = f"no path: {_why(ended.counterexample, problem.steps, task)}"
-                # Of motions that go on for ever only some shapes are looked at, and of those that
-                # may end at several times some of the ends.
+                # For motions that repeat, only some shapes are searched; for those that may end at
+                # several times, only some of the ends.
                 some = task.repeat or (task.at_most and task.demanded)
                 verdict: Verdict = "unknown" if some else "impossible"
                 found = PlanReport(verdict, text, workspace, cells)
@@ -86,7 +87,7 @@ def plan_report(program: ir.Program, task: ir.Task, least_cells: int | None = No
 
 
 def _gentle(plan: Plan, problem: PlanningProblem, cells: Abstraction) -> Plan:
-    """The plan with its samples moved to where there is little haste; the solver's are any."""
+    """The plan with its samples moved to reduce haste; the solver's samples are arbitrary."""
     formula, paths = problem.formula, list(plan.paths)
     if formula is None:
         return plan
@@ -113,8 +114,8 @@ def dump_text(program: ir.Program, task: ir.Task, form: str, least_cells: int | 
     """The whole problem as ``dimacs`` or ``smt2``, satisfiable iff there is a plan.
 
     Raises:
-        UsageFault: the task is about motions that go on for ever, or has formulas about motions
-            that end at several times: these are several problems.
+        UsageFault: the task repeats its motion for ever, or it has formulas and its motions may end
+            at several times; both give several problems.
     """
     program, task = expanded(program, task)
     if task.repeat:
@@ -133,10 +134,10 @@ def _cells(program: ir.Program, task: ir.Task, least: int | None) -> Abstraction
 
 
 def _problems(cells: Abstraction, task: ir.Task) -> Iterator[PlanningProblem]:
-    """The problem of a task; of one that repeats, those of the shapes that a search looks at.
+    """The problem of a task; if it repeats, the problems of all shapes that a search considers.
 
-    Without formulas a motion of more steps has more plans; with them, those of several numbers of
-    steps are looked for.
+    Without formulas, the largest number of steps is enough, since more steps allow more plans; with
+    formulas, several numbers of steps are considered.
     """
     recorded = recorded_effector(task) or 0
     lengths = *tasks_by_length(task), *tasks_of_other_lengths(task)
@@ -148,13 +149,13 @@ def _problems(cells: Abstraction, task: ir.Task) -> Iterator[PlanningProblem]:
 def _clear_problems(
     program: ir.Program, task: ir.Task, cells: Abstraction
 ) -> Iterator[PlanningProblem]:
-    """The same without the cells that bodies avoid, for effectors that are on a body.
+    """The problems without the cells that bodies avoid, for effectors that are on a body.
 
-    They are those of the smallest robot that can move.
+    These cells are those for the smallest robot that can move.
     """
     if all(avoid.subject != "body" for avoid in task.avoid):
         return
-    # It loads scipy, which other plans do not need.
+    # This loads scipy, which other plans do not need.
     from solvers.search.sampled_cells import clear_of_bodies
 
     family = family_of(program, task)
@@ -170,7 +171,7 @@ def _clear_problems(
 
 
 def _length(problem: PlanningProblem, task: ir.Task) -> Iterator[str]:
-    """For how many steps a plan is, where that is a choice and formulas tell times."""
+    """The number of steps of a plan, if it is a choice and formulas depend on times."""
     if task.at_most and task.demanded:
         yield f"{counted(problem.steps, 'step')}:"
 
@@ -204,7 +205,7 @@ def _why(ended: Exhausted, steps: int, task: ir.Task) -> str:
 
 
 def after_plan(verdict: Verdict, file: str) -> str:
-    """The line on what to do next."""
+    """The line about the next step."""
     if verdict == "found":
         return next_command("srgc synth", file, "finds out whether a robot can follow it")
     return next_command("srgc plan -o plan.svg", file, "draws the cells")

@@ -1,4 +1,4 @@
-"""What convex solvers answer in words and codes of their own, which few readers ask for."""
+"""Removes the convex solvers' own answers and codes from texts, as few readers need them."""
 
 from __future__ import annotations
 
@@ -14,5 +14,5 @@ _ANSWER = re.compile(rf"{Ending.UNSOLVED.value}: (?:{_STATUSES})(?:{_DETAIL})?",
 
 
 def without_solver_words(text: str) -> str:
-    """A text that says that a program was not solved, but not what the solver calls that."""
+    """A text that still says that a program was not solved, but not the solver's own status."""
     return _ANSWER.sub(Cause.UNSOLVED.value, text)

@@ -1,4 +1,4 @@
-"""The outcome of a synthesis as plain text: the robot, what it changes, the inputs it uses."""
+"""The outcome of a synthesis as plain text: the robot, its changes, the inputs it uses."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from srgc.text_reports.next_step import next_advice, next_command
 
 @dataclass(frozen=True, slots=True)
 class UsedInputs:
-    """Inputs that share a bound, all figures in ``unit``.
+    """Inputs that share a bound, with all figures in ``unit``.
 
-    They are from ``low`` to ``high``; ``peak`` is the largest size of one of them, or of their norm
-    where that is bounded; ``margin`` what they keep from the bound, ``widest`` what they can at
-    most; ``effort``: whether they are efforts of joints.
+    They lie between ``low`` and ``high``.  ``peak`` is the largest absolute value of one of them,
+    or the largest norm if the norm is bounded.  ``margin`` is their distance from the bound,
+    ``widest`` the largest possible distance.  ``effort``: whether they are efforts of joints.
     """
 
     name: str
@@ -51,7 +51,7 @@ def used_inputs(
 
     Args:
         model: the robot.
-        task: what bounds its inputs.
+        task: the task, which bounds its inputs.
         inputs: a row (m,) of decimals per step.
     """
     rows = np.array([[float(exact(text)) for text in row] for row in inputs])
@@ -79,9 +79,9 @@ def used_inputs(
 def robustness_text(
     used: Sequence[UsedInputs], write: Callable[[float, str], str] | None = None
 ) -> str:
-    """The least margin as a share of the widest there can be, and what is left of each unit there.
+    """The least margin as a share of the widest possible one, and the margins in each unit.
 
-    ``write`` writes a number with its unit; default plain text.
+    ``write`` formats a number with its unit; the default is plain text.
     """
     write = write or amount
     counted = [each for each in used if each.widest > 0]
@@ -97,15 +97,15 @@ def robustness_text(
 
 
 def amount(value: float, unit: str, digits: int = 4) -> str:
-    """A number of so many significant digits with its unit; a plain number has none."""
+    """A number with ``digits`` significant digits and its unit; a dimensionless one has none."""
     return f"{value:.{digits}g}{'' if unit == '1' else ' ' + unit}"
 
 
-# --- What a design changes of the existing robot of its task, as text -----------------------------
+# --- What a design changes in the existing robot of its task, as text -----------------------------
 
 
 def change_of(program: ir.Program, task: ir.Task, design: Design | None) -> Reconfiguration | None:
-    """The way from the existing robot of a task to a design; None without one or the other."""
+    """The reconfiguration from a task's existing robot to a design; None if either is missing."""
     if design is None or task.origin is None:
         return None
     rules = family_of(program, task).language.srg
@@ -113,7 +113,7 @@ def change_of(program: ir.Program, task: ir.Task, design: Design | None) -> Reco
 
 
 def change_lines(change: Reconfiguration) -> list[str]:
-    """The number of modules that change, and the configurations on the way."""
+    """The number of modules that change, and the intermediate configurations."""
     words = [" ".join(word) for word in change.configurations]
     if len(words) == 1:
         return ["change:  none, this is the existing robot"]
@@ -127,13 +127,13 @@ def change_lines(change: Reconfiguration) -> list[str]:
 # --- The outcome of a synthesis as plain text -----------------------------------------------------
 
 FRICTION_UNUSED = "motions that dry friction alone holds or brakes were not looked for"
-"""What is said of a robot with dry friction of which nothing is known."""
+"""The remark about a robot with dry friction that is undecided."""
 UNASKED_SELF = "self-collision was not asked for (`avoid self with body;`)"
-"""What is said of a task that lets a robot pass through itself."""
+"""The remark about a task that lets a robot pass through itself."""
 
 
 def _winding(turns: Sequence[int]) -> Iterator[str]:
-    """Which joints are whole turns farther after a round."""
+    """The joints that turn by whole revolutions in a round, with their numbers of turns."""
     for number, turn in enumerate(turns, 1):
         if turn:
             times = "once" if abs(turn) == 1 else f"{abs(turn)} times"
@@ -141,7 +141,7 @@ def _winding(turns: Sequence[int]) -> Iterator[str]:
 
 
 def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
-    """What the motion uses of each bound on its inputs, and what it leaves."""
+    """What the motion uses of each bound on its inputs, and the robustness."""
     used = used_inputs(design.model, task, design.inputs)
     for each in used:
         if each.effort:
@@ -204,12 +204,12 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
 
 
 def steps_taken(steps: int, task: ir.Task) -> str:
-    """How many steps a motion has, of those that a task allows."""
+    """The number of steps of a motion, out of those that the task allows."""
     return f"{steps} of at most {counted(task.steps, 'step')}"
 
 
 def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:
-    """What no robot exceeds, if that was asked for, and how far the design is below it."""
+    """The bound that no robot exceeds, if it was asked for, and the gap from design to bound."""
     if result.unbounded is not None:
         yield f"bound:   none was proved: {result.unbounded}"
     if result.bound is None:
@@ -221,7 +221,7 @@ def _bound(result: Synthesis, design: Design, task: ir.Task) -> Iterator[str]:
 
 
 def _search_of_least(result: Synthesis, *, ended: bool) -> Iterator[str]:
-    """Why no time is proved to be too short, and, if asked, what ended the search for the least."""
+    """Why no bound on the time was proved, and if asked, what ended the search for the least."""
     if result.optimality is None:
         return
     if result.optimality.untimed is not None:
@@ -231,7 +231,7 @@ def _search_of_least(result: Synthesis, *, ended: bool) -> Iterator[str]:
 
 
 def objectives_text(result: Synthesis) -> str:
-    """What is known of the objectives of a design, in words; "" without any."""
+    """What is known about the objectives of a design, in words; "" without objectives."""
     return "" if result.optimality is None else result.optimality.text
 
 
@@ -242,10 +242,11 @@ def synthesis_text(
     table: str = "",
     change: Reconfiguration | None = None,
 ) -> str:
-    """The outcome of the synthesis of a task in a few lines, the last of them what to do next.
+    """The outcome of a synthesis in a few lines; the last one says what to do next.
 
-    ``table`` is about all designs, ``change`` about what becomes of the existing robot.  Behind
-    *impossible* that line is missing: a conflict comes before it (``why_report.ending``).
+    ``table`` is about all designs, ``change`` about the changes to the existing robot. After an
+    ``impossible`` the last line is missing, because a conflict comes before it
+    (``why_report.ending``).
     """
     reason = result.reason or objectives_text(result)
     lines = [f"verdict: {result.verdict}" + (f" ({reason})" if reason else "")]
@@ -280,7 +281,7 @@ def synthesis_text(
 
 
 def counterexamples_text(found: Sequence[CounterExampleRecord]) -> str:
-    """How many paths were not followed, through how few cells that is, and what each defers."""
+    """How many paths were not followed, the few cells that prove it, and the paths each defers."""
     cells, length, deferred = (
         between(values)
         for values in (
@@ -296,18 +297,18 @@ def counterexamples_text(found: Sequence[CounterExampleRecord]) -> str:
 
 
 def between(values: Sequence[int]) -> str:
-    """The least and the greatest of some numbers, one where they are the same."""
+    """The least and the greatest of some numbers, or one number if they are equal."""
     least, most = min(values), max(values)
     return f"{least}" if least == most else f"{least} to {most}"
 
 
-# --- What to do next ------------------------------------------------------------------------------
+# --- The next step --------------------------------------------------------------------------------
 
 GO_ON = "run the same command again to continue"
 
 
 def after_synthesis(result: Synthesis, task: ir.Task, folder: str) -> str:
-    """The line on what to do next, of results in a folder."""
+    """The line about the next step, for results in a folder."""
     if result.verdict == "found":
         return next_command("srgc verify", folder)
     advice = _advice(result, task) if result.verdict == "unknown" else None
@@ -317,7 +318,7 @@ def after_synthesis(result: Synthesis, task: ir.Task, folder: str) -> str:
 
 
 def _advice(result: Synthesis, task: ir.Task) -> str | None:
-    """What to try after *unknown*, by what ended the search; None where nobody knows."""
+    """What to try after *unknown*, depending on what ended the search; None if nothing is known."""
     nearest = None if result.nearest is None else first_to_try(result.nearest)
     first = None if nearest is None else f"try {nearest}"
     if result.unfinished:

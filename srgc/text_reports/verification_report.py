@@ -18,20 +18,20 @@ from solvers.verifier.verification import Outcome, Report
 from srgc.text_reports.next_step import HEAD, WIDTH, next_command
 
 NAMES = 13
-"""Of the column of names at least: a margin, a time and a place in the plane fit beside it."""
+"""The least width of the column of names: a margin, a time and a planar position fit beside it."""
 ORDER = (Status.FAILS, Status.UNDECIDED, Status.HOLDS)
 
 
 def verification_text(report: Report) -> str:
     """The verifier's answer and what it is about, with all margins, the smallest first.
 
-    No line has more than 80 columns, unless it has a reason or a name from the file.
+    No line has more than 80 columns, unless it contains a reason or a name from the file.
     """
     return "\n".join([answer(report), *detail_lines(report)])
 
 
 def answer(report: Report) -> str:
-    """The verifier's answer, with its reason: one line, which programs find as it is."""
+    """The verifier's answer with its reason, in one line that programs can rely on."""
     head = report.outcome.value
     if report.verdict is not None and report.outcome in (Outcome.VALID, Outcome.UNCHECKED):
         level = f", level {report.level}" if report.level else ""
@@ -52,7 +52,7 @@ def detail_lines(report: Report) -> list[str]:
 
 
 def _condition_lines(condition: CheckedCondition) -> list[str]:
-    """A condition in one line; where that is too narrow, its margin in another."""
+    """A condition in one line; if that is too long, its margin is on another line."""
     status, said = f"  {condition.status.value:<9} ", _said(condition)
     line = f"{status}{condition.name:<{NAMES}}  {said}".rstrip()
     if len(line) <= WIDTH:
@@ -65,7 +65,7 @@ def _condition_lines(condition: CheckedCondition) -> list[str]:
 
 
 def _wrapped(text: str, first: str, rest: str) -> list[str]:
-    """A text in lines of 80 columns; no word is cut."""
+    """A text in lines of 80 columns, without breaking words."""
     return wrap(
         text, WIDTH, initial_indent=first, subsequent_indent=rest, break_long_words=False,
         break_on_hyphens=False,
@@ -73,7 +73,7 @@ def _wrapped(text: str, first: str, rest: str) -> list[str]:
 
 
 def verification_json(report: Report) -> str:
-    """The verifier's answer for other programs: every condition, none taken together."""
+    """The verifier's answer as JSON, with every condition separately."""
     content = {
         "outcome": report.outcome.value,
         "verdict": report.verdict,
@@ -100,12 +100,12 @@ def verification_json(report: Report) -> str:
 
 
 def in_order(conditions: Sequence[CheckedCondition]) -> list[CheckedCondition]:
-    """What is violated, what is open, what holds; each by its margin, those without one last."""
+    """Violated conditions, then undecided ones, then those that hold; each group by margin."""
     return sorted(conditions, key=lambda f: (ORDER.index(f.status), f.margin))
 
 
 def _said(condition: CheckedCondition) -> str:
-    """The margin of a condition, when and where it is, and that it is exact where it is."""
+    """The margin of a condition, its time and place, and ``exact`` if it is exact."""
     parts = list[str]()
     if condition.name == ENERGY and isfinite(condition.most):
         parts.append(f"{condition.least(6):.6g} to {condition.most:.6g} J")
@@ -121,11 +121,11 @@ def _said(condition: CheckedCondition) -> str:
 
 
 _PIECE = re.compile(r"(?P<what>.* to \w+)\.\d+")
-"""A condition on one piece of a map of obstacles: of regions only these have names with a dot."""
+"""A condition on one piece of an obstacle map: only these regions have a dot in their names."""
 
 
 def by_map(conditions: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]:
-    """The conditions, of those about the pieces of one map only the first of each status."""
+    """The conditions; for the pieces of one map, only the first condition of each status."""
     pieces = [_PIECE.fullmatch(condition.name) for condition in conditions]
     kinds = [
         None if piece is None else (piece["what"], condition.status)
@@ -140,11 +140,11 @@ def by_map(conditions: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]
             yield replace(condition, name=f"{condition.name} and {counts[kind] - 1} more pieces")
 
 
-# --- What to do next ------------------------------------------------------------------------------
+# --- The next step --------------------------------------------------------------------------------
 
 
 def after_verification(report: Report, folder: str) -> str:
-    """The line on what to do next, of results in a folder."""
+    """The line about the next step, for results in a folder."""
     match report.outcome:
         case Outcome.VALID if report.verdict == "found":
             return next_command("srgc report", folder, "or srgc export")

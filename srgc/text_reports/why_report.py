@@ -22,9 +22,9 @@ from solvers.search.synthesis import Synthesis
 from srgc.text_reports.synthesis_report import after_synthesis
 
 MOST_LEMMAS = 2
-"""So many lemmas are shown at the end of a synthesis."""
+"""The number of lemmas to show at the end of a synthesis."""
 MOST_CONFLICTS = 6
-"""So many conflicts are printed for people, and all of them as JSON."""
+"""The number of conflicts to print for people; JSON has all of them."""
 
 
 def why_text(found: Explanation, *, colour: bool = False) -> str:
@@ -37,7 +37,7 @@ def why_text(found: Explanation, *, colour: bool = False) -> str:
     suggested = _suggested(found)
     nearest = _nearest(found)
     unknown = found.tried.verdict == "unknown" and not found.all_refuted
-    # Where motions were searched without success, other robots' conflicts are of less interest.
+    # If motions were searched without success, the conflicts of other robots matter less.
     told = [*nearest, suggested, *conflicts] if unknown else [*conflicts, suggested]
     blocks = [head, *told]
     if found.ended is not None:
@@ -46,7 +46,7 @@ def why_text(found: Explanation, *, colour: bool = False) -> str:
 
 
 def lemma_blocks(posed: PosedTask, lemmas: Sequence[Learnt], *, colour: bool = False) -> list[str]:
-    """What each lemma says, and the lines that it rests on."""
+    """The statement of each lemma, and the lines that it depends on."""
     blocks = []
     for lemma in lemmas:
         lines = [f"{lemma.says[0].upper()}{lemma.says[1:]}:"]
@@ -57,7 +57,7 @@ def lemma_blocks(posed: PosedTask, lemmas: Sequence[Learnt], *, colour: bool = F
 
 
 def conflict_blocks(found: Explanation, *, colour: bool = False) -> list[str]:
-    """The conflicts, each line of the spec shown once, where it is first needed."""
+    """The conflicts; each line of the spec is shown once, where it is first needed."""
     sources = found.posed.program.sources
     shown: set[TaskLine] = set()
     blocks = []
@@ -79,7 +79,7 @@ def conflict_blocks(found: Explanation, *, colour: bool = False) -> list[str]:
 def _conflict(
     conflict: Conflict, sources: Sequence[Source], shown: set[TaskLine], *, colour: bool
 ) -> str:
-    """Whom a conflict rules out, and its lines."""
+    """The robots that a conflict rules out, and its lines."""
     if not conflict.lines:
         return f"{_whom(conflict)}: no line of the task is needed for that"
     head = "this line rules" if len(conflict.lines) == 1 else "these lines together rule"
@@ -107,7 +107,7 @@ def _robot(word: Sequence[str]) -> str:
 
 
 def _nearest(found: Explanation) -> list[str]:
-    """The nearest robot, where the reason of the verdict does not name it already."""
+    """The nearest robot, unless the reason of the verdict already names it."""
     nearest = found.tried.nearest
     if nearest is None or f"{_robot(nearest.word)}: {nearest.obstacle}" in found.tried.reason:
         return []
@@ -137,9 +137,9 @@ def _suggestion(one: Suggestion) -> str:
 
 
 def ending(result: Synthesis, posed: PosedTask, context: RunContext, folder: str) -> str:
-    """What ends the report of an impossible task: a conflict, and what to do next.
+    """The end of the report on an impossible task: a conflict, and what to do next.
 
-    A limit of time that holds here ends the search for a conflict.
+    If a time limit in force is reached, the search for a conflict ends.
     """
     lines = list[str]()
     with suppress(OutOfTimeError):
@@ -149,7 +149,7 @@ def ending(result: Synthesis, posed: PosedTask, context: RunContext, folder: str
 
 
 def _quickly(result: Synthesis, posed: PosedTask, context: RunContext) -> list[str]:
-    """Why a task is impossible, where a few questions say so."""
+    """Why a task is impossible, if a few solver calls are enough to tell."""
     reasons = {r.derivation: r.reason for r in result.records if r.same_robot_as is None}
     claims = [lemma.claim() for lemma in result.lemmas]
     lines = lemma_blocks(posed, learnt(posed, claims[:MOST_LEMMAS]))
@@ -165,7 +165,7 @@ def _quickly(result: Synthesis, posed: PosedTask, context: RunContext) -> list[s
 
 
 def _about_bodies(task: ir.Task) -> bool:
-    """Whether the poses of whole bodies are asked for, which takes seconds for a conflict."""
+    """Whether the task constrains whole bodies, for which finding a conflict takes seconds."""
     return task.bounds_body or any(clause.subject == "body" for clause in task.avoid)
 
 
@@ -173,7 +173,7 @@ def _about_bodies(task: ir.Task) -> bool:
 
 
 def why_json(found: Explanation) -> str:
-    """The explanation for programs; ends with a line break."""
+    """The explanation as JSON; ends with a line break."""
     sources = found.posed.program.sources
     nearest = found.tried.nearest
     content = {
@@ -201,7 +201,7 @@ def why_json(found: Explanation) -> str:
 
 
 def lemma_entries(posed: PosedTask, lemmas: Sequence[Learnt]) -> list[dict[str, Any]]:
-    """What lemmas say, and the lines that they rest on."""
+    """The statements of lemmas, and the lines that they depend on."""
     sources = posed.program.sources
     return [
         {

@@ -1,1 +1,1 @@
-"""What may be typed next."""
+"""Completion and signature help."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """How something is called: parameters with what each is, and what comes of it.
+    """The form of a call: its parameters with their meanings, and the meaning of the call.
 
-    ``named`` says whether arguments are written ``name: value``.
+    ``named``: whether arguments are written ``name: value``.
     """
 
     parameters: tuple[tuple[str, str], ...]
@@ -17,7 +17,7 @@ class Form:
     named: bool = True
 
     def label(self, name: str) -> str:
-        """The call as one line."""
+        """The call in one line."""
         return f"{name}({', '.join(parameter for parameter, _ in self.parameters)})"
 
 

@@ -1,4 +1,4 @@
-"""Completion: what may stand at the cursor, asked of the parser and of the names declared."""
+"""Completion: the continuations that the parser accepts, and the declared names."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _units(cursor: Cursor) -> Iterator[Offer]:
 
 
 def _snippets(cursor: Cursor) -> Iterator[Offer]:
-    """Whole items and statements, where one may begin."""
+    """Snippets for whole items and statements, where one may begin."""
     kind = cursor.item[0]
     forms: Mapping[str, str] = {}
     if not cursor.before:
@@ -110,14 +110,14 @@ def _offers(analysis: Analysis, cursor: Cursor, folder: Path | None) -> list[Off
 def completions(
     analysis: Analysis, text: str, offset: int, number: int = 0, *, snippets: bool = True
 ) -> list[lsp.CompletionItem]:
-    """What may be written at an offset of a text.
+    """The completions at an offset of a text.
 
     Args:
         analysis: the program.
         text: the text of the document.
-        offset: where the cursor is.
+        offset: the position of the cursor.
         number: the number of the document in the program.
-        snippets: whether the client knows snippets; else they are written as plain words.
+        snippets: whether the client supports snippets; otherwise plain words are inserted.
     """
     cursor = cursor_at(text, offset)
     path = analysis.path(number)
@@ -141,7 +141,7 @@ def completions(
     return list(items.values())
 
 
-# --- What is offered as a whole where an item or a statement may begin ----------------------------
+# --- Snippets for the places where an item or a statement may begin -------------------------------
 
 
 ITEMS = MappingProxyType(
@@ -256,7 +256,7 @@ STATEMENTS = MappingProxyType(
 
 
 def signature(text: str, offset: int) -> lsp.SignatureHelp | None:
-    """The call that is being written; None outside of calls."""
+    """The call that is being written; None outside calls."""
     cursor = cursor_at(text, offset)
     call = open_call(cursor.statement)
     form = None if call is None else EMISSIONS.get(call.name) or FUNCTIONS.get(call.name)

@@ -1,4 +1,4 @@
-"""Which names may stand at a cursor."""
+"""The names that may be written at a cursor."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from srgc.language_server.completions.call_forms import EMISSIONS, FUNCTIONS
 from srgc.language_server.completions.cursor import Cursor, open_call
 from srgc.language_server.documents.analysis import Analysis
 
-# --- Which names may stand at a cursor ------------------------------------------------------------
+# --- The names that may be written at a cursor ----------------------------------------------------
 
 
 _KINDS = lsp.CompletionItemKind
@@ -42,7 +42,7 @@ _MEMBERS: dict[Kind, lsp.CompletionItemKind] = {
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """A name that may be written; ``insert`` where more than the name is."""
+    """A name that may be written; ``insert`` is the text to insert if it differs from the name."""
 
     label: str
     kind: lsp.CompletionItemKind
@@ -59,7 +59,7 @@ def _has_input(module: s.Module) -> bool:
 
 
 class NamesDue:
-    """The names that may stand at a cursor, by what has been written before it."""
+    """The names that may be written at a cursor, depending on the text before it."""
 
     def __init__(self, analysis: Analysis, cursor: Cursor) -> None:
         self._analysis = analysis
@@ -70,7 +70,7 @@ class NamesDue:
         self._value = "NUMBER" in cursor.expected
 
     def offers(self) -> list[Offer]:
-        """All of them."""
+        """All names that may be written here."""
         kind = self._cursor.item[0]
         if "NAME" not in self._cursor.expected:
             return []
@@ -91,7 +91,7 @@ class NamesDue:
             case _:
                 return []
 
-    # --- what is declared ----------------------------------------------------------------------
+    # --- Declared names ------------------------------------------------------------------------
 
     def _symbols(self) -> Iterator[Offer]:
         for name, found in self._declared.terminals.items():
@@ -114,7 +114,7 @@ class NamesDue:
             yield Offer(name, _KINDS.Function, FUNCTIONS[name].means, f"{name}($0)")
         yield Offer("pi", _KINDS.Constant, "3.14159…")
 
-    # --- item by item --------------------------------------------------------------------------
+    # --- Item by item --------------------------------------------------------------------------
 
     def _module(self) -> Iterator[Offer]:
         name = self._cursor.item[1]
@@ -148,7 +148,7 @@ class NamesDue:
         yield from _named([each.name for each in found], _KINDS.Interface, "type of ports")
 
     def _arguments_left(self) -> list[Offer] | None:
-        """The arguments of an emission that are not given yet, where one may begin."""
+        """The remaining arguments of an emission, if one may begin here; else None."""
         call = open_call(self._said)
         if call is None or call.name not in EMISSIONS or self._last not in {"(", ","}:
             return None
@@ -235,7 +235,7 @@ class NamesDue:
         found = self._analysis.names.entities("attribute", scope=(grammar, nonterminal))
         yield from _named([each.name for each in found], _KINDS.Field, "attribute")
 
-    # --- tasks ---------------------------------------------------------------------------------
+    # --- Tasks ---------------------------------------------------------------------------------
 
     def _task(self) -> Iterator[Offer]:
         head, declared = self._said[:1], self._declared
@@ -259,7 +259,7 @@ class NamesDue:
             yield Offer("pi", _KINDS.Constant, "3.14159…")
 
     def _objectives(self, robots: str) -> Iterator[Offer]:
-        """What can be minimized, or inside of ``sum(…)`` what the modules of a grammar have."""
+        """The possible objectives or, inside ``sum(…)``, the attributes of a grammar's modules."""
         if self._last != "(":
             yield from OBJECTIVES
         elif self._said[-2:] == ("sum", "("):
@@ -270,7 +270,7 @@ class NamesDue:
                     yield offer
 
     def _chosen(self, word: str, kind: type[t.Robot | t.TaskWorkspace]) -> str:
-        """The robot or the workspace of the task; nothing where none is chosen."""
+        """The robot or the workspace of the task; empty if none is chosen."""
         named = next((name for each, name in pairwise(self._cursor.before) if each == word), "")
         task = self._declared.tasks.get(self._cursor.item[1])
         if not named and task is not None:
@@ -301,7 +301,7 @@ class NamesDue:
                 if word[place] in self._declared.modules:
                     yield Offer(name, _KINDS.Variable, f"this occurrence of {word[place]}")
 
-    # --- missions ------------------------------------------------------------------------------
+    # --- Missions ------------------------------------------------------------------------------
 
     def _mission(self) -> Iterator[Offer]:
         head = self._said[:1]
@@ -318,7 +318,7 @@ class NamesDue:
             yield Offer("pi", _KINDS.Constant, "3.14159…")
 
     def _free(self) -> Iterator[Offer]:
-        """The modules of the grammar that have parameters, or behind a dot these."""
+        """The modules of the grammar that have parameters or, after a dot, these parameters."""
         if self._last == ".":
             found = self._members(self._said[-2], semantics=True)
             yield from (offer for offer in found if offer.detail == "parameter")
@@ -330,7 +330,7 @@ class NamesDue:
                 yield Offer(name, _KINDS.Class, "module")
 
     def _robots(self) -> str:
-        """The grammar of the tasks of the mission; nothing where they are not known."""
+        """The grammar of the mission's tasks; empty if it is not known."""
         mission = self._declared.missions.get(self._cursor.item[1])
         items = () if mission is None else mission.items
         listed = (name.text for i in items if isinstance(i, m.MissionTasks) for name in i.names)

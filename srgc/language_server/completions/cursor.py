@@ -1,7 +1,7 @@
-"""What stands before the cursor: the statement begun there, and what may follow.
+"""The context of the cursor: the statement that has been begun, and what may follow.
 
-The parser itself is asked, with the tokens up to the cursor: so a keyword is offered exactly where
-it is one.
+The parser itself is asked, with the tokens up to the cursor, so that a keyword is offered exactly
+where it is one.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ _OPENING = {"(": ")", "[": "]", "{": "}"}
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """The place of a cursor.
+    """The position of a cursor and its context.
 
-    ``start`` is where the word under the cursor begins; it and all after it counts as not yet
-    written.  ``item`` is the keyword and the name of the item about the cursor, each empty where
-    there is none; ``block`` the label of the block of a semantics.  ``statement`` are the tokens
-    of the statement begun, ``before`` the whole item.  ``expected`` are the terminals that may
-    follow; ``quoted`` is the text of a string that is open, None outside strings.
+    ``start`` is the start of the word under the cursor; that word and everything after it count as
+    not yet written.  ``item`` has the keyword and the name of the item around the cursor, empty if
+    there is none; ``block`` is the label of the block in a semantics.  ``statement`` has the tokens
+    of the unfinished statement, ``before`` those of the whole item.  ``expected`` has the terminals
+    that may follow; ``quoted`` is the text of an open string, None outside strings.
     """
 
     start: int
@@ -41,12 +41,12 @@ class Cursor:
 
 
 def _nowhere(start: int) -> Cursor:
-    """In a comment, where nothing is offered."""
+    """The context in a comment, where nothing is offered."""
     return Cursor(start, ("", ""), "", (), (), frozenset(), silent=True)
 
 
 def _word_start(text: str, offset: int) -> int:
-    """Where the word before an offset begins; in ``5m`` that is ``m``, in ``5`` there is none."""
+    """The start of the word before an offset; in ``5m`` that is ``m``, and ``5`` has no word."""
     start = offset
     while start > 0 and _IN_WORD.match(text, start - 1):
         start -= 1
@@ -76,7 +76,7 @@ def _in_comment(tokens: Tokens, offset: int) -> bool:
 
 
 def _last_item(tokens: Tokens) -> RawItem | None:
-    """The item that is not finished yet."""
+    """The last item, unless it is finished."""
     items = list(cut(tokens))
     if not items:
         return None
@@ -86,7 +86,7 @@ def _last_item(tokens: Tokens) -> RawItem | None:
 
 
 def _statement(tokens: Tokens, item: RawItem) -> tuple[int, list[int]]:
-    """Where the statement begins, and the braces open there."""
+    """The start of the statement, and the braces that are open there."""
     start, braces = item.first, list[int]()
     inner = 0
     for index in range(item.first, item.stop):
@@ -107,12 +107,12 @@ def _statement(tokens: Tokens, item: RawItem) -> tuple[int, list[int]]:
 
 
 def _is_set(tokens: Tokens, index: int, item: RawItem) -> bool:
-    """Whether a brace opens a set of values or of inequalities, not a block."""
+    """Whether a brace opens a set of values or inequalities rather than a block."""
     return index > item.first and tokens.at(index - 1) in {"in", "polytope"}
 
 
 def cursor_at(text: str, offset: int) -> Cursor:
-    """The place of a cursor in a text."""
+    """The context of a cursor in a text."""
     start = _word_start(text, offset)
     tokens = tokenise(text[:start])
     if _in_comment(tokens, start):
@@ -140,16 +140,16 @@ def _placed(tokens: Tokens, start: int) -> Cursor:
     if keyword == "semantics" and len(braces) > 1:
         block = tokens.at(braces[1] - 1)
     statement = tuple(words[first - item.first :])
-    # Kinds are what the parser finds; it changes them.
+    # The parser changes the kinds of the tokens.
     expected = Parser(tables(), tokens, BUILDERS, lambda *_: True).expected(item)
     return Cursor(start, (keyword, name), block, statement, tuple(words), expected)
 
 
 @dataclass(frozen=True, slots=True)
 class OpenCall:
-    """A call that is not closed: its name, and the number of the argument that is begun.
+    """A call that is not closed: its name, and the number of its last argument.
 
-    ``named`` are the names given to its arguments so far, ``current`` that of the last one.
+    ``named`` are the names of the arguments so far; ``current`` is the name of the last one.
     """
 
     name: str
@@ -159,7 +159,7 @@ class OpenCall:
 
 
 def open_call(statement: Sequence[str]) -> OpenCall | None:
-    """The innermost call about the end of a statement."""
+    """The innermost open call at the end of a statement."""
     depth = 0
     for index in range(len(statement) - 1, 0, -1):
         word = statement[index]
@@ -178,7 +178,7 @@ def open_call(statement: Sequence[str]) -> OpenCall | None:
 
 
 def _arguments(words: Sequence[str]) -> Iterator[list[str]]:
-    """The words of each argument, the last one unfinished."""
+    """The words of each argument; the last one is unfinished."""
     depth, argument = 0, list[str]()
     for word in words:
         if word in _OPENING:

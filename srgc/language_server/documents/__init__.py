@@ -1,1 +1,1 @@
-"""Open documents, the programs they make, and what is found in them."""
+"""Open documents, the programs they belong to, and the findings about them."""

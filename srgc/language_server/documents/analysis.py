@@ -1,4 +1,4 @@
-"""A program as an editor sees it: read from open documents, its names, its findings."""
+"""A program as an editor sees it, read from open documents: its names and diagnostics."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _NOTHING = t.File(())
 
 
 class Analysis:
-    """A main document with all it includes.
+    """A main document with everything that it includes.
 
-    ``name`` is the path of the main file, or the URI of a document that is no file.  Everything is
-    made when it is first asked for: most requests need the syntax alone.
+    ``name`` is the path of the main file, or the URI of a document that is not a file.  Everything
+    is computed when it is first needed: most requests need only the syntax.
     """
 
     def __init__(self, loaded: Loaded, name: str, encoding: str) -> None:
@@ -33,11 +33,11 @@ class Analysis:
         self._encoding = encoding
         self._lines: dict[int, LineMap] = {}
 
-    # --- files ---------------------------------------------------------------------------------
+    # --- Files ---------------------------------------------------------------------------------
 
     @property
     def sources(self) -> Sequence[Source]:
-        """All texts that were read; spans count them."""
+        """All texts that were read; the file numbers of spans refer to them."""
         return self.loaded.sources
 
     @cached_property
@@ -53,16 +53,16 @@ class Analysis:
         return [*self._numbers]
 
     def number(self, place: str) -> int | None:
-        """The number of the file with that path without links (of the document with that URI)."""
+        """The number of the file with that resolved path, or of the document with that URI."""
         return self._numbers.get(place)
 
     def place(self, number: int) -> str:
-        """The path without links of a file, or the URI of the main document."""
+        """The resolved path of a file, or the URI of the main document."""
         name = self.sources[number].name
         return os.path.realpath(name) if self.path(number) is not None else name
 
     def path(self, number: int) -> Path | None:
-        """The path of a file; None for a document that is none."""
+        """The path of a file; None for a document that is not a file."""
         path = Path(self.sources[number].name)
         return path if path.is_absolute() else None
 
@@ -73,10 +73,10 @@ class Analysis:
         return self._lines[number]
 
     def text(self, span: Span) -> str:
-        """What stands at a span."""
+        """The text at a span."""
         return self.sources[span.file].text[span.start : span.end]
 
-    # --- what was read -------------------------------------------------------------------------
+    # --- What was read -------------------------------------------------------------------------
 
     @property
     def syntax(self) -> t.File:
@@ -85,7 +85,7 @@ class Analysis:
 
     @property
     def program(self) -> ir.Program | None:
-        """What of the program is sound."""
+        """The sound parts of the program."""
         return self.loaded.sound
 
     @property
@@ -95,24 +95,24 @@ class Analysis:
 
     @cached_property
     def names(self) -> NameTable:
-        """What the names of the program stand for, and where they stand."""
+        """The entities of the program's names, and where they are mentioned."""
         return self.loaded.names or NameTable((), Declarations(), {})
 
     def items(self, number: int) -> list[t.Item]:
-        """The items that stand in a file."""
+        """The items in a file."""
         return [item for item in self.syntax.items if item.span.file == number]
 
     def mention(self, number: int, offset: int) -> Mention | None:
-        """The name at a place."""
+        """The name at a position."""
         return self.names.at(number, offset)
 
     def named_together(self, number: int, offset: int) -> Sequence[Mention]:
-        """All that the name at a place stands for; nothing where there is no name."""
+        """All entities that the name at a position stands for; empty if there is no name."""
         mention = self.names.at(number, offset)
         return () if mention is None else self.names.together(mention)
 
     def block(self, number: int, offset: int) -> s.Block | None:
-        """The block of a production's semantics about a place."""
+        """The block of a production's semantics around a position."""
         for item in self.items(number):
             if isinstance(item, s.Semantics) and item.span.start <= offset <= item.span.end:
                 blocks = (b for b in item.blocks if b.span.start <= offset <= b.span.end)
@@ -121,14 +121,14 @@ class Analysis:
 
     @cached_property
     def findings(self) -> Sequence[Diagnostic]:
-        """All findings of ``srgc check``."""
+        """All diagnostics of ``srgc check``."""
         from srgc.session import check_loaded
 
         return check_loaded(self.loaded).diagnostics
 
     @property
     def known_findings(self) -> Sequence[Diagnostic]:
-        """Those that are known already; nothing is computed."""
+        """The diagnostics known so far; nothing is computed."""
         found: Sequence[Diagnostic] = self.__dict__.get("findings", self.loaded.diagnostics)
         return found
 
@@ -139,10 +139,10 @@ def analyse(
     """The analysis of an open document.
 
     Args:
-        name: its absolute path, or its URI if it is no file.
+        name: its absolute path, or its URI if it is not a file.
         text: its text.
-        open_files: what is held of this and other files, by their path without links.
-        encoding: what positions count.
+        open_files: the contents of this and other open files, by their resolved paths.
+        encoding: the unit in which positions count.
     """
     path = Path(name)
     folder = path.parent if path.is_absolute() else None

@@ -1,8 +1,8 @@
-"""Offsets of a text and positions of the Language Server Protocol.
+"""Converts between offsets in a text and positions of the Language Server Protocol.
 
 Source: *Language Server Protocol 3.17*, sections "Position" and "Text Documents": a line ends with
-LF, CR LF or CR; a character counts in code units of the encoding that client and server agreed on,
-UTF-16 unless they agreed on another.
+LF, CR LF or CR; characters count in code units of the encoding that client and server have agreed
+on, by default UTF-16.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _END = re.compile(r"\r\n|\n|\r")
 
 
 def units(text: str, encoding: str) -> int:
-    """The code units of a text."""
+    """The number of code units of a text."""
     if encoding == UTF32 or text.isascii():
         return len(text)
     if encoding == UTF8:
@@ -28,7 +28,7 @@ def units(text: str, encoding: str) -> int:
 
 
 class LineMap:
-    """The lines of a text; every position that a client may send stands for some offset."""
+    """The lines of a text; every position that a client may send has an offset."""
 
     def __init__(self, text: str, encoding: str = UTF16) -> None:
         self.text = text
@@ -39,7 +39,7 @@ class LineMap:
         self._stops = [*(start for start, _ in ends), len(text)]
 
     def position(self, offset: int) -> lsp.Position:
-        """The position of an offset, of the nearest one that the text has."""
+        """The position of an offset, or of the nearest valid offset."""
         offset = min(max(offset, 0), len(self.text))
         line = bisect_right(self._starts, offset) - 1
         start = self._starts[line]
@@ -49,7 +49,7 @@ class LineMap:
         return lsp.Position(line, units(self.text[start:offset], self._encoding))
 
     def offset(self, position: lsp.Position) -> int:
-        """The offset of a position; beyond the end of a line or text it is that end."""
+        """The offset of a position; beyond the end of a line or the text, that of the end."""
         if position.line < 0:
             return 0
         if position.line >= len(self._starts):
@@ -70,5 +70,5 @@ class LineMap:
 
     @property
     def whole(self) -> lsp.Range:
-        """From the first character to the last."""
+        """The range from the first character to the last."""
         return lsp.Range(lsp.Position(0, 0), self.position(len(self.text)))

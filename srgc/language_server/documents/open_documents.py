@@ -18,9 +18,9 @@ _LONE_RETURN = re.compile(r"\r(?!\n)")
 
 
 def readable(text: str) -> str:
-    """A text as the parser reads files, with every character at its place.
+    """The text as the parser reads files, with every character at the same offset.
 
-    A byte order mark becomes a blank, and a CR alone a LF.
+    A byte order mark becomes a blank, and a lone CR becomes LF.
     """
     if text.startswith("\ufeff"):
         text = f" {text[1:]}"
@@ -28,20 +28,20 @@ def readable(text: str) -> str:
 
 
 class Document:
-    """One open document; ``path`` is None if it is no file, ``real`` has no links."""
+    """An open document; ``path`` is None if it is not a file, ``real`` is the resolved path."""
 
     def __init__(self, uri: str, text: str, version: int, encoding: str) -> None:
         self.uri = uri
         self.version = version
         self.path: Path | None = path_of(uri)
-        # Without a path it has a name that is none, either.
+        # Without a path, its name must not look like a path, either.
         nameless = f"untitled:{uri}" if uri.startswith("/") else uri
         self.real = nameless if self.path is None else os.path.realpath(self.path)
         self._encoding = encoding
         self.replace(text)
 
     def replace(self, text: str) -> None:
-        """The whole text is another."""
+        """Replace the whole text."""
         self.lines = LineMap(text, self._encoding)
         self.__dict__.pop("includes", None)
         self.text = readable(text)
@@ -57,7 +57,7 @@ class Document:
         return self.text.encode("utf-8", "surrogatepass")
 
     def apply(self, changes: Sequence[lsp.TextDocumentContentChangeEvent]) -> None:
-        """Apply changes in their order, each to the text that the one before has left."""
+        """Apply changes in order, each to the result of the one before."""
         for change in changes:
             if isinstance(change, lsp.TextDocumentContentChangePartial):
                 start = self.lines.offset(change.range.start)
@@ -80,18 +80,18 @@ class OpenDocuments:
         return iter(self._by_uri.values())
 
     def get(self, uri: str) -> Document | None:
-        """The document of that URI, if it is open."""
+        """The document with that URI, if it is open."""
         return self._by_uri.get(uri)
 
     def open(self, uri: str, text: str, version: int) -> None:
-        """A document is opened."""
+        """Add a document that was opened."""
         self._by_uri[uri] = Document(uri, text, version, self.encoding)
         self.revision += 1
 
     def change(
         self, uri: str, version: int, changes: Sequence[lsp.TextDocumentContentChangeEvent]
     ) -> None:
-        """A document is changed; one that is not open is ignored."""
+        """Apply changes to a document; one that is not open is ignored."""
         document = self._by_uri.get(uri)
         if document is not None:
             document.apply(changes)
@@ -99,16 +99,16 @@ class OpenDocuments:
             self.revision += 1
 
     def close(self, uri: str) -> None:
-        """A document is closed; its file is what counts again."""
+        """Remove a document that was closed; its file on disk counts again."""
         if self._by_uri.pop(uri, None) is not None:
             self.revision += 1
 
     def touch(self) -> None:
-        """Files on the disk are others."""
+        """Note that files on disk have changed."""
         self.revision += 1
 
     def files(self) -> dict[str, bytes]:
-        """What is held of files, by their path without links."""
+        """The contents of open files, by their resolved paths."""
         return {each.real: each.data for each in self if each.path is not None}
 
     def uri(self, path: Path) -> str:

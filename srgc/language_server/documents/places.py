@@ -1,4 +1,4 @@
-"""Where a name is declared and where it is used."""
+"""Where names are declared and used."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from srgc.language_server.documents.uris import UriOf
 
 
 def location(analysis: Analysis, span: Span, uri_of: UriOf) -> lsp.Location:
-    """A span as a location."""
+    """The location of a span."""
     path = analysis.path(span.file)
     uri = analysis.name if path is None else uri_of(path)
     return lsp.Location(uri, analysis.lines(span.file).range(span))
 
 
 def definition(analysis: Analysis, number: int, offset: int, uri_of: UriOf) -> list[lsp.Location]:
-    """The declarations of the name at a place; of a nonterminal, all its productions."""
+    """The declarations of the name at a position; for a nonterminal, all its productions."""
     found = (
         declared
         for each in analysis.named_together(number, offset)
@@ -32,7 +32,7 @@ def definition(analysis: Analysis, number: int, offset: int, uri_of: UriOf) -> l
 def references(
     analyses: Sequence[Analysis], place: str, offset: int, uri_of: UriOf, *, declarations: bool
 ) -> list[lsp.Location]:
-    """Where the thing at a place is named, in every program that the file belongs to."""
+    """The places where the entity at a position is named, in all programs with the file."""
     found: dict[tuple[str, int, int], lsp.Location] = {}
     for analysis in analyses:
         number = analysis.number(place)
@@ -45,7 +45,7 @@ def references(
 
 
 def highlights(analysis: Analysis, number: int, offset: int) -> list[lsp.DocumentHighlight]:
-    """The places of the name at a place, in the same file."""
+    """The places of the name at a position, in the same file."""
     kinds = {True: lsp.DocumentHighlightKind.Write, False: lsp.DocumentHighlightKind.Read}
     lines = analysis.lines(number)
     found = {
@@ -64,7 +64,7 @@ _WHAT = {"obstacle": "region", "target": "region", "map": "map of obstacles"}
 
 
 def described(entity: Entity) -> str:
-    """What an entity is, for a message: ``module `L```."""
+    """An entity in words, for a message, such as ``module `L```."""
     if entity.kind in MEMBERS:
         return f"`{entity.name}` of module `{entity.scope[0]}`"
     if entity.kind == "port type":

@@ -1,4 +1,4 @@
-"""The programs of the open documents: each analysed once for every state of its texts."""
+"""The programs of the open documents, each analysed once for every state of its texts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Result = TypeVar("Result")
 
 @dataclass(slots=True)
 class _Entry:
-    """An analysis that is made or being made; ``texts`` are those of the open documents in it."""
+    """An analysis that is finished or running; ``texts`` are those of all open documents."""
 
     future: asyncio.Future[Analysis | None]
     texts: dict[str, str]
@@ -30,8 +30,8 @@ class _Entry:
 class Programs:
     """Analyses by the path of their main file.
 
-    All work is done by one thread beside that of the protocol: two would only take turns.  What is
-    waiting there for a text that is out of date is never begun.
+    A single thread beside that of the protocol does all the work, since two threads would only take
+    turns.  Waiting analyses of outdated texts are cancelled before they begin.
     """
 
     def __init__(self) -> None:
@@ -48,7 +48,7 @@ class Programs:
         self._worker.shutdown(wait=False, cancel_futures=True)
 
     def disk_changed(self) -> None:
-        """Files on the disk are others, or documents were opened or closed."""
+        """Note that files on disk have changed, or that documents were opened or closed."""
         self._disk += 1
 
     async def work(
@@ -57,11 +57,11 @@ class Programs:
         *args: Arguments.args,
         **kwargs: Arguments.kwargs,
     ) -> Result:
-        """Do something in the other thread."""
+        """Call a function in the other thread."""
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._worker, partial(function, *args, **kwargs))
 
-    # --- which programs ------------------------------------------------------------------------
+    # --- Which programs ------------------------------------------------------------------------
 
     async def roots(self, document: Document) -> list[str]:
         """The main files of the programs that a document is a part of."""
@@ -76,7 +76,7 @@ class Programs:
         return known[1]
 
     async def of(self, uri: str) -> list[Analysis]:
-        """The programs that an open document is a part of; none if it is not open."""
+        """The programs that an open document is a part of; empty if it is not open."""
         document = self.documents.get(uri)
         if document is None:
             return []
@@ -84,12 +84,12 @@ class Programs:
         holding = [a for a in found if a is not None and a.number(document.real) is not None]
         if holding or self.documents.get(uri) is not document:
             return holding
-        # Nothing that includes it can be read so far: it stands for itself.
+        # No program that includes it can be read at present, so it is analysed alone.
         alone = await self._analysis(document.real)
         return [] if alone is None else [alone]
 
     async def everything(self) -> list[Analysis]:
-        """The programs of all open documents and of all files of the folders."""
+        """The programs of all open documents and of all files in the folders."""
         names: dict[str, None] = {}
         for document in [*self.documents]:
             names.update(dict.fromkeys(await self.roots(document)))
@@ -99,7 +99,7 @@ class Programs:
         found = [await self._analysis(name) for name in names]
         return [each for each in found if each is not None]
 
-    # --- one program ---------------------------------------------------------------------------
+    # --- One program ---------------------------------------------------------------------------
 
     def _texts(self) -> dict[str, str]:
         return {document.real: document.text for document in self.documents}
@@ -109,7 +109,7 @@ class Programs:
             entry = self._entries.get(root)
             if entry is None or self._outdated(entry):
                 entry = self._begin(root)
-            # One who no longer waits must not take it away from the others.
+            # If one waiting request is cancelled, the others must still get the result.
             await asyncio.wait([entry.future])
             if not entry.future.cancelled():
                 return entry.future.result()
@@ -145,7 +145,7 @@ class Programs:
 
 
 def holding(analyses: Sequence[Analysis], place: str) -> tuple[Analysis, int] | None:
-    """The first program that has a file, with the number of the file."""
+    """The first program that contains a file, with the number of the file in it."""
     for analysis in analyses:
         number = analysis.number(place)
         if number is not None:

@@ -1,4 +1,4 @@
-"""Which file a document belongs to, by what is on the disk."""
+"""Finds the main file that a document belongs to, from the files on disk."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from pathlib import Path
 
 from grammar_lang.files.file_tree import IMAGE_LIMIT, TooLarge, read_file
 
-# --- What is on the disk, whatever it is: a folder that nobody may look into, a pipe, a device ----
+# --- Reading from disk, whatever is there: unreadable folders, pipes, devices ---------------------
 
 
 def is_folder(path: Path) -> bool:
-    """Whether there is a folder; not where nobody may look, which is an exception of ``Path``."""
+    """Whether there is a folder; False if the path must not be read, where ``Path`` would raise."""
     return os.path.isdir(path)  # noqa: PTH112
 
 
 def bytes_of(path: Path, limit: int = IMAGE_LIMIT) -> bytes | None:
-    """The bytes of a file; None if it is none, or cannot be read.
+    """The bytes of a file; None if it is not a file or cannot be read.
 
-    A pipe is none: nobody knows when it ends, and the server would wait for it.
+    A pipe is not read, because its end is not known and the server would wait for it.
 
     Args:
         path: the file.
-        limit: one that has more bytes is not read.
+        limit: the size in bytes above which a file is not read.
     """
     try:
         return read_file(path, limit)
@@ -34,18 +34,18 @@ def bytes_of(path: Path, limit: int = IMAGE_LIMIT) -> bytes | None:
         return None
 
 
-# --- Which file a document belongs to: the one that includes it, directly or through others -------
+# --- The main file of a document: the one that includes it, directly or through others ------------
 #
-# A file that is included declares only a part of a program, so that it is judged as that part.
+# A file that is included declares only a part of a program, so it is checked as that part.
 
 
 _INCLUDE = re.compile(r"""\binclude\s*(?:"([^"\n]*)"|'([^'\n]*)')\s*;""")
-# A comment without an end goes to the end of the text: its beginnings are not tried one by one.
+# An unclosed comment extends to the end of the text, so that not every ``/*`` is tried.
 _COMMENT = re.compile(r"""("[^"\n]*"|'[^'\n]*')|//[^\n]*|/\*(?s:.*?)(?:\*/|\Z)""")
 MOST_FILES = 1000
-"""So many files below a folder are looked at."""
+"""The number of files below a folder to look at."""
 MOST_ROOTS = 8
-"""So many programs are judged of which one document is a part."""
+"""The number of programs to check for one document."""
 _LARGEST = 2**20
 
 
@@ -56,7 +56,7 @@ def included(text: str) -> list[str]:
 
 
 def specs_below(folder: Path) -> Iterator[Path]:
-    """The ``.srg`` files below a folder, hidden folders and results left out; at most so many."""
+    """The ``.srg`` files below a folder, without hidden folders and results, limited in number."""
     left = MOST_FILES
     for top, folders, names in os.walk(folder):
         folders[:] = sorted(n for n in folders if n[0] != "." and n not in {"out", "node_modules"})
@@ -70,7 +70,7 @@ def specs_below(folder: Path) -> Iterator[Path]:
 
 @dataclass(slots=True)
 class Projects:
-    """The includes of the files that are known, read anew where a file has changed."""
+    """The includes of the known files, read again if a file has changed."""
 
     _read: dict[str, tuple[float, list[str]]] = field(
         default_factory=dict[str, tuple[float, list[str]]]
@@ -79,12 +79,12 @@ class Projects:
     def roots(
         self, place: str, folders: Iterable[Path], open_files: Mapping[str, list[str]]
     ) -> list[str]:
-        """The files without includer that include a file, itself if nothing does.
+        """The files that include a file and are not included themselves; itself if there are none.
 
         Args:
-            place: the path of the file, without links.
-            folders: where includers are looked for, beside its own folder.
-            open_files: what open files include, by their path without links.
+            place: the resolved path of the file.
+            folders: folders to search for including files, in addition to its own.
+            open_files: the includes of open files, by their resolved paths.
         """
         parents = self._parents(place, folders, open_files)
         found: list[str] = []
@@ -103,7 +103,7 @@ class Projects:
     def _parents(
         self, place: str, folders: Iterable[Path], open_files: Mapping[str, list[str]]
     ) -> dict[str, list[str]]:
-        """For every file known the files that include it."""
+        """Maps every known file to the files that include it."""
         known = {os.path.realpath(p) for folder in folders for p in specs_below(folder)}
         beside = Path(place).parent
         if is_folder(beside):
@@ -120,7 +120,7 @@ class Projects:
         return parents
 
     def _of_file(self, name: str) -> list[str]:
-        """The includes of a file on the disk, read again when it was written again."""
+        """The includes of a file on disk, read again if the file was modified."""
         path = Path(name)
         try:
             status = path.stat()
@@ -135,5 +135,5 @@ class Projects:
 
 
 def _reaches(parent: str, place: str) -> bool:
-    """Whether a file may include another: nothing outside its own folder can be read."""
+    """Whether a file may include another: only files in its own folder and below can be read."""
     return place.startswith(posixpath.join(posixpath.dirname(parent), ""))

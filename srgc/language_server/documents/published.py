@@ -1,4 +1,4 @@
-"""Diagnostics as an editor shows them, and when they are published."""
+"""Diagnostics in the form that editors show, and when to publish them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from srgc.language_server.documents.open_documents import Document
 from srgc.language_server.documents.programs import Programs
 from srgc.language_server.documents.uris import UriOf
 
-# --- Findings as an editor shows them -------------------------------------------------------------
+# --- Diagnostics in the form that editors show ----------------------------------------------------
 
 
 _SEVERITIES = {
@@ -28,20 +28,20 @@ _SEVERITIES = {
     Severity.NOTE: lsp.DiagnosticSeverity.Information,
 }
 _FADED = frozenset({Code.UNUSED_NAME, Code.UNUSED_SYMBOL, Code.UNPRODUCTIVE, Code.UNREACHABLE})
-"""An obstacle that nothing avoids is not among them: that is likely to be a mistake."""
+"""Obstacles that nothing avoids are not in this set: they are probably mistakes."""
 MOST = 500
-"""So many findings of a file are shown; errors come first."""
+"""The number of diagnostics of a file to show; errors come first."""
 
 
 def code_link(code: Code) -> lsp.CodeDescription | None:
-    """The page of a code, in the installed catalogue: no network is needed."""
+    """A link to the page of a code in the installed catalogue, which needs no network."""
     if not has_page(code):
         return None
     return lsp.CodeDescription((FOLDER / f"{code.value}.md").absolute().as_uri())
 
 
 def _range(analysis: Analysis, span: Span) -> lsp.Range:
-    """The range of a finding; what ends behind a line ends with the line."""
+    """The range of a diagnostic; one that ends beyond a line ends with the line."""
     return analysis.lines(span.file).range(span)
 
 
@@ -58,7 +58,7 @@ def _related(
 
 
 def as_diagnostic(analysis: Analysis, found: Diagnostic, uri_of: UriOf) -> lsp.Diagnostic:
-    """A finding; its hint ends the message, and is ``data`` for the quick fixes."""
+    """A diagnostic; its hint ends the message, and is ``data`` for the quick fixes."""
     message = found.message if found.hint is None else f"{found.message}\nhint: {found.hint}"
     return lsp.Diagnostic(
         range=_range(analysis, found.span),
@@ -79,14 +79,15 @@ def _told(found: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def diagnostics_of(analyses: Sequence[Analysis], place: str, uri_of: UriOf) -> list[lsp.Diagnostic]:
-    """The findings about one file, each once, as a part of every program that it belongs to.
+    """The diagnostics about one file, each once, from all programs that it belongs to.
 
     Args:
         analyses: the programs.
-        place: the path of the file without links, or the URI of a document.
+        place: the resolved path of the file, or the URI of a document.
         uri_of: gives the client's URI of a file.
 
-    Only those are given that are known: ask for ``findings`` before, to have all.
+    Only diagnostics that are already known are given: to have all of them, ask for ``findings``
+    first.
     """
     texts: dict[tuple[object, ...], lsp.Diagnostic] = {}
     for analysis in analyses:
@@ -101,11 +102,11 @@ def diagnostics_of(analyses: Sequence[Analysis], place: str, uri_of: UriOf) -> l
 def errors_beside(
     analyses: Sequence[Analysis], opened: Set[str], uri_of: UriOf
 ) -> dict[str, list[lsp.Diagnostic]]:
-    """The errors of those files of some programs that are not open, by the URIs of the files.
+    """The errors in those files of some programs that are not open, by the URIs of the files.
 
     Args:
         analyses: the programs.
-        opened: the paths without links of the open files.
+        opened: the resolved paths of the open files.
         uri_of: gives the client's URI of a file.
     """
     errors: dict[str, list[lsp.Diagnostic]] = {}
@@ -123,30 +124,30 @@ def errors_beside(
     return errors
 
 
-# --- Findings as one types: soon, but not at every key, and never about a text that has gone ------
+# --- Publishing while the user types: soon, not at every key, and never about an outdated text ----
 #
-# Of files that are not open, but belong to the program of one that is, the errors are published,
-# too: ``srgc check`` names them.
+# For files that are not open but belong to the program of an open one, errors are published, too,
+# as ``srgc check`` prints them.
 
 
 DEBOUNCE = 0.12
-"""Seconds without a change before a text is looked at."""
+"""Seconds without a change before a text is checked."""
 _PATIENCE = 0.4
-"""After so many seconds the findings are shown that are known by then."""
+"""Seconds after which the diagnostics known by then are shown."""
 
 
 _Shown: TypeAlias = tuple[int, list[lsp.Diagnostic]]
-"""The version of a document and what was said about it."""
+"""The version of a document and the diagnostics published about it."""
 _Errors: TypeAlias = dict[str, list[lsp.Diagnostic]]
-"""Errors by the URI of the file that they are about."""
+"""Errors by the URI of their file."""
 
 
 @dataclass(slots=True)
 class Publishing:
-    """Publishes the findings of open documents; each has one task that waits or works.
+    """Publishes the diagnostics of open documents, with one task per document.
 
-    ``_beside`` has for every open document the errors of the files of its programs that are not
-    open, by their URIs; ``_told`` is what was said about such files.
+    ``_beside`` has, for every open document, the errors in files of its programs that are not open,
+    by URI; ``_told`` has the errors published about such files.
     """
 
     server: LanguageServer
@@ -157,19 +158,19 @@ class Publishing:
     _told: _Errors = field(default_factory=dict[str, list[lsp.Diagnostic]])
 
     def soon(self, uri: str, wait: float = DEBOUNCE) -> None:
-        """The document, or what it belongs to, has changed."""
+        """Schedule a check of a document after it, or a program with it, has changed."""
         old = self._tasks.get(uri)
         if old is not None:
             old.cancel()
         self._tasks[uri] = asyncio.get_running_loop().create_task(self._later(uri, wait))
 
     def all_soon(self) -> None:
-        """Anything may have changed."""
+        """Schedule a check of all documents."""
         for document in [*self.programs.documents]:
             self.soon(document.uri)
 
     def closed(self, uri: str) -> None:
-        """A document is closed: nothing is said about it any more."""
+        """Withdraw the diagnostics of a document that was closed."""
         old = self._tasks.pop(uri, None)
         if old is not None:
             old.cancel()
@@ -179,7 +180,7 @@ class Publishing:
         self._tell_beside()
 
     def stop(self) -> None:
-        """Nothing more is published."""
+        """Stop publishing."""
         for task in self._tasks.values():
             task.cancel()
 
@@ -202,7 +203,7 @@ class Publishing:
         self._show(analyses, uri)
 
     def _show(self, analyses: list[Analysis], uri: str) -> None:
-        """Publish what is known about a document and the others of its programs."""
+        """Publish what is known about a document and the other documents of its programs."""
         documents = self.programs.documents
         places = {place for analysis in analyses for place in analysis.places}
         for document in [*documents]:
@@ -214,7 +215,7 @@ class Publishing:
         self._tell_beside()
 
     def _tell_beside(self) -> None:
-        """Publish what is new about files that are not open, and take back what is out of date."""
+        """Publish new errors of files that are not open, and withdraw outdated ones."""
         found: _Errors = {uri: [] for uri in self._told}
         for errors in self._beside.values():
             for uri, each in errors.items():
@@ -230,7 +231,7 @@ class Publishing:
         numbers = [analysis.number(document.real) for analysis in analyses]
         pairs = zip(analyses, numbers, strict=True)
         if any(n is not None and a.sources[n].text != document.text for a, n in pairs):
-            return  # it has changed; its own task is on the way
+            return  # it has changed, and its own task will publish
         if not own and any(number is None for number in numbers):
             self.soon(document.uri)  # it is part of other programs, too
             return

@@ -11,9 +11,9 @@ UriOf = Callable[[Path], str]
 
 
 def path_of(uri: str) -> Path | None:
-    """The path of a ``file:`` URI; None for an untitled document and the like.
+    """The path of a ``file:`` URI; None for untitled documents and the like.
 
-    So it is for a path that no file can have: what is open there is a text without a place.
+    It is also None for a path that no file can have; such a document is a text without a path.
     """
     try:
         parts = urlsplit(uri)
@@ -26,7 +26,7 @@ def path_of(uri: str) -> Path | None:
 
 
 def is_malformed(uri: str) -> bool:
-    """Whether a text is no URI at all."""
+    """Whether a text is not a URI at all."""
     try:
         urlsplit(uri)
     except ValueError:
@@ -35,7 +35,7 @@ def is_malformed(uri: str) -> bool:
 
 
 def _is_possible(path: str) -> bool:
-    """Whether there can be a file; ValueError says no, too."""
+    """Whether a file with this path can exist; a ValueError also means that it cannot."""
     try:
         Path(path).lstat()
     except OSError as error:

@@ -1,1 +1,1 @@
-"""Changes of documents: canonical form, quick fixes, renaming."""
+"""Changes to documents: canonical form, quick fixes, renaming."""

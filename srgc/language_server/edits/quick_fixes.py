@@ -1,4 +1,4 @@
-"""Quick fixes: the hints of findings that say exactly what to write."""
+"""Quick fixes: the hints of diagnostics that state exactly what to write."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _hint(diagnostic: lsp.Diagnostic) -> str:
 
 
 def _edit(diagnostic: lsp.Diagnostic, text: str, place: Place) -> tuple[str, lsp.TextEdit] | None:
-    """The title and the edit of the fix of one finding."""
+    """The title and the edit of the fix for one diagnostic."""
     hint, at = _hint(diagnostic), diagnostic.range
     meant = _MEANT.search(hint)
     if meant is not None:
@@ -46,13 +46,13 @@ def _edit(diagnostic: lsp.Diagnostic, text: str, place: Place) -> tuple[str, lsp
 def quick_fixes(
     uri: str, text: str, place: Place, diagnostics: Sequence[lsp.Diagnostic]
 ) -> list[lsp.CodeAction]:
-    """The fixes of findings.
+    """The fixes for diagnostics.
 
     Args:
         uri: the document.
         text: its text.
         place: gives the offset of a position.
-        diagnostics: the findings about which the client asks.
+        diagnostics: the diagnostics about which the client asks.
     """
     found: list[lsp.CodeAction] = []
     for diagnostic in diagnostics:
@@ -74,11 +74,11 @@ def quick_fixes(
 
 
 _MOST_LINES = 4000
-"""Longer texts are replaced as a whole: finding what differs takes too long."""
+"""Longer texts are replaced as a whole, because computing the difference takes too long."""
 
 
 def format_edits(text: str, lines: LineMap) -> list[lsp.TextEdit]:
-    """The edits to the canonical form; none where the text has syntax errors.
+    """The edits to the canonical form; none if the text has syntax errors.
 
     Args:
         text: the text as the parser reads it.

@@ -1,7 +1,7 @@
-"""Renaming: every place of a name, and a proof that nothing else has changed its meaning.
+"""Renaming: edits all places of a name, after checking that nothing else changes its meaning.
 
-What the new name would do is not guessed: the program is read again with it, and refused unless
-every name stands for the same thing as before and no finding is new.
+The effect of the new name is not guessed: the program is read again with it, and the new name is
+refused unless all names stand for the same things as before and there are no new errors.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ class RenameRefused(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Renamable:
-    """The name at a place: where it stands and what it is now."""
+    """The name at a position: its span and its present text."""
 
     span: Span
     name: str
 
 
 def renamable(analysis: Analysis, number: int, offset: int) -> Renamable | None:
-    """The name at a place, if there is one that can be changed.
+    """The name at a position, if there is one that can be changed.
 
     Raises:
-        RenameRefused: it cannot; why.
+        RenameRefused: it cannot be changed; the message says why.
     """
     mention = analysis.mention(number, offset)
     if mention is None:
@@ -52,10 +52,10 @@ def renamable(analysis: Analysis, number: int, offset: int) -> Renamable | None:
 
 
 def _checked_name(analysis: Analysis, entity: Entity, new: str) -> None:
-    """Refuse what is no name at all, or is taken.
+    """Refuse a new name that is not a valid name, or that is already taken.
 
     Raises:
-        RenameRefused: as it says.
+        RenameRefused: the message says why.
     """
     if new in RESERVED:
         raise RenameRefused(f"`{new}` is a reserved word")
@@ -83,14 +83,14 @@ def _rivals(analysis: Analysis, entity: Entity) -> list[Entity]:
 
 
 def _near(one: Entity, other: Entity) -> bool:
-    """Whether two symbols of grammars may stand in one production."""
+    """Whether two symbols of grammars may occur in one production."""
     if one.kind == other.kind == "occurrence":
         return one.scope == other.scope
     return one.scope[:1] == other.scope[:1]
 
 
 def _replacement(analysis: Analysis, mention: Mention, new: str) -> str:
-    """What is written in the place of a name: with quotes where it needs them."""
+    """The text that replaces a name, with quotes if it needs them."""
     if mention.entity.kind not in TERMINALS:
         return new
     quoted = mention.whole.start < mention.span.start
@@ -103,7 +103,7 @@ def _replacement(analysis: Analysis, mention: Mention, new: str) -> str:
 
 
 def _renamed_together(analysis: Analysis, entity: Entity) -> list[Entity]:
-    """An entity and all that one word names with it: what ``sum(NAME)`` adds up."""
+    """An entity and all entities that are named by the same words, such as ``sum(NAME)``."""
     found, todo = {entity: None}, [entity]
     while todo:
         for mention in analysis.names.mentions_of(todo.pop()):
@@ -149,7 +149,7 @@ def _again(
 
 
 def _meanings(analysis: Analysis, old: str, new: str) -> list[tuple[object, ...]]:
-    """What every name stands for, in order, with the old name for the new one."""
+    """What every name stands for, in order, with the new name replaced by the old one."""
 
     def text(name: str) -> str:
         return old if name == new else name
@@ -162,7 +162,7 @@ def _meanings(analysis: Analysis, old: str, new: str) -> list[tuple[object, ...]
 
 
 def _refuse_other_meaning(before: Analysis, after: Analysis, old: str, new: str) -> None:
-    """Refuse a new name that changes anything but the name.
+    """Refuse a new name that changes more than the name.
 
     Raises:
         RenameRefused: it does.
@@ -184,7 +184,7 @@ def _refuse_library(analysis: Analysis, files: Iterable[int], name: str) -> None
     """Refuse to change the library of the package.
 
     Raises:
-        RenameRefused: a file of it would be.
+        RenameRefused: a file of the library would change.
     """
     for file in files:
         if analysis.place(file).startswith(LIBRARY):
@@ -199,14 +199,14 @@ def rename(
     open_files: Mapping[str, bytes],
     uri_of: UriOf,
 ) -> lsp.WorkspaceEdit | None:
-    """The edits that give the thing at a place another name; None if no name stands there.
+    """The edits that rename the entity at a position; None if there is no name.
 
     Args:
         analyses: the programs that the file belongs to.
-        place: the path of the file without links, or the URI of a document.
-        offset: where the name stands.
-        new: the name it is to have.
-        open_files: what is held of files, by their path without links.
+        place: the resolved path of the file, or the URI of a document.
+        offset: the position of the name.
+        new: the new name.
+        open_files: the contents of open files, by their resolved paths.
         uri_of: gives the client's URI of a file.
 
     Raises:

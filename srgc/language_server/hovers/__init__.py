@@ -1,1 +1,1 @@
-"""What is said of the thing under the pointer."""
+"""The texts for whatever is under the pointer."""

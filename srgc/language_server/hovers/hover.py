@@ -1,4 +1,4 @@
-"""Hover: what stands under the cursor."""
+"""Hover: the text for the position of the cursor."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _silent(text: str, offset: int) -> bool:
 
 
 def _item_at(analysis: Analysis, number: int, offset: int) -> str:
-    """The keyword of the item about a place."""
+    """The keyword of the item around a position."""
     for item in analysis.items(number):
         if item.span.start <= offset <= item.span.end:
             return _ITEMS[type(item)]
@@ -69,7 +69,7 @@ def _keyword(analysis: Analysis, number: int, offset: int) -> tuple[str, Span] |
 
 
 def _codes(analysis: Analysis, number: int, offset: int) -> list[str]:
-    """What the codes of the findings at a place stand for."""
+    """The explanations of the codes of diagnostics at a position."""
     told: dict[str, str] = {}
     for found in analysis.known_findings:
         at = found.span.file == number and found.span.start <= offset <= found.span.end
@@ -81,7 +81,7 @@ def _codes(analysis: Analysis, number: int, offset: int) -> list[str]:
 
 
 def hover(analysis: Analysis, number: int, offset: int) -> lsp.Hover | None:
-    """The text about the place of a cursor; None where there is nothing to say."""
+    """The text for the position of a cursor; None if there is nothing to say."""
     text = analysis.sources[number].text
     place: Span | None = None
     parts: list[str] = []
@@ -110,7 +110,7 @@ _UNIT = re.compile(
 )
 _CLOSING = {")": "(", "]": "[", "}": "{"}
 _FAR = 400
-"""A list's unit is looked for among so many tokens."""
+"""The number of tokens among which the unit of a list is sought."""
 
 
 def _unit_after(text: str, end: int) -> tuple[str, int] | None:
@@ -119,7 +119,7 @@ def _unit_after(text: str, end: int) -> tuple[str, int] | None:
 
 
 def _list_unit(tokens: Tokens, index: int) -> tuple[str, int] | None:
-    """The unit behind the bracket that closes about a token."""
+    """The unit after the bracket that closes around a token."""
     depth = 0
     for here in range(index + 1, min(index + _FAR, len(tokens))):
         kind = tokens.kinds[here]
@@ -137,7 +137,7 @@ def _list_unit(tokens: Tokens, index: int) -> tuple[str, int] | None:
 
 
 def _in_inequalities(tokens: Tokens, index: int) -> bool:
-    """Whether a semicolon stands between the inequalities of a polytope."""
+    """Whether a semicolon separates the inequalities of a polytope."""
     for here in range(index, 0, -1):
         if tokens.kinds[here] == "}":
             return False
@@ -147,7 +147,7 @@ def _in_inequalities(tokens: Tokens, index: int) -> bool:
 
 
 def hover_number(text: str, offset: int) -> tuple[str, Span] | None:
-    """The value of the number with a unit at an offset, in SI; None where there is none."""
+    """The SI value of the number with a unit at an offset; None if there is none."""
     tokens = tokenise(text)
     for index, start in enumerate(tokens.starts):
         if start > offset:
@@ -174,7 +174,7 @@ def _exponent(number: str) -> int:
     return int(number.lower().partition("e")[2] or 0)
 
 
-# --- The text of a hover for clients that show no Markdown ----------------------------------------
+# --- The text of a hover for clients that do not show Markdown ------------------------------------
 
 
 _FENCE = re.compile(r"^```\w*\n(.*?)^```$\n?", re.MULTILINE | re.DOTALL)
@@ -182,9 +182,9 @@ _MARKED = re.compile(r"`([^`\n]+)`|\*\*(.+?)\*\*")
 
 
 def plain_text(markdown: str) -> str:
-    """Markdown as our hovers have it, without its marks: fences, code and bold.
+    """The Markdown of hovers as plain text, without marks for fences, code and bold.
 
-    What is inside of a fence stays as it is.
+    The content of a fence is unchanged.
     """
     outside_and_fenced = _FENCE.split(markdown)
     return "".join(

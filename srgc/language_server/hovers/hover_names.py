@@ -1,4 +1,4 @@
-"""What a name stands for, as Markdown."""
+"""The hover text for a name, as Markdown."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from srgc.language_server.hovers.production_physics import (
 )
 
 _MOST_PRODUCTIONS = 24
-"""So many productions of a grammar from ports are shown."""
+"""The number of productions to show of a grammar from ports."""
 _MOST_MODULES = 24
-"""So many modules are shown of a sum over them."""
+"""The number of modules to show of a sum over modules."""
 
 
 def _code(text: str) -> str:
@@ -43,12 +43,12 @@ def _statement(analysis: Analysis, entity: Entity) -> str:
 
 
 def hover_mention(analysis: Analysis, mention: Mention) -> str:
-    """The text about a name at its place."""
+    """The text for a name at its position."""
     return _sum(analysis, mention) if mention.summed_up else _name(analysis, mention.entity)
 
 
 def _name(analysis: Analysis, entity: Entity) -> str:
-    """The text about an entity."""
+    """The text for an entity."""
     makers: dict[Kind, Callable[[Analysis, Entity], str]] = {
         "module": _module,
         "edge": _edge,
@@ -69,11 +69,11 @@ def _name(analysis: Analysis, entity: Entity) -> str:
     return makers.get(entity.kind, _member)(analysis, entity)
 
 
-# --- modules -----------------------------------------------------------------------------------
+# --- Modules -----------------------------------------------------------------------------------
 
 
 def _sum(analysis: Analysis, mention: Mention) -> str:
-    """What an objective adds up, by module."""
+    """The terms of an objective's sum, by module."""
     found = [each.entity for each in analysis.names.together(mention)]
     lines = [
         f"{each.scope[0]}: {written(each.statement, analysis.sources)}"
@@ -165,7 +165,7 @@ def _dof(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> str:
 
 
 def _efforts(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> list[str]:
-    """The bounds of the input: its own, then task by task."""
+    """The bounds of the input: its own, then those of each task."""
     program = analysis.program
     unit = "N*m" if dof.kind == "revolute" else "N"
     found: list[str] = []
@@ -182,7 +182,7 @@ def _efforts(analysis: Analysis, module: ir.Module, dof: ir.Dof) -> list[str]:
     return found
 
 
-# --- grammars ----------------------------------------------------------------------------------
+# --- Grammars ----------------------------------------------------------------------------------
 
 
 def _nonterminal(analysis: Analysis, entity: Entity) -> str:
@@ -240,7 +240,7 @@ def _production(analysis: Analysis, entity: Entity) -> str:
 
 
 def _dimension(program: ir.Program, grammar: str) -> int | None:
-    """The dimension in which the robots of a grammar move, where all tasks agree."""
+    """The dimension in which the robots of a grammar move; None unless all tasks agree."""
     found = {
         program.workspaces[task.workspace].dimension
         for task in program.tasks.values()
@@ -263,7 +263,7 @@ def _grammar(analysis: Analysis, entity: Entity) -> str:
 
 
 def _port_grammar(analysis: Analysis, grammar: s.Grammar) -> str:
-    """What a grammar from ports stands for."""
+    """The productions that a grammar from ports stands for."""
     name, program = grammar.name.text, analysis.program
     lowered = None if program is None else program.grammars.get(name)
     productions = () if lowered is None else lowered.productions
@@ -277,7 +277,7 @@ def _port_grammar(analysis: Analysis, grammar: s.Grammar) -> str:
     return f"{_code(chr(10).join(lines))}\n\n{text}" if lines else text
 
 
-# --- workspaces, tasks and missions ------------------------------------------------------------
+# --- Workspaces, tasks and missions ------------------------------------------------------------
 
 
 def _workspace(analysis: Analysis, entity: Entity) -> str:
@@ -320,7 +320,7 @@ def _mission(analysis: Analysis, entity: Entity) -> str:
 
 
 def _unread(entity: Entity) -> str:
-    """What can be said of an item with errors: its kind and its name."""
+    """The text for an item with errors: its kind and its name."""
     text = described(entity)
     return f"{text[:1].upper()}{text[1:]}."
 
@@ -333,7 +333,7 @@ _MOST_ROWS = 60
 
 
 def region_text(region: ir.Region, dimension: int) -> str:
-    """What a region is like, as Markdown."""
+    """The description of a region, as Markdown."""
     shape = region.shape
     kind = f"A{'n' if region.kind == 'obstacle' else ''} {region.kind}"
     if isinstance(shape, ir.Round):

@@ -39,7 +39,7 @@ def task_text(task: ir.Task) -> str:
 
 
 def mission_text(mission: ir.Mission, program: ir.Program) -> str:
-    """What a mission asks for, its tasks one by one."""
+    """What a mission asks for, with its tasks one by one."""
     grammar = program.tasks[mission.tasks[0]].grammar
     who = "one robot does" if mission.prices is None else "robots that are rebuilt do"
     what = "this task" if len(mission.tasks) == 1 else "these tasks"
@@ -51,7 +51,7 @@ def mission_text(mission: ir.Mission, program: ir.Program) -> str:
 
 
 def _costs(mission: ir.Mission) -> Iterator[str]:
-    """What changes cost, where there are any."""
+    """The prices of changes, if changes are allowed."""
     prices = mission.prices
     if prices is None:
         return

@@ -25,12 +25,12 @@ _DIGITS = 6
 
 
 def rounded(value: float) -> str:
-    """Six significant digits."""
+    """A number with six significant digits."""
     return f"{value:.{_DIGITS}g}"
 
 
 def _exactly(value: Fraction, power: int) -> str:
-    """``q * pi^k``."""
+    """The text of ``q * pi^k``."""
     pi = "pi" if power == 1 else f"pi^{power}"
     if not power:
         return number_text(value)
@@ -38,7 +38,7 @@ def _exactly(value: Fraction, power: int) -> str:
 
 
 def in_si(value: Fraction, unit: Unit) -> str:
-    """A number with a unit, in SI units: exactly, and rounded where that is not the same."""
+    """A number with a unit, in SI units: exact, and also rounded if that differs."""
     total = value * unit.factor
     exact = _exactly(total, unit.pi_power)
     si = symbol(unit.dimension, angular=unit.angular)
@@ -48,7 +48,7 @@ def in_si(value: Fraction, unit: Unit) -> str:
 
 
 def closed_text(expression: ir.Expr) -> str:
-    """A closed expression: rounded, with its exact form where that is short."""
+    """A closed expression: rounded, with its exact form if that is short."""
     exact = expression_text(expression, lambda _: "")
     exact = exact.replace("-1 * pi", "-pi")
     try:
@@ -68,14 +68,14 @@ def domain_text(domain: ir.Interval | ir.Choices, unit: str) -> str:
 
 # --- What a production adds to the dynamics of a robot --------------------------------------------
 #
-# A body of mass m whose centre of mass moves with v and that turns with w adds to the kinetic
-# energy
+# A body of mass m whose centre of mass moves with velocity v and that turns with angular velocity w
+# adds to the kinetic energy
 #
 # .. math:: T = m |v|^2 / 2 + I w^2 / 2
 #
-# and so m J_v^T J_v + J_w^T I J_w to the mass matrix M, and -m g . c to the potential energy.  A
-# uniform rod has m = density * length and, about its centre of mass and square to its axis, I = m *
-# length^2 / 12; about its end m * length^2 / 3.
+# and thus m J_v^T J_v + J_w^T I J_w to the mass matrix M, and -m g . c to the potential energy.  A
+# uniform rod has m = density * length and, about an axis through its centre of mass perpendicular
+# to the rod, I = m * length^2 / 12; about its end, m * length^2 / 3.
 #
 # Source: Murray, Li & Sastry, *A Mathematical Introduction to Robotic Manipulation* (1994), section
 # 4.2.
@@ -83,9 +83,9 @@ def domain_text(domain: ir.Interval | ir.Choices, unit: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class AddedBody:
-    """A body: what it is, its mass (kg), and its moments of inertia (kg m^2) as text.
+    """A body: its description, its mass (kg) and its moments of inertia (kg m^2) as text.
 
-    ``least`` and ``most`` are the bounds of its mass over the parameters, where they are known.
+    ``least`` and ``most`` are the bounds of its mass over the parameters, if they are known.
     """
 
     what: str
@@ -117,7 +117,7 @@ class _Reader:
     def text(self, expression: ir.Expr) -> str:
         return expression_text(expression, self.names)
 
-    # --- bodies --------------------------------------------------------------------------------
+    # --- Bodies --------------------------------------------------------------------------------
 
     def body(self, emission: ir.Rod | ir.PointMass | ir.Solid) -> AddedBody:
         match emission:
@@ -158,7 +158,7 @@ class _Reader:
         return AddedBody(what, text, inertia, *bounds)
 
     def _bounds(self, product: Product) -> tuple[float, float] | None:
-        """The least and greatest value over the parameters, where it grows with each of them."""
+        """The least and greatest value over the parameters; None if a factor may be negative."""
         low = high = float(product.factor)
         if product.factor < 0:
             return None
@@ -187,7 +187,7 @@ class _Reader:
             return None
         return (min(values), max(values)) if values else None
 
-    # --- coordinates ---------------------------------------------------------------------------
+    # --- Coordinates ---------------------------------------------------------------------------
 
     def dofs(self) -> Iterator[str]:
         for position, module in enumerate(self.modules):
@@ -210,11 +210,11 @@ class _Reader:
 
 
 def added_physics(program: ir.Program, grammar: ir.Grammar, label: str) -> AddedPhysics | None:
-    """What a production adds to a robot; None where the grammar has no sound semantics.
+    """What a production adds to a robot; None if the grammar has no sound semantics.
 
     Args:
         program: the program.
-        grammar: a grammar of it.
+        grammar: one of its grammars.
         label: a production of the grammar.
     """
     production = next((p for p in grammar.productions if p.label == label), None)
@@ -247,7 +247,7 @@ def physics_text(added: AddedPhysics, dimension: int | None) -> str:
 
     Args:
         added: what a production adds.
-        dimension: that of the workspace, where it is known.
+        dimension: the dimension of the workspace, if it is known.
     """
     parts: list[str] = []
     if added.frames:
@@ -290,7 +290,7 @@ def _listed(lines: tuple[str, ...]) -> str:
     return "\n".join(f"- {line}" for line in lines)
 
 
-# --- Products of powers, written as people write them: ``1.2 * L.length^3 / 12`` ------------------
+# --- Products of powers, in the usual notation: ``1.2 * L.length^3 / 12`` -------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -311,7 +311,7 @@ class Product:
         return Product(self.factor**exponent, tuple((e, n * exponent) for e, n in self.powers))
 
     def text(self, names: Names) -> str:
-        """The product; a quotient where its factor is one of small integers."""
+        """The product as text; as a quotient if its factor is one of small integers."""
         if not self.powers or not self.factor:
             return number_text(self.factor)
         over = [e for e in self.powers if e[1] > 0]
@@ -336,7 +336,7 @@ def _power(expression: ir.Expr, exponent: int, names: Names) -> str:
 
 
 def product_of(expression: ir.Expr) -> Product:
-    """An expression as a product; a sum is one factor of it."""
+    """An expression as a product; a sum is a single factor."""
     known = constants.evident(expression)
     if known is not None and not known[1]:
         return Product(known[0], ())

@@ -1,1 +1,1 @@
-"""The shape of a document: outline, folds, colours, links."""
+"""The structure of a document: outline, folds, semantic tokens, links."""

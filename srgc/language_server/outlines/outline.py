@@ -1,4 +1,4 @@
-"""The outline of a document and the symbols of all documents."""
+"""The outline of a document, the symbols of all documents, folds, and links."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class _Outline:
         detail: str | None = None,
         children: Sequence[lsp.DocumentSymbol] = (),
     ) -> lsp.DocumentSymbol:
-        """One symbol; the place of its name is always a part of its own."""
+        """One symbol; the selected range of its name always lies within its whole range."""
         inner = Span(max(name.span.start, whole.start), min(name.span.end, whole.end))
         if inner.start > inner.end:
             inner = whole
@@ -108,7 +108,7 @@ class _Outline:
 
 
 def outline(analysis: Analysis, number: int) -> list[lsp.DocumentSymbol]:
-    """The items of a document with what they declare."""
+    """The items of a document, with their declarations."""
     maker = _Outline(analysis, number)
     return [symbol for item in analysis.items(number) for symbol in maker.item(item)]
 
@@ -129,7 +129,7 @@ _INDEXED: dict[Kind, lsp.SymbolKind] = {
 
 
 def _matches(name: str, query: str) -> bool:
-    """Whether the letters of a query occur in a name in that order, whatever their case."""
+    """Whether the letters of a query occur in a name in that order, ignoring case."""
     letters = iter(name.lower())
     return all(letter in letters for letter in query.lower())
 
@@ -137,7 +137,7 @@ def _matches(name: str, query: str) -> bool:
 def workspace_symbols(
     analyses: Sequence[Analysis], query: str, uri_of: UriOf
 ) -> list[lsp.WorkspaceSymbol]:
-    """What is declared in all programs, by a part of its name."""
+    """The declarations in all programs whose names match a query."""
     found: dict[tuple[str, int, str], lsp.WorkspaceSymbol] = {}
     for analysis in analyses:
         for mention in analysis.names.mentions:
@@ -156,7 +156,7 @@ def workspace_symbols(
     return [found[key] for key in sorted(found)][:_MOST]
 
 
-# --- Folding: items, blocks and comments that go over several lines -------------------------------
+# --- Folding: items, blocks and comments of several lines -----------------------------------------
 
 
 _PART = re.compile(
@@ -172,7 +172,7 @@ def _comment(lines: LineMap, start: int, end: int) -> lsp.FoldingRange | None:
 
 
 def folding(text: str, lines: LineMap) -> list[lsp.FoldingRange]:
-    """The ranges that can be folded, however broken the text is."""
+    """The ranges that can be folded, even if the text has errors."""
     found: list[lsp.FoldingRange | None] = []
     open_braces: list[int] = []
     run: tuple[int, int] | None = None
@@ -197,7 +197,7 @@ def folding(text: str, lines: LineMap) -> list[lsp.FoldingRange]:
 
 
 def _braces(lines: LineMap, start: int, end: int) -> lsp.FoldingRange | None:
-    """What stands between braces; the line of the closing one stays."""
+    """The lines between braces; the line of the closing brace stays visible."""
     first, last = lines.position(start).line, lines.position(end).line - 1
     return lsp.FoldingRange(first, last) if last > first else None
 
@@ -206,7 +206,7 @@ def _braces(lines: LineMap, start: int, end: int) -> lsp.FoldingRange | None:
 
 
 def include_links(analysis: Analysis, number: int, uri_of: UriOf) -> list[lsp.DocumentLink]:
-    """The links of a document; what is no file of the program has none."""
+    """The links of a document; paths that are not files get none."""
     base = analysis.path(number)
     paths: list[Ident] = []
     library: set[Ident] = set()
@@ -222,7 +222,7 @@ def include_links(analysis: Analysis, number: int, uri_of: UriOf) -> list[lsp.Do
     for path in paths:
         folder = Path(LIBRARY) if path in library else base.parent
         target = Path(posixpath.normpath(folder / path.text))
-        if not path.text or not os.path.isfile(target):  # noqa: PTH113 - of any name
+        if not path.text or not os.path.isfile(target):  # noqa: PTH113 - any name may occur
             continue
         inside = Span(path.span.start + 1, path.span.end - 1, path.span.file)
         place = analysis.lines(number).range(inside)

@@ -1,4 +1,4 @@
-"""Semantic tokens: every word as what it is, keywords only where they are keywords."""
+"""Semantic tokens: the kind of every word, keywords only where they are keywords."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands of tasks and missions in an editor: synthesis, verification, as processes beside it."""
+"""The editor's commands for tasks and missions: synthesis and verification as child processes."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ from srgc.language_server.tasks.verdicts import (
     holds_mission,
 )
 
-# --- ``srgc synth`` and ``srgc verify`` beside the server, with their progress and their end ------
+# --- ``srgc synth`` and ``srgc verify`` as child processes, with progress and cancellation --------
 
 
 _TIME = re.compile(r"^\[ *[0-9.]+ s\] ")
 _PATIENCE = 10.0
-"""Seconds that a run has to write down what it has, when it is told to end."""
+"""Seconds that a run has to write its results after it was told to end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """A run that has ended: its exit status, the ends of what it printed."""
+    """A run that has ended: its exit status, and the ends of its output and errors."""
 
     status: int
     output: str
@@ -52,7 +52,7 @@ class Ended:
 
 @dataclass(slots=True)
 class Jobs:
-    """The runs that are going on; they end with the server."""
+    """The runs in progress; they end with the server."""
 
     _running: set[asyncio.subprocess.Process] = field(
         default_factory=set[asyncio.subprocess.Process]
@@ -69,9 +69,9 @@ class Jobs:
 
         Args:
             arguments: its command line.
-            folder: where it runs.
-            told: is given every line of its progress.
-            ended: whether the user wants it to end; asked again and again.
+            folder: the working directory.
+            told: called with every line of its progress.
+            ended: whether the user wants the run to end; called repeatedly.
 
         Raises:
             OSError: it cannot be started.
@@ -102,14 +102,14 @@ class Jobs:
         return Ended(status, output, errors)
 
     def stop(self) -> None:
-        """End all runs; what they have found so far they keep."""
+        """End all runs; they keep what they have found so far."""
         for process in self._running:
             with suppress(ProcessLookupError):
                 process.send_signal(signal.SIGINT)
 
 
 async def _stop(process: asyncio.subprocess.Process) -> None:
-    """An interrupt, so that the run can be resumed; after a while an end."""
+    """Interrupt a run, so that it can be resumed; kill it if it does not end in time."""
     with suppress(ProcessLookupError):
         process.send_signal(signal.SIGINT)
         try:
@@ -125,13 +125,13 @@ async def _watch(process: asyncio.subprocess.Process, ended: Callable[[], bool])
 
 
 async def _lines(stream: asyncio.StreamReader | None, told: Callable[[str], None]) -> str:
-    """Give out line by line; the last of them."""
+    """Pass on each line; return the last lines."""
     last: list[str] = []
     while stream is not None:
         try:
             line = await stream.readline()
         except ValueError:
-            continue  # a line that is too long says nothing to anybody
+            continue  # lines that are too long are not useful
         if not line:
             break
         text = _TIME.sub("", line.decode("utf-8", "replace").rstrip())
@@ -145,7 +145,7 @@ async def _lines(stream: asyncio.StreamReader | None, told: Callable[[str], None
 
 
 Kind: TypeAlias = Literal["task", "mission"]
-"""What a command is about, which is also the option that names it."""
+"""The kind of item that a command is about, which is also the name of its option."""
 _REPLACE = "Replace Results"
 _VERDICTS = {0: "found", 3: "impossible", 4: "unknown", 130: "interrupted"}
 _OUTCOMES = {0: "verified", 1: "refuted", 4: "not decided", 6: "about another task"}
@@ -153,7 +153,7 @@ _OUTCOMES = {0: "verified", 1: "refuted", 4: "not decided", 6: "about another ta
 
 @dataclass(slots=True)
 class TaskCommands:
-    """The commands; ``refresh`` has lenses drawn again."""
+    """The commands; ``refresh`` has the lenses drawn again."""
 
     server: LanguageServer
     programs: Programs
@@ -164,7 +164,7 @@ class TaskCommands:
     _tokens: itertools.count[int] = field(default_factory=itertools.count)
 
     async def check(self, uri: str, task: str, kind: Kind = "task") -> dict[str, Any]:
-        """All findings of the program of a task or a mission, counted and told."""
+        """Count all diagnostics of the program of a task or a mission, and show the numbers."""
         analysis = await self._program(uri, task, kind)
         found = await self.programs.work(lambda: analysis.findings)
         errors = sum(each.severity is Severity.ERROR for each in found)
@@ -176,7 +176,7 @@ class TaskCommands:
         return {"errors": errors, "warnings": warnings}
 
     async def synth(self, uri: str, task: str, kind: Kind = "task") -> dict[str, Any]:
-        """Synthesise, and verify what was found."""
+        """Synthesise, and verify the result."""
         path = await self._saved(uri, task, kind)
         folder = folder_of(path, task)
         relative = folder.relative_to(path.parent)
@@ -188,7 +188,7 @@ class TaskCommands:
             ended = await self._run(path, task, "synth", [*arguments, "--force"])
         verdict = _VERDICTS.get(ended.status)
         if verdict is None:
-            broken = ended.status == SPEC_ERRORS  # its last line is but the hint of a finding
+            broken = ended.status == SPEC_ERRORS  # its last line is only the hint of a diagnostic
             reason = "the text has errors" if broken else _last(ended)
             self._say(f"{task}: {reason}", lsp.MessageType.Error)
             return {"verdict": None, "status": ended.status}
@@ -208,7 +208,7 @@ class TaskCommands:
         if not is_folder(folder):
             raise RequestRefused(f"{folder} is not a result folder yet: synthesise first")
         relative = str(folder.relative_to(path.parent))
-        # What `srgc evolve` writes for a task is claimed as a mission is.
+        # Results that `srgc evolve` writes for a task have the claim of a mission.
         about = "--mission" if holds_mission(folder) else f"--{kind}"
         ended = await self._run(path, task, "verify", ["verify", relative, about, task])
         outcome = _OUTCOMES.get(ended.status)
@@ -221,9 +221,9 @@ class TaskCommands:
         return {"outcome": outcome, "status": ended.status}
 
     async def _may_replace(self, folder: Path, shown: Path) -> bool:
-        """Whether results of another text, or another seed, may go: the user is asked.
+        """Whether results of another text or seed may be replaced: the user is asked.
 
-        Of a run without an end nothing could be used, and it goes unasked.
+        An unfinished run has no usable results, and is replaced without asking.
 
         Raises:
             RequestRefused: there are files, but no results.
@@ -239,11 +239,11 @@ class TaskCommands:
         )
         try:
             chosen = await self.server.window_show_message_request_async(request)
-        except Exception:  # a client that cannot ask
+        except Exception:  # the client cannot ask
             chosen = None
         return chosen is not None and chosen.title == _REPLACE
 
-    # --- what a command is about ---------------------------------------------------------------
+    # --- What a command is about ---------------------------------------------------------------
 
     async def _program(self, uri: str, task: str, kind: Kind) -> Analysis:
         for analysis in await self.programs.of(uri):
@@ -259,7 +259,7 @@ class TaskCommands:
         return path
 
     async def _saved(self, uri: str, task: str, kind: Kind) -> Path:
-        """The main file; what is on the disk must be what is shown."""
+        """The main file; the files on disk must have the texts that the editor shows."""
         analysis = await self._program(uri, task, kind)
         path = await self._path(uri, task, kind)
         for number, (name, data) in enumerate(current_files(analysis).items()):
@@ -268,7 +268,7 @@ class TaskCommands:
                 raise RequestRefused(f"save {name} first")
         return path
 
-    # --- runs ----------------------------------------------------------------------------------
+    # --- Runs ----------------------------------------------------------------------------------
 
     async def _run(self, path: Path, task: str, what: str, arguments: list[str]) -> Ended:
         key = (str(path), task)
@@ -293,10 +293,10 @@ class TaskCommands:
     def _say(self, text: str, kind: lsp.MessageType) -> None:
         self.server.window_show_message(lsp.ShowMessageParams(kind, text))
 
-    # --- progress ------------------------------------------------------------------------------
+    # --- Progress ------------------------------------------------------------------------------
 
     async def _begin(self, title: str) -> str | None:
-        """A token for progress, if the client shows any."""
+        """A token for progress, if the client shows progress."""
         window = self.server.client_capabilities.window
         if window is None or not window.work_done_progress:
             return None
@@ -304,7 +304,7 @@ class TaskCommands:
         progress = self.server.work_done_progress
         try:
             await asyncio.wait_for(progress.create_async(token), 5)
-        except Exception:  # a client that refuses gets none
+        except Exception:  # a client that refuses gets no progress
             return None
         progress.begin(token, lsp.WorkDoneProgressBegin(title, cancellable=True))
         return token
@@ -336,7 +336,7 @@ CHECK, SYNTH, VERIFY = "srgc.check", "srgc.synth", "srgc.verify"
 
 
 def kind_of(given: Sequence[str]) -> Kind:
-    """What a command is about, by its further arguments: a task, where there are none.
+    """The kind of item that a command is about, given by its further arguments; a task by default.
 
     Raises:
         JsonRpcInvalidParams: there is no such kind.
@@ -349,7 +349,7 @@ def kind_of(given: Sequence[str]) -> Kind:
 
 
 Running = Mapping[tuple[str, str], str]
-"""What is being done about a task (path of the file, name), as text."""
+"""Maps the path of the file and the name of a task to the name of the running command."""
 
 
 def task_lenses(
@@ -360,9 +360,9 @@ def task_lenses(
     Args:
         analysis: the program.
         number: the number of the document in it.
-        uri: that of the document.
-        verdicts: what result folders say.
-        running: what is going on.
+        uri: the URI of the document.
+        verdicts: the verdicts in result folders.
+        running: the running commands.
     """
     path = analysis.path(0)
     files: dict[str, bytes] = {}
@@ -371,7 +371,7 @@ def task_lenses(
         if not isinstance(item, t.Task | m.Mission):
             continue
         name = item.name.text
-        # Of tasks there is no third argument: clients from before there were missions give none.
+        # Tasks have no third argument, because clients from before missions existed send none.
         kind = ["mission"] if isinstance(item, m.Mission) else []
         asked = [uri, name, *kind]
         place = analysis.lines(number).range(item.name.span)

@@ -1,4 +1,4 @@
-"""What the result folder of a task or a mission says, and whether it is about the text as it is."""
+"""The verdict in the result folder of a task or mission, and whether it is still up to date."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LONGEST = 60
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """A verdict: ``text`` is what a lens shows of it; ``stale`` if it is about another text."""
+    """A verdict; ``text`` is for the lens; ``stale``: whether it is about another text."""
 
     kind: str
     text: str
@@ -30,20 +30,20 @@ class Verdict:
 
 
 def folder_of(path: Path, name: str) -> Path:
-    """Where the results of a task or a mission are written: ``out/NAME`` beside the file."""
+    """The result folder of a task or a mission: ``out/NAME`` next to the file."""
     return path.parent / "out" / name
 
 
 def holds_mission(folder: Path) -> bool:
-    """Whether the claim there is one about a mission, or about a step of ``srgc evolve``."""
+    """Whether the claim in a folder is about a mission, or about a step of ``srgc evolve``."""
     return _plain_bytes(folder / MISSION) is not None
 
 
 def current_files(analysis: Analysis) -> dict[str, bytes]:
     """The files of a program, as ``synth`` would copy them.
 
-    An editor gives a text without byte order mark; where it holds just what the file says, the
-    bytes of the file count.
+    Editors send texts without byte order mark; if a text is that of the file on disk, the bytes of
+    the file count.
     """
     found: dict[str, bytes] = {}
     for number, source in enumerate(analysis.sources):
@@ -63,7 +63,7 @@ class Verdicts:
     _verified: dict[str, tuple[str, str]] = field(default_factory=dict[str, tuple[str, str]])
 
     def note(self, folder: Path, outcome: str) -> None:
-        """``srgc verify`` has said something about the claim that is there now."""
+        """Record the outcome of ``srgc verify`` for the present claim in a folder."""
         digest = _digest(folder)
         if digest is not None:
             self._verified[str(folder)] = (digest, outcome)
@@ -73,7 +73,7 @@ class Verdicts:
 
         Args:
             folder: the result folder.
-            files: the files of the spec as they are now.
+            files: the present files of the spec.
         """
         design = _design(folder)
         if design is None:
@@ -105,7 +105,7 @@ def _said(kind: str, design: Mapping[str, Any]) -> str:
 
 
 def _of_mission(design: Mapping[str, Any]) -> str:
-    """What the robots of a mission cost, or which one does it."""
+    """The cost of a mission's robots, or the word of its only robot."""
     cost, robots = design.get("cost"), design.get("robots")
     if isinstance(cost, int | float):
         return f"changes {cost:g}"
@@ -123,7 +123,7 @@ def _design(folder: Path) -> dict[str, Any] | None:
 
 
 def _digest(folder: Path) -> str | None:
-    """That of all claims in a folder: the certificate, or that of a mission with its designs'."""
+    """A digest of a folder's claims: the certificate, or those of a mission and its designs."""
     claim = folder / MISSION if holds_mission(folder) else folder / "certificate.json"
     designs = sorted(folder.glob("tasks/*/certificate.json")) if claim.name == MISSION else []
     found = [_plain_bytes(path) for path in (claim, *designs)]
@@ -134,7 +134,7 @@ def _digest(folder: Path) -> str | None:
 
 
 def _plain_bytes(path: Path) -> bytes | None:
-    """A file of a result folder; None if it is a link, or cannot be read."""
+    """The bytes of a file in a result folder; None if it is a link, or cannot be read."""
     try:
         refuse_other(path, "file")
     except UsageFault:

@@ -1,1 +1,1 @@
-"""The page about a mission: its line of robots, their motions, and what is proved of all others."""
+"""The page about a mission: its robots, their motions, and what is proved about other robots."""

@@ -1,4 +1,4 @@
-"""The robots of a mission in their order, and what became of each of their modules."""
+"""The robots of a mission in order, and what happens to each of their modules."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from srgc.results.found_design import FoundDesign
 from srgc.results.mission_folder import MissionFolder, RobotBefore
 
 Fate = Literal["added", "removed", "changed"]
-"""What happens to a module: added before the task, removed after it, a parameter changed before."""
+"""What happens to a module: added before the task, removed after it, or changed before it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StandingRobot:
-    """A robot as it stands for one task or several in a row; for none, it was there before.
+    """The robot for one task or several successive ones; without tasks, the existing robot.
 
-    ``model`` and ``derivation`` are None where it cannot be built again.  ``known`` has the
-    parameters whose values are known, with what they are; ``theta`` has stand-ins for the others.
-    ``fates`` says of places in the word what happens to those modules; none: they are kept.
-    ``step`` is what is changed before it, of an ``earlier`` word.
+    ``model`` and ``derivation`` are None if the robot cannot be built again.  ``known`` has the
+    parameters with known values; ``theta`` has substitutes for the others.  ``fates`` says what
+    happens to the modules at places of the word; the others are kept.  ``step`` has the changes
+    from the ``earlier`` word.
     """
 
     tasks: tuple[str, ...]
@@ -47,7 +47,7 @@ class StandingRobot:
 
 
 def line_of_robots(mission: MissionFolder) -> tuple[StandingRobot, ...]:
-    """The robots of a mission; equal ones in a row are one."""
+    """The robots of a mission; equal successive ones are merged."""
     modules = mission.program.modules
     found: list[StandingRobot] = []
     if mission.before is not None:
@@ -65,7 +65,7 @@ def line_of_robots(mission: MissionFolder) -> tuple[StandingRobot, ...]:
 
 
 def different_robots(mission: MissionFolder) -> int:
-    """How many robots do the tasks; one that comes back after another is the same robot."""
+    """The number of distinct robots; a robot that returns after another one counts once."""
     return len({(robot.claim.word, robot.claim.parameters) for robot in mission.robots})
 
 
@@ -85,7 +85,7 @@ def _standing(
 def _with_fates(
     line: Sequence[StandingRobot], modules: Mapping[str, ir.Module]
 ) -> Iterator[StandingRobot]:
-    """The robots with what happens to their modules: before their tasks, and after these."""
+    """The robots, with what happens to their modules before and after their tasks."""
     for number, robot in enumerate(line):
         here = module_places(robot.word, modules)
         fates: dict[int, set[Fate]] = {}
@@ -101,11 +101,11 @@ def _with_fates(
 
 
 def module_places(word: Sequence[str], modules: Mapping[str, ir.Module]) -> list[int]:
-    """The places in a word of its modules, in their order."""
+    """The places of the modules in a word, in order."""
     return [place for place, symbol in enumerate(word) if symbol in modules]
 
 
-# --- The robot that there is before the first task ------------------------------------------------
+# --- The existing robot before the first task -----------------------------------------------------
 
 
 def _before(
@@ -113,7 +113,7 @@ def _before(
     before: RobotBefore,
     first: tuple[FoundDesign, Changes | None] | None,
 ) -> StandingRobot:
-    """It as the spec builds it; values that nobody knows are those that kept modules have later."""
+    """The robot as the spec builds it; unknown values are taken from kept modules later."""
     task = mission.program.tasks[mission.mission.tasks[0]]
     robot = StandingRobot((), before.word, None, None, np.zeros(0), ())
     try:
@@ -142,7 +142,7 @@ def _before(
 def _kept_values(
     mission: MissionFolder, before: RobotBefore, robot: FoundDesign, step: Changes | None
 ) -> dict[tuple[int, str], float]:
-    """The values in the first robot of the parameters of modules that are kept."""
+    """The parameter values of kept modules in the first robot."""
     old = module_places(before.word, mission.program.modules)
     new = module_places(robot.claim.word, mission.program.modules)
     place = {new[j]: old[i] for i, j in (() if step is None else step.kept)}

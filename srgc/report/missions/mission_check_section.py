@@ -1,4 +1,4 @@
-"""How to check a mission without its page, and what it is about, to the byte."""
+"""How to check a mission without its page, and the exact files that the page is about."""
 
 from __future__ import annotations
 

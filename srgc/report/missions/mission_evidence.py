@@ -1,4 +1,4 @@
-"""All that the page about a mission is made of."""
+"""The evidence for the page about a mission."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from srgc.results.result_folder import json_object
 
 @dataclass(frozen=True, slots=True)
 class EarlierRobot:
-    """A robot of the history, for a task; ``cost``: of the changes before it, where it is one."""
+    """A robot of the history, for a task; ``cost`` is the cost of the changes before it, if any."""
 
     number: int
     task: str
@@ -37,7 +37,7 @@ class EarlierRobot:
 
 @dataclass(frozen=True, slots=True)
 class TaskCoverings:
-    """The coverings of a task: how many, and their boxes in all."""
+    """The number of coverings of a task, and their total size."""
 
     coverings: int
     size: CoveringSize
@@ -48,14 +48,14 @@ class MissionEvidence:
     """A folder of a mission as its page needs it.
 
     Attributes:
-        mission: what the folder holds.
-        tasks: the evidence on each design, in the order of the tasks; none without robots.
-        line: the robots in their order, equal ones in a row once, with the one before.
-        report: what the verifier says of the folder now; None where it was not asked.
-        coverings: those that refute robots in each task, by its name.
+        mission: the content of the folder.
+        tasks: the evidence about each design, in the order of the tasks; empty without robots.
+        line: the robots in order, equal successive ones merged, after the existing robot.
+        report: the verifier's present report on the folder; None if it was not asked.
+        coverings: the coverings that refute robots, by the name of the task.
         earlier: the robots of the history, the oldest first.
         files: the files of the spec by their paths.
-        log: ``log.json``, empty where there is none.
+        log: ``log.json``, empty if there is none.
         digests: SHA-256 of ``design.json`` and ``mission.json``.
     """
 
@@ -73,12 +73,13 @@ class MissionEvidence:
 def read_mission_evidence(
     folder: Path, *, verify: bool, watch: Watch = UNWATCHED
 ) -> MissionEvidence:
-    """All that the page about a mission is made of.
+    """Read the evidence for the page about a mission.
 
     Args:
-        folder: one that ``srgc synth --mission`` or ``srgc evolve`` has written, with any verdict.
+        folder: a folder that ``srgc synth --mission`` or ``srgc evolve`` has written, with any
+            verdict.
         verify: whether to check its claim again, and to enclose the motions.
-        watch: told how far the check has come.
+        watch: told about the progress of the check.
 
     Raises:
         UsageFault: there are no results of a mission, or they or the spec have been altered.
@@ -109,7 +110,7 @@ def read_mission_evidence(
 
 
 def _coverings(folder: Path, claim: MissionClaim) -> dict[str, TaskCoverings]:
-    """How large the coverings of each task are, of those that there are."""
+    """The sizes of the coverings of each task that exist."""
     names: dict[str, dict[str, None]] = {}
     for task in claim.tasks:
         known = names.setdefault(task.task, {})
@@ -148,7 +149,7 @@ def _leaves(tree: TreeClaim) -> Iterator[LeafClaim]:
 
 
 def _earlier(folder: Path) -> Iterator[EarlierRobot]:
-    """The robots of the results in ``history``, each result with all of its own."""
+    """The robots of the results in ``history``, with all robots of each result."""
     top = folder / "history"
     numbers = sorted(int(path.name) for path in top.glob("*") if path.name.isdecimal())
     for number in numbers:

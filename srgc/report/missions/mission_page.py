@@ -1,4 +1,4 @@
-"""The page about a mission: which sections it has, in which order."""
+"""The page about a mission: its sections and their order."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ SECTIONS = (
     earlier_section,
     mission_check_section,
 )
-"""After the head, the motions first; each is empty where there is nothing to show."""
+"""The sections after the head, the motions first; each is empty if there is nothing to show."""
 
 
 def mission_page(folder: Path, *, verify: bool = True, watch: Watch = UNWATCHED) -> str:
     """The page of a folder of a mission; the same folder gives the same text.
 
     Args:
-        folder: one that ``srgc synth --mission`` or ``srgc evolve`` has written.
-        verify: whether to check its claim again; the page says what comes of it.
-        watch: told how far that check has come.
+        folder: a folder that ``srgc synth --mission`` or ``srgc evolve`` has written.
+        verify: whether to check its claim again; the page states the outcome.
+        watch: told about the progress of the check.
 
     Raises:
         UsageFault: there are no results, or they or the spec have been altered.

@@ -1,4 +1,4 @@
-"""What was asked of a mission, what came of it, and what is proved of that."""
+"""What a mission asks for, the verdict, and what is proved about it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from srgc.results.stated_objectives import short
 
 
 def mission_head(evidence: MissionEvidence) -> str:
-    """The head of the page: the mission, the verdict and what is claimed."""
+    """The head of the page: the mission, the verdict and the claim."""
     word, kind = judged_words(evidence.mission.verdict, _report(evidence), "claim")
     mission = evidence.mission
     return (
@@ -29,7 +29,7 @@ def mission_head(evidence: MissionEvidence) -> str:
 
 
 def mission_proved_section(evidence: MissionEvidence) -> str:
-    """What was proved, and what was asked."""
+    """What was proved, and what was asked for."""
     mission = evidence.mission
     proved = "".join(f"<p>{sentence}</p>" for sentence in _proved(evidence))
     asked = "".join(f"<li>{sentence}</li>" for sentence in _asked(evidence))
@@ -63,7 +63,7 @@ def _headline(evidence: MissionEvidence) -> str:
 
 
 def _claims(evidence: MissionEvidence) -> Iterator[str]:
-    """What the robots cost or have, and what is claimed of all others."""
+    """The cost or the objectives of the robots, and what is claimed about all others."""
     mission = evidence.mission
     if mission.cost is not None:
         steps = sum(1 for step in mission.steps if step is not None and step.cost)
@@ -94,7 +94,7 @@ def _least_words(value: Fraction, least: Fraction, have: str) -> str:
     return "nothing is proved of cheaper ones"
 
 
-# --- what was proved ------------------------------------------------------------------------------
+# --- What was proved ------------------------------------------------------------------------------
 
 
 def _proved(evidence: MissionEvidence) -> Iterator[str]:
@@ -175,7 +175,7 @@ def _proved_impossible(evidence: MissionEvidence) -> Iterator[str]:
     )
 
 
-# --- what was asked -------------------------------------------------------------------------------
+# --- What was asked for ---------------------------------------------------------------------------
 
 
 def _asked(evidence: MissionEvidence) -> Iterator[str]:
@@ -213,7 +213,7 @@ def _changes_asked(mission: ir.Mission, prices: ir.Prices) -> Iterator[str]:
         yield f"All changes together cost at most {exact_text(mission.most)}."
 
 
-# --- figures --------------------------------------------------------------------------------------
+# --- Figures --------------------------------------------------------------------------------------
 
 
 def _facts(evidence: MissionEvidence) -> str:

@@ -1,4 +1,4 @@
-"""The motions of a mission one after the other, in one animation."""
+"""The motions of a mission in sequence, in one animation."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from srgc.report.motion_scene import (
 from srgc.results.found_design import FoundDesign
 
 FEWEST_NUMBERS = 8_000
-"""Of each of many motions, so that none is drawn at a few instants alone."""
+"""The fewest coordinates for each of many motions, so that none has only a few instants."""
 SMALLEST = 0.4
-"""Scenes that would be less than so large in the view of all of them have views of their own."""
+"""Scenes that would be scaled by less than this in a common view keep their own views."""
 
 
 def motions_section(evidence: MissionEvidence) -> str:
-    """The section of the page; nothing where there is no robot."""
+    """The section of the page; empty if there is no robot."""
     if not evidence.tasks:
         return ""
     scenes = _scenes(evidence)
@@ -62,7 +62,7 @@ def motions_section(evidence: MissionEvidence) -> str:
 
 
 def _jumps(evidence: MissionEvidence, scenes: Sequence[MotionScene]) -> str:
-    """Buttons that begin a task, as wide as it is long; nothing where there is one."""
+    """Buttons that start a task, as wide as the task is long; empty for a single task."""
     if len(scenes) == 1:
         return ""
     buttons = "".join(
@@ -75,7 +75,7 @@ def _jumps(evidence: MissionEvidence, scenes: Sequence[MotionScene]) -> str:
 
 
 def _scenes(evidence: MissionEvidence) -> list[MotionScene]:
-    """The scenes of the tasks, all in one view where that shows each of them well."""
+    """The scenes of the tasks, all in one view if that shows each of them well."""
     most = max(FEWEST_NUMBERS, MOST_NUMBERS // len(evidence.tasks))
     scenes = [motion_scene(task, most) for task in evidence.tasks]
     if len({scene.dimension for scene in scenes}) > 1:
@@ -88,7 +88,7 @@ def _scenes(evidence: MissionEvidence) -> list[MotionScene]:
 
 
 def _part(evidence: MissionEvidence, number: int, scene: MotionScene, motion: RobotMotion) -> str:
-    """A task with its picture, which a script shows at its time."""
+    """A task with its picture, which a script shows when it is due."""
     name = text(evidence.tasks[number].task.name)
     place = f", task {number + 1} of {len(evidence.tasks)}" if len(evidence.tasks) > 1 else ""
     return (
@@ -99,7 +99,7 @@ def _part(evidence: MissionEvidence, number: int, scene: MotionScene, motion: Ro
 
 
 def _said(task: Evidence, found: FoundDesign, scene: MotionScene, motion: RobotMotion) -> str:
-    """What is read at the time of the animation, and what the tube is."""
+    """The values at the current time of the animation, and the meaning of the tube."""
     factor = magnified(motion.tube, scene.view)
     tube = tube_caption(motion.tube, factor, repeats=task.task.repeat)
     values = readings(found.derivation.word, found.model.dofs, motion)
@@ -107,7 +107,7 @@ def _said(task: Evidence, found: FoundDesign, scene: MotionScene, motion: RobotM
 
 
 def _rebuilt(evidence: MissionEvidence, number: int) -> str:
-    """What is changed before the task."""
+    """The changes before the task."""
     mission = evidence.mission
     step = mission.steps[number]
     if step is None:

@@ -1,4 +1,4 @@
-"""The line of robots: each drawn, with what is added, removed, kept and changed between them."""
+"""The robots of a mission: each is drawn, with what is added, removed, kept and changed."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 Modules = Mapping[str, ir.Module]
 CARD = 330.0
-"""Width of the picture of a robot of the line."""
+"""The width of the picture of a robot."""
 MOST_DRAWN = 12
-"""So many robots of a line are drawn; the table has them all."""
+"""The number of robots to draw; the table has all of them."""
 
 
 def robots_section(evidence: MissionEvidence) -> str:
-    """The section of the page; nothing where there is no robot at all."""
+    """The section of the page; empty if there is no robot at all."""
     line = evidence.line
     if not line:
         return ""
@@ -103,7 +103,7 @@ def _title(robot: StandingRobot) -> str:
 
 
 def _step(evidence: MissionEvidence, robot: StandingRobot, modules: Modules) -> str:
-    """What is changed before a robot, and its cost."""
+    """The changes before a robot, and their cost."""
     if robot.step is None:
         if evidence.mission.mission.prices is None:
             return ""
@@ -124,7 +124,7 @@ def _step(evidence: MissionEvidence, robot: StandingRobot, modules: Modules) -> 
 def change_words(
     step: Changes, old: Sequence[str], new: Sequence[str], modules: Modules
 ) -> Iterator[str]:
-    """What is removed, added and changed, with its places in the words."""
+    """What is removed, added and changed, with the places in the words."""
     before, after = module_places(old, modules), module_places(new, modules)
     if step.removed:
         yield f"{SIGNS['removed']} {_named(old, (before[i] for i in step.removed))}"
@@ -139,7 +139,7 @@ def _named(word: Sequence[str], places: Iterable[int]) -> str:
 
 
 def _values(robot: StandingRobot) -> dict[int, list[str]]:
-    """Per place in the word the values of its parameters; those that nobody knows are left out."""
+    """By place in the word, the values of its parameters; unknown ones are omitted."""
     found: dict[int, list[str]] = {}
     for parameter, value in robot.known:
         found.setdefault(parameter.symbol, []).append(with_unit(value, parameter.unit))
@@ -160,7 +160,7 @@ def _chips(robot: StandingRobot, modules: Modules) -> str:
     return f'<ol class="chips" aria-label="The word">{"".join(chips)}</ol>'
 
 
-# --- the table ------------------------------------------------------------------------------------
+# --- The table ------------------------------------------------------------------------------------
 
 HEADS = ("robot for", "word", "removed", "added", "changed", "kept", "cost", "in all")
 FIGURES = HEADS[5:]
@@ -168,7 +168,7 @@ FIGURES = HEADS[5:]
 
 
 def _table(evidence: MissionEvidence) -> str:
-    """All robots with what is changed before each; nothing where none is, or none was found."""
+    """All robots with the changes before each; empty without prices, or if no robot was found."""
     if evidence.mission.mission.prices is None or not evidence.tasks:
         return ""
     total, rows = Fraction(0), []
@@ -193,7 +193,7 @@ def _table(evidence: MissionEvidence) -> str:
 
 
 def _stated(robot: StandingRobot) -> str:
-    """The values of its parameters."""
+    """The values of the robot's parameters."""
     said = [
         f"{parameter.module} {parameter.symbol}.{parameter.name} = "
         f"{with_unit(value, parameter.unit, 6)}"

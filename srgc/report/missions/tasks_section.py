@@ -15,11 +15,11 @@ from srgc.text_reports.synthesis_report import robustness_text, used_inputs
 
 MOST_REASONS = 12
 MOST_NAMED = 3
-"""So many robots are named that are undecided for one reason."""
+"""The number of robots to name that are undecided for one reason."""
 
 
 def tasks_section(evidence: MissionEvidence) -> str:
-    """Each task with its motion in figures, and the commands that ask for more."""
+    """Each task with the figures of its motion, and the commands that tell more."""
     if not evidence.tasks:
         return ""
     cards = "".join(_card(task) for task in evidence.tasks)
@@ -67,11 +67,11 @@ def _checked(task: Evidence) -> str:
     return f"{task.report.outcome.value}{level}, {many(len(task.report.conditions), 'condition')}"
 
 
-# --- what is refuted ------------------------------------------------------------------------------
+# --- What is refuted ------------------------------------------------------------------------------
 
 
 def refuted_section(evidence: MissionEvidence) -> str:
-    """What is refuted in each task; nothing where nothing is."""
+    """What is refuted in each task; empty if nothing is and the verdict is found."""
     refuted = evidence.mission.refuted
     found = evidence.mission.verdict == "found"
     title = "What rules other robots out" if found else "Why there are no robots"
@@ -154,7 +154,7 @@ def _reasons(each: TaskRefutations) -> str:
 
 
 def _open(evidence: MissionEvidence) -> str:
-    """The robots that are neither found nor refuted, by task, and what ended the search."""
+    """The robots that are neither found nor refuted, by task, and what to try first."""
     mission, parts = evidence.mission, list[str]()
     for task, each in undecided_by_task(mission.undecided).items():
         where = "all tasks together" if task is None else task
@@ -187,11 +187,11 @@ def _ask(evidence: MissionEvidence) -> str:
     )
 
 
-# --- the history ----------------------------------------------------------------------------------
+# --- The history ----------------------------------------------------------------------------------
 
 
 def earlier_section(evidence: MissionEvidence) -> str:
-    """The robots that led to the one that there is before; nothing without a history."""
+    """The robots that led to the existing robot; empty without a history."""
     if not evidence.earlier:
         return ""
     rows = "".join(
