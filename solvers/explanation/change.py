@@ -15,7 +15,15 @@ from compiler.expressions.exact_numbers import rational_bounds
 from grammar_lang import ir
 from grammar_lang.ir.expression_text import number_text
 from solvers.explanation.posed_task import PosedTask
-from solvers.explanation.relaxation import WIDER, ends, grown_bounds, with_effort, without
+from solvers.explanation.relaxation import (
+    WIDER,
+    ends,
+    grown_bounds,
+    is_signed,
+    width,
+    with_effort,
+    without,
+)
 from solvers.explanation.task_line import TaskLine
 
 MOST_STEPS = 160
@@ -48,12 +56,14 @@ class Scale:
     """The changes of a line by a value, the smallest change first.
 
     ``posable``: larger changes allow more poses, so poses show from which value on they may help.
+    Steps further away are multiples of the distance from ``origin``; None: of the value.
     """
 
     line: TaskLine
     values: tuple[Fraction, ...]
     at: Callable[[Fraction], Change]
     posable: bool
+    origin: Fraction | None = None
 
 
 def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
@@ -61,6 +71,8 @@ def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
     match line.kind:
         case "parameter":
             yield from _parameter(posed, line)
+        case "joint_range":
+            yield from _slide(posed, line)
         case "effort":
             yield _effort(posed, line)
         case "joint_effort":
@@ -175,6 +187,9 @@ def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
         wider = _with_value(p.domain, value)
         return Change(line, says, posed.with_domain(module, name, wider), value, way)
 
+    if is_signed(p.domain):
+        yield from _signed(line, p.domain, at)
+        return
     if high > 0:
         indices = range(index_above(high), index_above(high * WIDER) + 1)
         up = tuple(v for v in map(number_of, indices) if v > high)
@@ -183,6 +198,39 @@ def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
         indices = range(index_below(low), index_below(low / WIDER) - 1, -1)
         down = tuple(v for v in map(number_of, indices) if v < low)
         yield Scale(line, down, lambda value: at(value, "down to"), posable=True)
+
+
+def _slide(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
+    """The range of a prismatic joint, extended further up or down."""
+    module, name = (str(part) for part in line.key)
+    dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
+    if dof.kind != "prismatic" or dof.range is None:
+        return
+    domain = dof.range
+
+    def at(value: Fraction, way: str) -> Change:
+        says = f"with `{module}.{name}` {way} {number_text(value)} m"
+        wider = posed.with_dof(module, name, range=_with_value(domain, value))
+        return Change(line, says, wider, value, way)
+
+    yield from _signed(line, domain, at)
+
+
+def _signed(
+    line: TaskLine,
+    domain: ir.Interval | ir.Choices,
+    at: Callable[[Fraction, str], Change],
+) -> Iterator[Scale]:
+    """Extensions of a range with negative values, whose ends may be 0: by its width at most."""
+    (low, high), size = ends(domain), width(domain)
+    most = size * WIDER / 2
+    indices = range(index_above(size / WIDER), index_above(most + abs(low) + abs(high)) + 1)
+    grid = [number_of(index) for index in indices]
+    grid = [*(-value for value in reversed(grid)), Fraction(0), *grid]
+    up = tuple(value for value in grid if high < value <= high + most)
+    down = tuple(value for value in reversed(grid) if low - most <= value < low)
+    yield Scale(line, up, lambda value: at(value, "up to"), posable=True, origin=high)
+    yield Scale(line, down, lambda value: at(value, "down to"), posable=True, origin=low)
 
 
 def _with_value(domain: ir.Interval | ir.Choices, value: Fraction) -> ir.Interval | ir.Choices:

@@ -98,10 +98,11 @@ def _ranged(posed: PosedTask, line: TaskLine) -> PosedTask:
         return posed.with_dof(module, name, effort=ir.Num(AMPLE_EFFORT))
     if line.kind == "joint_range":
         dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
-        slides = dof.kind == "prismatic" and dof.range is not None
-        return posed.with_dof(module, name, range=_wider(dof.range) if slides else None)
+        if dof.kind != "prismatic" or dof.range is None:
+            return posed.with_dof(module, name, range=None)
+        return posed.with_dof(module, name, range=_wider(dof.range, signed=True))
     p = next(p for p in posed.program.modules[module].parameters if p.name == name)
-    return posed.with_domain(module, name, _wider(p.domain))
+    return posed.with_domain(module, name, _wider(p.domain, signed=is_signed(p.domain)))
 
 
 def _freed(posed: PosedTask, key: Key) -> PosedTask:
@@ -121,11 +122,29 @@ def ends(domain: ir.Interval | ir.Choices) -> tuple[Fraction, Fraction]:
     return min(numbers), max(numbers)
 
 
-def _wider(domain: ir.Interval | ir.Choices | None) -> ir.Interval:
-    """An interval that contains the domain and far more, with the same signs."""
-    low, high = (Fraction(0), Fraction(0)) if domain is None else ends(domain)
-    low = low / WIDER if low > 0 else low * WIDER
-    high = high * WIDER if high > 0 else high / WIDER
+def is_signed(domain: ir.Interval | ir.Choices) -> bool:
+    """Whether a range has negative values, so that it is not one of lengths or masses."""
+    return ends(domain)[0] < 0
+
+
+def width(domain: ir.Interval | ir.Choices) -> Fraction:
+    """The width of a range; for a single value its size, or 1 for 0."""
+    low, high = ends(domain)
+    return high - low or abs(high) or Fraction(1)
+
+
+def _wider(domain: ir.Interval | ir.Choices, *, signed: bool) -> ir.Interval:
+    """An interval far wider than the domain.
+
+    A range of lengths, masses and the like stays positive and grows by a factor at both ends. A
+    ``signed`` one grows by its width, since an end at or near 0 would hardly move by a factor.
+    """
+    low, high = ends(domain)
+    if signed:
+        aside = width(domain) * WIDER / 2
+        low, high = low - aside, high + aside
+    else:
+        low, high = low / WIDER, high * WIDER
     return ir.Interval(ir.Num(low), ir.Num(high))
 
 

@@ -81,12 +81,14 @@ class SuggestionSearch:
         """Try changes of the lines of conflicts, and of the bound on modules."""
         derivations = self.structures(self.posed)
         for line in sorted(lines, key=lambda line: line.kind not in DRIVES):
-            for scale in scales(self.posed, line):
+            by_value = list(scales(self.posed, line))
+            for scale in by_value:
                 if scale.posable:
                     self.posable(scale, derivations)
                 else:
                     self.far(scale)
-            self.singles(line)
+            if line.kind != "joint_range" or not by_value:
+                self.singles(line)
         if bound is not None:
             self.modules(bound)
 
@@ -186,7 +188,10 @@ class SuggestionSearch:
             return
         least = scale.values[first]
         rising = scale.values[0] < scale.values[-1]
-        wanted = [least * more if rising else least / more for more in FURTHER]
+        if scale.origin is not None:
+            wanted = [scale.origin + (least - scale.origin) * more for more in FURTHER]
+        else:
+            wanted = [least * more if rising else least / more for more in FURTHER]
         inside = (_nearest(scale.values, value) for value in wanted)
         for value in dict.fromkeys(inside):
             if self.tried(scale.at(value)) is not None:

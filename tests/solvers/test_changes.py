@@ -137,6 +137,48 @@ def test_bounds_grow_on_every_side() -> None:
     assert {(tuple(map(int, n)), float(b)) for n, b in rows} == wanted
 
 
+SLIDE = """
+module B { role base; }
+module Lift { role joint; dof s: prismatic y in RANGE; }
+module Hand { role effector; }
+edge e;
+grammar G { start S; b: S -> B; l: S -> S e Lift; h: S -> S e Hand; accept matches B e Lift e Hand; }
+semantics G {
+  b { this.frame = world; }
+  l { this.frame = S.frame * move(y, Lift.s); point(frame: this.frame, mass: 1 kg); }
+  h { this.frame = S.frame; effector(frame: this.frame); }
+}
+workspace W {
+  plane xy; bounds box [-3, 3] x [-3, 3] m; region A box [-1, 1] x [-1, 1] m; target T box TARGET m;
+}
+task Go { robot G; workspace W; start in A; reach T; effort <= 90 N; horizon 20 steps of 0.1 s; }
+"""
+
+
+@pytest.mark.parametrize(
+    ("limits", "target", "wanted", "least"),
+    [
+        ("[-25, 0] cm", "[-1, 1] x [0.7, 0.9]", "with `Lift.s` up to", 0.7),
+        ("[-25, 1] cm", "[-1, 1] x [0.7, 0.9]", "with `Lift.s` up to", 0.7),
+        ("[0, 50] cm", "[-1, 1] x [-0.9, -0.7]", "with `Lift.s` down to", -0.7),
+        ("[10, 50] cm", "[-1, 1] x [-0.9, -0.7]", "with `Lift.s` down to", -0.7),
+    ],
+)
+def test_a_slide_whose_range_ends_near_zero(
+    limits: str, target: str, wanted: str, least: float
+) -> None:
+    """An end at 0 moves as far as any other: the conflict names the range, a run its new end."""
+    asked = posed(SLIDE.replace("RANGE", limits).replace("TARGET", target))
+    tried = Tried("impossible", "", (("h", "l", "b"),))
+    found = explain(asked, tried, Asked(runs=4))
+    kinds = {line.kind for conflict in found.conflicts.found for line in conflict.lines}
+    assert kinds == {"joint_range", "reach"}
+    changes = [each.change for each in found.suggestions if each.change.line is not None]
+    (end,) = {each.value for each in changes if each.says.startswith(wanted)}
+    assert end is not None
+    assert 1 <= float(end) / least <= 2
+
+
 @pytest.mark.parametrize(
     ("old", "new", "kind", "wanted"),
     [
