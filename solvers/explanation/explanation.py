@@ -178,7 +178,8 @@ def _conflicts(found: Explanation, asked: Asked) -> None:
         if cut is None and tried.verdict == "impossible":
             _bound(found, asked)
         return
-    asked.tell(f"conflicts of {len(tried.refuted)} robots")
+    count = len(tried.refuted)
+    asked.tell(f"looking for the conflicts of {'1 robot' if count == 1 else f'{count} robots'}")
     search = ConflictSearch(posed, asked.context, asked.context.check_time)
     grammar = posed.program.grammars[posed.task.grammar]
     try:

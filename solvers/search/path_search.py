@@ -32,7 +32,7 @@ from solvers.trajectory.path_following import PathProblem
 GAIN = 1e-4
 """The least relative gain over a proved design for which a motion is proved."""
 FREE_TEXT = (
-    "; no motion was found without cells and obstacles either: the drives are too weak for it, or "
+    "; no motion was found even without cells and obstacles: the drives are too weak for it, or "
     "the time is too short"
 )
 EARLY_PROOFS = 3

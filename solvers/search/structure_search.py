@@ -372,7 +372,7 @@ def deferred_text(cells: Abstraction, known: CounterExample, length: int, count:
     """
     names = [f"`{cells.cells[cell].name}`" for cell in known.cells]
     if not names:
-        return "all paths are deferred: no motion was found without cells and obstacles either"
+        return "all paths are deferred: no motion was found even without cells and obstacles"
     joint = " and then " if known.ordered else " and "
     what = joint.join(names) if len(names) < length else "all cells of the path"
     more, changes = " or more" if count == MOST else "", length - 1 + LONGER

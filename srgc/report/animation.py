@@ -231,7 +231,7 @@ def legend(scene: MotionScene) -> str:
     if motion is not None and motion.tube is not None:
         entries.append((TUBE_SAMPLE, "proved tube: the effector is in these boxes"))
     if motion is not None:
-        entries.append(('<path class="trace" d="M1 6h22"/>', "way of the effector so far"))
+        entries.append(('<path class="trace" d="M1 6h22"/>', "path of the effector so far"))
     items = "".join(
         f'<li><svg class="scene" viewBox="0 0 24 12" aria-hidden="true">{sample}</svg>{says}</li>'
         for sample, says in entries

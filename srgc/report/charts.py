@@ -49,7 +49,7 @@ def _legend(evidence: Evidence) -> str:
     drawn = (
         "Curves are drawn to their own scale. Dashed lines are bounds; the bar on the right of a "
         "chart goes from one bound to the other, and its dark part is what the motion uses. "
-        '<span class="screen-only">Tap a chart to go to that time.</span>'
+        '<span class="screen-only">Click a chart to go to that time.</span>'
     )
     width = widest(evidence)
     if width is None:

@@ -170,7 +170,7 @@ def _options(evidence: Evidence) -> str:
     parts.append(f" --seed {design['seed']}" if design["seed"] else "")
     parts.append(f" --cells {design['least_cells']}" if design.get("least_cells") else "")
     parts.append(" --all" if design.get("all_designs") else "")
-    named = ("solver", "search")
+    named = ("paths", "evaluations", "solver", "search")
     parts += [f" --{name} {design[name]}" for name in named if design.get(name)]
     return "".join(parts)
 

@@ -19,7 +19,7 @@ FIRST = {
     Cause.UNSOLVED: "another `--seed`",
     Cause.NOT_FOLLOWED: "more steps or more effort, or larger budgets: `--paths`, `--evaluations`",
     Cause.NO_CLEARANCE: "shorter steps, or smaller bounds in `robust`",
-    Cause.NOISE: "smaller errors in `measured`",
+    Cause.NOISE: "smaller errors in `robust measure`",
     Cause.UNSTABLE: "`control feedback`, or shorter steps",
     Cause.DIVERGES: "shorter steps",
     Cause.NO_SET: "shorter steps, or smaller bounds in `robust`",
