@@ -142,7 +142,9 @@ module B { role base; }
 module Lift { role joint; dof s: prismatic y in RANGE; }
 module Hand { role effector; }
 edge e;
-grammar G { start S; b: S -> B; l: S -> S e Lift; h: S -> S e Hand; accept matches B e Lift e Hand; }
+grammar G {
+  start S; b: S -> B; l: S -> S e Lift; h: S -> S e Hand; accept matches B e Lift e Hand;
+}
 semantics G {
   b { this.frame = world; }
   l { this.frame = S.frame * move(y, Lift.s); point(frame: this.frame, mass: 1 kg); }
