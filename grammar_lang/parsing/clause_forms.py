@@ -125,7 +125,7 @@ MEANT: Final[Mapping[str, Mapping[str, str]]] = MappingProxyType(
             "dimension": "plane",
         },
         "task": {
-            **dict.fromkeys(("goal", "target", "end", "move"), "reach"),
+            **dict.fromkeys(("goal", "target", "end", "move", "go", "visit", "at"), "reach"),
             **dict.fromkeys(("time", "duration", "steps", "dt"), "horizon"),
             **dict.fromkeys(("torque", "force"), "effort"),
             **dict.fromkeys(("obstacle", "obstacles", "not"), "avoid"),
