@@ -262,8 +262,7 @@ def _grounded(parents: Mapping[int, int | None], bases: Sequence[int]) -> dict[i
     return found
 
 
-# --- The modules of a derivation that determine the numbers in its frames
-# --------------------------
+# --- The modules of a derivation that determine the numbers in its frames -------------------------
 
 
 @dataclass(slots=True)
@@ -320,8 +319,7 @@ class DerivedNumbers:
         return (max(parent, 0), ir.AttributeOf(position, each.name))
 
 
-# --- Which attributes of a grammar are frames: those defined as frames, and copies of these
-# --------
+# --- Which attributes of a grammar are frames: those defined as frames, and copies of these -------
 
 
 def frame_attributes(grammar: ir.Grammar) -> frozenset[Attribute]:

@@ -326,8 +326,7 @@ def _body(emission: ir.Emission) -> tuple[ir.Expr, ...]:
             return ()
 
 
-# --- The module that each module stands on, from the word and its brackets alone
-# -------------------
+# --- The module that each module stands on, from the word and its brackets alone ------------------
 
 
 BRACKETS = {"(": ")", "[": "]", "{": "}", "<": ">"}

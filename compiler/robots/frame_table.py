@@ -21,16 +21,14 @@ from compiler.robots.robot import (
 )
 from grammar_lang import ir
 
-# --- The error for semantic rules that define no robot
-# ---------------------------------------------
+# --- The error for semantic rules that define no robot --------------------------------------------
 
 
 class SemanticsError(ValueError):
     """The semantic rules do not give a robot for this derivation."""
 
 
-# --- Frames during attribute evaluation, and the table of the frames that a robot keeps
-# ------------
+# --- Frames during attribute evaluation, and the table of the frames that a robot keeps -----------
 #
 # A frame attribute is a product of steps that may be put behind any other: ``move(x, 1) * A.end``
 # takes constant time, however long ``A.end`` is. Steps are laid out from the world and numbered

@@ -185,8 +185,7 @@ def _shape_text(shape: Shape, texts: list[str]) -> str:
     return f"{shape.kind} {shape.frame} {shape.axis} {shape.sign} {sizes}"
 
 
-# --- Whether two normalised robots certainly differ
-# ------------------------------------------------
+# --- Whether two normalised robots certainly differ -----------------------------------------------
 #
 # ``robot_key`` compares expressions as they are written, so to it ``a + (b + c)`` and ``(a + b) +
 # c`` differ. Here expressions are compared by their values at sample points of the parameter box,
