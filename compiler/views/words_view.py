@@ -115,7 +115,7 @@ def run_to(everything: Language, word: tuple[str, ...]) -> list[tuple[str, ...]]
 
 
 def _subsequences(word: tuple[str, ...], alphabet: tuple[str, ...]) -> Dfa:
-    """State k: the symbols read match up to position k of the word; the last state: no match."""
+    """State k: the shortest prefix that contains the symbols read has length k; last: none."""
     dead = len(word) + 1
     following = [dead] * len(alphabet)
     number = {name: i for i, name in enumerate(alphabet)}
