@@ -97,7 +97,7 @@ _FITTING = {
     "angular_rate": "a speed, such as `1 mm/s`",
     "speed": "an angular rate, such as `1 deg/s`",
 }
-"""What to write instead of a radius if the joints are of the other kind."""
+"""The replacement for a radius if the joints are of the other kind."""
 
 
 def _idle(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:

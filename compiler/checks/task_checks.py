@@ -83,7 +83,7 @@ def _where_it_fails(language: Language, word: tuple[str, ...]) -> str:
 
 
 WRITTEN_AS = {"revolute": "an angle", "prismatic": "a length"}
-"""What a value with a unit is called, by the kind of joint that it is for."""
+"""The name of a value with a unit, by the kind of joint that it is for."""
 UNITS = {"revolute": "`deg` or `rad`", "prismatic": "`m` or `cm`"}
 
 
@@ -117,7 +117,7 @@ class _Starting:
 
     @cached_property
     def family(self) -> BinaryGrammar:
-        """All words."""
+        """All words of the family."""
         return restrict(self.rules, self.accept, CHECKED_RULES).product
 
     @cached_property

@@ -348,7 +348,7 @@ def _text(expression: ir.Expr) -> str:
 def _called(
     model: RobotModel, own: OwnDynamics, states: dict[tuple[int, str], int]
 ) -> Iterator[str]:
-    """What the module's own names stand for."""
+    """The meanings of the module's own names."""
     parameters = model_symbols(model)
     for name, dof in own.dofs:
         yield f"{name} is 0" if dof is None else f"{name} is q{dof + 1}"

@@ -37,7 +37,7 @@ OFF = (1 - cos(pi / SIDES)) / (1 + cos(pi / SIDES))
 MOST_DIFFERENCES = 256
 """For a pair with more differences a few are chosen, separately in each pose."""
 MOST_AT_ONCE = 1 << 13
-"""More pairs, counted in each pose, are split into blocks."""
+"""If pairs times poses exceed this number, the pairs are split into blocks."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -157,7 +157,7 @@ class RobotGraph:
     def _of_bodies(
         self, bodies: Sequence[int], *, rotors: bool = False
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """What some bodies, or the ``rotors``, add to M, to M without literal entries, and to g."""
+        """The part of M, of M without literal entries, and of g from some bodies, or ``rotors``."""
         p = self.parts
         plain = not any(dof.inertia for dof in self.model.dofs)
         if plain and rotors:
@@ -321,7 +321,7 @@ class RobotGraph:
 
     @property
     def numbering(self) -> Numbering:
-        """Which points belong to what."""
+        """The numbers of the points of each collider, pair and effector frame."""
         return self.parts.points.numbering
 
     @property

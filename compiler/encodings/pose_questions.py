@@ -1,4 +1,4 @@
-"""Which poses of its effectors and of its whole body a robot must be able to take for a task."""
+"""The poses of its effectors and of its whole body that a robot must be able to take for a task."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Which modules of an existing robot are built differently in the spec of its next task.
+"""The modules of an existing robot that are built differently in the spec of its next task.
 
-A module consists of its declaration, and of what the rules of the productions in which it occurs
-say: frames, bodies, shapes, effectors; for a grammar from ports, the ports, too. The meaning of the
+A module consists of its declaration, and of the parts of the productions in which it occurs:
+frames, bodies, shapes, effectors; for a grammar from ports, the ports, too. The meaning of the
 specs is compared, so comments, units and the names of local values make no difference, nor do the
 names of the nonterminals of a written grammar. The parts of a rule that name no module belong to
 all modules of its production.
@@ -18,7 +18,7 @@ from grammar_lang.ir.emissions import with_expressions
 from grammar_lang.ir.expressions import with_leaves
 
 Aspects: TypeAlias = dict[str, object]
-"""Maps each aspect of a module to what a production says about it, as comparable values."""
+"""Maps each aspect of a module to the statements of a production about it, comparable values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,7 @@ def _different(old: Aspects, new: Aspects) -> list[str]:
 
 
 def _aspects(name: str, grammar: ir.Grammar, labels: Collection[str] | None) -> Iterator[Aspects]:
-    """What each production says about each occurrence of a module; only those with the labels."""
+    """The statements of each production about each occurrence of a module, by label if given."""
     blocks = grammar.semantics or {}
     for production in grammar.productions:
         if labels is not None and production.label not in labels:
@@ -113,7 +113,7 @@ def _aspects(name: str, grammar: ir.Grammar, labels: Collection[str] | None) -> 
 def _aspects_of(
     production: ir.Production, block: ir.SemanticBlock, place: int, *, ports: bool
 ) -> Aspects:
-    """What a production says about a module at a position of its right side."""
+    """The statements of a production about a module at a position of its right side."""
     renamed = _numbered(block)
     emitted = [
         with_expressions(each, renamed)

@@ -18,7 +18,7 @@ Labels = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class OpenRobots:
-    """What is known about the robots of one task.
+    """The state of knowledge about the robots of one task.
 
     ``most`` bounds their modules, None if nothing does; ``is_refuted`` says whether a structure is
     refuted for all parameters; ``trees`` are the boxes of structures that are refuted for some

@@ -264,7 +264,7 @@ class _Occurrence:
                 for values in product(*(options[name] for name in chosen)):
                     yield tuple(zip(chosen, values, strict=True))
 
-    # --- what the module changes ----------------------------------------------------------------
+    # --- changes made by the module -------------------------------------------------------------
 
     def _equations(self, values: Mapping[str, Value]) -> tuple[ProductionChange, list[Equation]]:
         nonterminal = next(
@@ -275,7 +275,7 @@ class _Occurrence:
         return change, change.equations()
 
     def _change(self, values: Mapping[str, Value]) -> str | None:
-        """What the module changes at these values, as far as is known; None if nothing."""
+        """The change that the module makes at these values, as far as is known; None if none."""
         try:
             _, equations = self._equations(values)
         except NotCopied as problem:

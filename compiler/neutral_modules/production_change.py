@@ -62,7 +62,7 @@ class ProductionChange:
     parameters: dict[str, int] = field(default_factory=dict[str, int])
 
     def equations(self) -> list[Equation]:
-        """All equations.
+        """All equations of the block.
 
         Raises:
             NotCopied: there are no such equations, as something changes in any case.

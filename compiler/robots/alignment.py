@@ -1,4 +1,4 @@
-"""Which modules of a word are kept in another word, and which are removed and added.
+"""The modules of a word that are kept in another word, and those that are removed and added.
 
 An alignment matches equal symbols of two words in order (Needleman & Wunsch 1970, with deletions
 and insertions only). Its cost counts, in lexicographic order, unmatched modules, unmatched edges,

@@ -1,4 +1,4 @@
-"""Which bodies of a robot must not touch if a task says ``avoid self with body``.
+"""The bodies of a robot that must not touch if a task says ``avoid self with body``.
 
 Bodies may touch if they are of one link, or of two links that may touch
 (:mod:`compiler.robots.links`). A link collides as its shapes and rods, or, if it has none, at its

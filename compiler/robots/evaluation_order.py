@@ -174,7 +174,7 @@ class EvaluationOrder:
 
 @dataclass(frozen=True, slots=True)
 class _Progress:
-    """What has been done at a node after some visits, and the ``plan`` of the last one.
+    """The work done at a node after some visits, and the ``plan`` of the last one.
 
     ``waiting`` holds the numbers of the ``rules`` that are not evaluated yet, ``children`` the
     visits of each child so far.

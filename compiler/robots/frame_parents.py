@@ -228,7 +228,7 @@ class _Tracing:
 
 
 def _root(parents: Mapping[int, int | None], module: int | None) -> int | None:
-    """The lowest module below a module."""
+    """The module at the bottom of all modules that a module stands on."""
     root = module
     while module is not None:
         root, module = module, parents.get(module)

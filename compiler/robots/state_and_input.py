@@ -1,4 +1,4 @@
-"""while its effector carries it, else 0."""
+"""The entries of a robot's state and input vectors, and the bounds of the inputs in a task."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class RobotInput:
 
     A free input (``u`` in the language) drives the degree of freedom ``dof`` and is bounded by the
     task (``domain`` is None); a declared input has its own bounds. A load belongs to no module: it
-    is
+    is 1 while its effector carries it, else 0.
     """
 
     symbol: int

@@ -1,4 +1,4 @@
-"""What `carry` requires of the samples of a motion, and at which samples loads are present."""
+"""The demands of `carry` on the samples of a motion, and the samples at which loads are present."""
 
 from __future__ import annotations
 

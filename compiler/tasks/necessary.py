@@ -1,4 +1,4 @@
-"""What every motion that fulfils a task does: visits, avoidance, rest."""
+"""Properties of every motion that fulfils a task: visits, avoidance, rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a task requires of every motion whatever the robot, clause by clause, for a SAT solver.
+"""The demands of a task on every motion whatever the robot, clause by clause, for a SAT solver.
 
 These are the demands of ``satisfy``, ``start in``, ``reach`` and ``avoid … with effector``; nothing
 is assumed about anything else, nor about the robot itself.

@@ -381,5 +381,5 @@ PlanEncoding: TypeAlias = PositionEncoding | SampleEncoding
 
 
 def plan_encoding(problem: PlanningProblem) -> PlanEncoding:
-    """By changes of cell if one effector's path is untimed, else by samples."""
+    """The encoding by changes of cell if one effector's path is untimed, else by samples."""
     return SampleEncoding(problem) if problem.by_samples else PositionEncoding(problem)

@@ -1,4 +1,4 @@
-"""What a pose requires of the axes of an effector's frame, in floats or in balls.
+"""The demands of a pose on the axes of an effector's frame, in floats or in balls.
 
 The cosine of the angle between an axis e and a direction t, both of length one, is t . e. The
 rotation from axes t1, t2, t3 to e1, e2, e3 has an angle of cosine (t1 . e1 + t2 . e2 + t3 . e3 - 1)

@@ -1,4 +1,4 @@
-"""Formulas about cell traces: what a search requires of the samples of a motion.
+"""Formulas about cell traces: the demands of a search on the samples of a motion.
 
 They are in negation normal form, over samples 0 .. k. Parts are shared: a formula is a graph of
 objects, which must be walked by identity.
@@ -310,7 +310,7 @@ class Obligation:
 
 
 def obligations(formula: SampledFormula, word: Word) -> tuple[Obligation, ...] | None:
-    """What a word must keep to satisfy a formula; None if it does not satisfy it."""
+    """The properties that a word must keep to satisfy a formula; None if it does not satisfy it."""
     rows = truth(formula, word)
     if not rows[id(formula)][0]:
         return None

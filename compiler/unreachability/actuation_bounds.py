@@ -1,4 +1,4 @@
-"""What drives can do to a robot on one box of coordinates, for all parameters of a box.
+"""Bounds on the effect of drives on one box of coordinates, for all parameters of a box.
 
 The enclosures use interval arithmetic. M depends on few of the coordinates, so it is evaluated once
 for boxes with equal sides in these.

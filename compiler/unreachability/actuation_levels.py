@@ -139,7 +139,7 @@ class Needed:
 def needed(
     measure: int, low: arb, high: arb, all_bounds: Sequence[BoxBounds], budget: Budget | None
 ) -> Needed:
-    """What the motion needs from one value of a measure to another.
+    """The least length and time of a motion from one value of a measure to another.
 
     Args:
         measure: its number in the bounds.

@@ -1,4 +1,4 @@
-r"""Bounds of the inverse of a mass matrix on a box: what a force can do to a robot there.
+r"""Bounds of the inverse of a mass matrix on a box, and so of the effect of forces there.
 
 With a regular matrix W and a lower bound l > 0 of the eigenvalues of W M W' for every M of the box,
 

@@ -1,4 +1,4 @@
-"""What a motion must not do, on one box: certain in balls for all of its poses, or unknown.
+"""Forbidden properties of a motion, on one box: certain in balls for all of its poses, or unknown.
 
 Floats decide which boxes to examine: a violation that does not hold at the middle of a box does not
 hold throughout it.

@@ -11,9 +11,9 @@ from flint import arb, arb_mat
 from compiler.arrays import Array
 
 UPWARDS = 1 + 2.0**-50
-"""A bound rounded to the nearest double is again a bound once multiplied by this,"""
+"""A bound rounded to the nearest double, times this and plus ``LEAST``, is again a bound."""
 LEAST = 2.0**-1000
-"""and once this is added, as it may have been too small to have all its bits, or any."""
+"""Added to a rounded bound, which may be too small to have all its bits, or any."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
