@@ -210,10 +210,10 @@ def _empty_language(grammar: ir.Grammar, rules: Srg, sink: Sink) -> None:
 
 
 def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: Sink) -> None:
-    """Report words without a tool, unless an effector may be among what was left out.
+    """Warn if no accepted word has a tool, unless an effector may be among what was left out.
 
-    A tool is a module of role effector. If the semantics say which productions emit an effector, it
-    is any module that these productions place.
+    A tool is a module of role effector. Nothing is reported if a production emits an effector but
+    places no tool.
     """
     if grammar.semantics is not None and not _emitters(grammar):
         message = f"the semantics of grammar `{grammar.name}` emits no effector"

@@ -1,4 +1,4 @@
-"""Real terms of an SMT script, and points and segments against regions in them."""
+"""Real terms of an SMT script, and conditions on points and segments relative to regions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from compiler.expressions.exact_numbers import GRID, outward
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 
-# --- Points and segments against convex regions, as formulas about their coordinates --------------
+# --- Points and segments relative to convex regions, as formulas about their coordinates ----------
 #
 # Touching counts as inside a region and as clear of an obstacle, so each formula is necessary for
 # the strict condition. A segment and a convex polygon have disjoint interiors iff the line of one

@@ -238,7 +238,7 @@ class AttributeValues:
         return self.known[node], attribute.name
 
     def value(self, node: int, expression: ir.Expr) -> AttributeValue:
-        """The value of an expression of any sort in the block of ``node``."""
+        """The value of an expression of any kind in the block of ``node``."""
         match expression:
             case ir.AttributeOf():
                 return self.read(node, expression)

@@ -27,7 +27,7 @@ _MARK = ""  # no symbol of a grammar is empty
 def several_effectors(program: ir.Program, grammar: ir.Grammar) -> bool | None:
     """Whether some accepted derivation emits two effectors or more.
 
-    None where that is unknown: the grammar has no semantics, or too large an accept condition.
+    None if unknown: the grammar has no semantics, or its accept condition is too large.
     """
     if grammar.semantics is None:
         return None

@@ -167,7 +167,7 @@ class RobotDof:
 
     @property
     def is_driven(self) -> bool:
-        """Whether it has a drive of its own, or limits of one; such joints are not merged."""
+        """Whether it has a drive of its own, or limits of a drive; such joints are not merged."""
         return any(each is not None for each in (*self.amounts, self.gear))
 
 

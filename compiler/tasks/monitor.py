@@ -53,10 +53,10 @@ def satisfied(
     """The instants of [0, ``end``] at which a formula holds.
 
     Args:
-        formula: what to monitor.
+        formula: the formula to monitor.
         signals: when each of its atoms holds.
         end: the length T of the trace, s.
-        step: how much later ``next`` is, s.
+        step: the delay of ``next``, s.
     """
     exact = {atom: Verdicts(signal, signal) for atom, signal in signals.items()}
     return monitor(formula, exact, end, step).must
