@@ -115,7 +115,7 @@ class NumericPoints:
         return self._read(found)
 
     def leading(self, q: Array, theta: Array) -> Points:
-        """Points at K samples, at least the effectors; all points if there are not many."""
+        """Points (K, m, d) at K samples, at least the effectors; all if there are not many."""
         return (self.effectors if self.spanning.changing else self.points)(q, theta)
 
     def places(self, q: Array, theta: Array) -> Array:

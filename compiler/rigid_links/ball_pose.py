@@ -67,16 +67,16 @@ class Pose:
         return self.origin + self.rotation * local
 
     def inverse(self) -> Pose:
-        """The pose of the reference frame in this one."""
+        """The pose of the reference frame in this one; its rotation is the transpose, (3, 3)."""
         back = self.rotation.transpose()
         return Pose(back, -(back * self.origin))
 
     def moved(self, vector: arb_mat) -> Pose:
-        """This pose after a translation along its own axes."""
+        """This pose after a translation (3, 1) along its own axes."""
         return Pose(self.rotation, self.point(vector))
 
     def turned(self, axis: int, angle: arb) -> Pose:
-        """This pose after a rotation about its own axis 0, 1 or 2."""
+        """This pose after a rotation (3, 3) about its own axis 0, 1 or 2."""
         i, j = (axis + 1) % 3, (axis + 2) % 3
         turn = identity()
         cosine, sine = angle.cos(), angle.sin()

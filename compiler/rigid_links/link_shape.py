@@ -39,7 +39,7 @@ class Geometry:
 
 
 def body_shape(body: Body, scalars: Sequence[arb], frame: Pose) -> list[Geometry]:
-    """The visual geometry of a body whose frame has this pose; empty if it has no extent.
+    """The visual shape of a body whose frame has this pose; empty if it has no extent.
 
     A solid is drawn as a box with about the same inertia.
     """

@@ -84,7 +84,10 @@ def about(mass: arb, com: arb_mat, central: arb_mat) -> MassMoments:
 
 
 def body_moments(body: Body, scalars: Sequence[arb], frame: Pose) -> MassMoments:
-    """The moments of a body whose frame has this pose; a solid in the plane is a thin plate."""
+    """The mass, first moment (3, 1) and second moment (3, 3) of a body whose frame has this pose.
+
+    A solid in the plane is a thin plate.
+    """
     match body:
         case RodBody(_, axis, sign, length, density, _):
             extent, mass = scalars[length], scalars[density] * scalars[length]

@@ -58,7 +58,7 @@ class PoseTarget(Generic[Number]):
 
 
 def pose_target(pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]) -> PoseTarget[Number]:
-    """The target of a pose, in the plane (2) or in space (3)."""
+    """The target of a pose, with directions (d,), in the plane (2) or in space (3)."""
     within = numbers.closed(pose.within)
     if isinstance(pose, ir.Aligned):
         # The direction has any length, and the square of its length may not fit a double.
