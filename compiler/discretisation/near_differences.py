@@ -30,7 +30,7 @@ FAR = 1.0
 def near_differences_of_pairs(
     pairs: Sequence[tuple[Array, Array]],
 ) -> list[tuple[Indices, Indices]]:
-    """``near_differences`` for many pairs in K poses each, with any numbers of points."""
+    """``near_differences``, (K, KEPT), for many pairs in K poses, with any numbers of points."""
     count = len(pairs[0][0])
     ones, twos = (_stacked([pair[i] for pair in pairs]) for i in range(2))
     low, high = near_differences(ones, twos)
