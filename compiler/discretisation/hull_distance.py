@@ -59,7 +59,7 @@ def nearest_to_zero(points: Array) -> Array:
 
 
 def reduced(points: Array, chosen: Array, scale: Array) -> tuple[Array, Array]:
-    """The smallest face of each simplex that has its point nearest to zero, and that point."""
+    """The least face (d + 1, k) of each simplex with its point nearest to zero, and it (d, k)."""
     d, _, k = points.shape
     corners = points[:, np.maximum(chosen, 0), np.arange(k)]
     there = chosen >= 0
