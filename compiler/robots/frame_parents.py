@@ -38,11 +38,10 @@ def frame_parents(
 ) -> dict[int, int | None]:
     """The module that each module stands on, by place in the word; None for the world.
 
-    A module stands on the one before it on the first frame path of its production that passes it.
-    Paths that start before it on the right side are preferred. If there is no such path, it stands
-    on the one before it on the first path of another production that passes it. A module that only
-    the body of an emission mentions stands at the end of the path of that emission's frame, and
-    nothing stands on it.
+    A module stands on the one before it on a frame path that passes it: the first path of its
+    production that starts before it on the right side; else the first path of another production;
+    else the first path of its production. A module that only the body of an emission mentions
+    stands at the end of the path of that emission's frame, and nothing stands on it.
 
     A path that starts at a frame attribute continues the path that defines it. If a frame made from
     the world is put behind another frame, its first module stands on the last module of the other.

@@ -56,7 +56,7 @@ def reconfiguration(srg: Srg, old: tuple[str, ...], new: tuple[str, ...]) -> Rec
 
 Word: TypeAlias = tuple[str, ...]
 State: TypeAlias = tuple[int, ...]
-"""The modules present, in order; a module of the old word by its index, an added one after these.
+"""The modules present, in order, by number: a module of the old word has its index there.
 
 An added module has the length of the old word plus its index in the new one.
 """
