@@ -22,9 +22,9 @@ _SHOWN = 6
 def objective_diagnostics(program: ir.Program, sink: Sink) -> None:
     """Report the tasks whose first objective has the same value for infinitely many words.
 
-    Missions with one robot are treated in the same way. Not checked are tasks with ``modules <=
-    n``, missions that have such a task, objectives that are not sums over modules, and languages
-    that are too large to compute.
+    Missions with one robot are treated in the same way. Not checked are tasks with
+    ``modules <= n``, missions that have such a task, objectives that are not sums over modules, and
+    languages that are too large to compute.
     """
     for task in program.tasks.values():
         if task.minimize and task.modules is None:

@@ -3,8 +3,8 @@ r"""A robot as a controlled system in a form that is cheap to differentiate in f
 .. math:: \dot q = v, \qquad N(q, \theta)\,\dot w = F(q, w, u, \theta), \qquad
     N = \begin{pmatrix} M & 0 \\ 0 & 1 \end{pmatrix}
 
-for w = (v, s), the rates and the modules' own states. With the residual ``R(q, w, w', u, theta) = F
-- N w'``, the implicit function theorem gives
+for w = (v, s), the rates and the modules' own states. With the residual
+``R(q, w, w', u, theta) = F - N w'``, the implicit function theorem gives
 
 .. math:: \mathrm d\dot w = N^{-1}\, \mathrm dR
 

@@ -6,9 +6,9 @@ robots are then the same. So it needs, for *every* module that may be added, val
 module's own range at which it adds no mass and moves no frame. With lengths bounded below there are
 none, and the claim is false in general (row 4.9 of ``docs/explanation/errata.md``).
 
-This module decides the hypothesis module by module from the semantic rules. A production ``A -> A
-z`` changes nothing if it passes on every attribute as it received it and emits nothing: then the
-derivation without it gives the same robot (``production_change``). This has limits:
+This module decides the hypothesis module by module from the semantic rules. A production
+``A -> A z`` changes nothing if it passes on every attribute as it received it and emits nothing:
+then the derivation without it gives the same robot (``production_change``). This has limits:
 
 - A joint adds a coordinate. The robot is the same only while the joint is held, which takes an
   effort that the shorter robot need not have. So a module with a degree of freedom has no neutral

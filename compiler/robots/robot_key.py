@@ -187,9 +187,9 @@ def _shape_text(shape: Shape, texts: list[str]) -> str:
 
 # --- Whether two normalised robots certainly differ -----------------------------------------------
 #
-# ``robot_key`` compares expressions as they are written, so to it ``a + (b + c)`` and ``(a + b) +
-# c`` differ. Here expressions are compared by their values at sample points of the parameter box,
-# in ball arithmetic: they are reported as different only if two balls are disjoint.
+# ``robot_key`` compares expressions as they are written, so to it ``a + (b + c)`` and
+# ``(a + b) + c`` differ. Here expressions are compared by their values at sample points of the
+# parameter box, in ball arithmetic: they are reported as different only if two balls are disjoint.
 
 
 SAMPLES = (3, 7)

@@ -4,8 +4,9 @@ The time [0, N g] is cut into slots as in :mod:`compiler.tasks.formula_slots`. T
 follow. In both, as in an interval, a subformula may hold somewhere or throughout:
 
 - the *tail*, all instants after N g;
-- *late*: a subformula holds somewhere in it if it holds at arbitrarily late instants (``always
-  eventually``), and throughout it if it holds from some instant on (``eventually always``).
+- *late*: a subformula holds somewhere in it if it holds at arbitrarily late instants
+  (``always eventually``), and throughout it if it holds from some instant on
+  (``eventually always``).
 
 The clauses hold for every continuous motion on [0, oo), whatever repeats in it and when. These
 include motions that are a prefix and a loop, and motions whose rounds differ.
