@@ -1,1 +1,1 @@
-"""From the intermediate representation to mathematical objects: automata, robots, cells."""
+"""Turns the intermediate representation into mathematical objects: automata, robots, cells."""

@@ -8,4 +8,4 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
-"""An array of doubles; docstrings give its shape and its unit."""
+"""An array of doubles; docstrings state its shape and unit."""

@@ -1,1 +1,1 @@
-"""Findings about grammars, robots, workspaces and tasks."""
+"""Checks of grammars, robots, workspaces and tasks."""

@@ -33,8 +33,8 @@ def ambiguity_diagnostics(
 ) -> None:
     """Report that a grammar is ambiguous, or that a word of it stands for different robots.
 
-    Of every ambiguous word found the robots of the first ``DERIVATIONS_PER_WORD`` derivations are
-    compared, until robots of ``SYMBOL_LIMIT`` symbols together have been built.
+    For every ambiguous word found, the robots of the first ``DERIVATIONS_PER_WORD`` derivations are
+    compared, until robots with ``SYMBOL_LIMIT`` symbols in total have been built.
 
     Args:
         program: the program of the grammar.
@@ -88,9 +88,10 @@ def _different_robots(
     found: Ambiguity,
     tasks: Sequence[ir.Task],
 ) -> Pair | None:
-    """Two derivations of one word that give different robots; None where none were found.
+    """Two derivations of one word that give different robots; None if none were found.
 
-    In the plane or in space, as the tasks say; else in the first of these that gives a robot.
+    They are compared in the plane or in space, as the tasks require; without tasks, in the first of
+    these that gives a robot.
     """
     if grammar.semantics is None or any(
         production.label not in grammar.semantics for production in grammar.productions
@@ -125,8 +126,8 @@ def _robots(
     dimension: Literal[2, 3],
     derivations: Sequence[Derivation],
 ) -> list[tuple[Derivation, RobotModel]]:
-    """The robots of those derivations that the semantics give one."""
-    # Ambiguous grammars are few: the robots' part of the compiler is loaded for them only.
+    """The robots of those derivations for which the semantics define one."""
+    # Few grammars are ambiguous, so the robot part of the compiler is loaded only for them.
     from compiler.robots.attributes import SemanticsError
     from compiler.robots.normal_form import RobotFamily
 
@@ -141,7 +142,7 @@ def _robots(
 
 
 def _different(robots: Sequence[tuple[Derivation, RobotModel]]) -> Pair | None:
-    """The first derivation and the first one whose robot is another."""
+    """The first derivation, and the first one whose robot differs from its robot."""
     from compiler.robots.robot_key import robot_key
 
     for derivation, robot in robots[1:]:

@@ -1,4 +1,4 @@
-"""Checks of disturbances, and of what corrects them, against the joints of the robot family."""
+"""Checks of disturbances, and of the feedback against them, for the joints of the robot family."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from grammar_lang.source import Span
 def disturbance_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:
     """Report radii that are too wide for joints, and joints that feedback does not drive.
 
-    Of a ``complete`` program also radii of joints that no robot has; else they may be missing.
+    For a ``complete`` program also report radii for joints that no robot has; in other programs
+    these joints may be missing.
     """
     for task in program.tasks.values():
         grammar = program.grammars[task.grammar]
@@ -32,7 +33,7 @@ def disturbance_diagnostics(program: ir.Program, sink: Sink, *, complete: bool =
 
 @dataclass(frozen=True, slots=True)
 class _Radius:
-    """A radius of a ``robust`` clause, and what it is about."""
+    """A radius of a ``robust`` clause, and what it applies to."""
 
     of: str
     name: str
@@ -51,9 +52,9 @@ def _given(task: ir.Task) -> Iterator[_Radius]:
 
 
 def _radii(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
-    """Report radii with which a joint is anywhere in its range, or starts beyond it.
+    """Report radii that cover the whole range of a joint, or let it start outside its range.
 
-    An error where that is so of all joints that the radius is about, else a warning.
+    An error if this holds for all joints that the radius applies to, else a warning.
     """
     clauses: Mapping[str, Span] = {} if task.robust is None else task.robust.clauses
     for radius in _given(task):
@@ -78,7 +79,7 @@ def _radii(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
 
 
 def _too_wide(radius: _Radius, dof: ir.Dof) -> bool:
-    """Whether a start would have to leave a range, or any of its values may be measured."""
+    """Whether a start would leave the range, or any value of the range may be measured."""
     interval = dof.rate if radius.is_rate else dof.range
     if interval is None:
         return False
@@ -96,11 +97,11 @@ _FITTING = {
     "angular_rate": "a speed, such as `1 mm/s`",
     "speed": "an angular rate, such as `1 deg/s`",
 }
-"""What is due instead of a radius where joints are of the other kind."""
+"""The replacement for a radius if the joints are of the other kind."""
 
 
 def _idle(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
-    """Report radii of a kind of joint that no robot of the family has."""
+    """Report radii for a kind of joint that no robot of the family has."""
     clauses: Mapping[str, Span] = {} if task.robust is None else task.robust.clauses
     kinds = {dof.kind for module in modules for dof in module.dofs}
     for radius in _given(task):
@@ -115,7 +116,7 @@ def _idle(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
 
 
 def _undriven(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
-    """Report joints that no input acts on where inputs are to follow measurements."""
+    """Report joints that no input acts on although inputs must follow measurements."""
     measured = task.robust is not None and task.robust.measured != ir.Radii()
     if task.control != "feedback" and not measured:
         return
@@ -138,7 +139,7 @@ def _undriven(task: ir.Task, modules: list[ir.Module], sink: Sink) -> None:
 
 
 def _driven(module: ir.Module, torque: ir.Torque) -> bool:
-    """Whether a torque depends on an input, perhaps by states of the module's own."""
+    """Whether a torque depends on an input, directly or through the module's own states."""
     states = {state.name: state.derivative for state in module.states}
     todo, seen = [torque.value], set[str]()
     while todo:

@@ -1,4 +1,4 @@
-"""Where effectors are at the coordinates that a task gives, of all robots of a small family."""
+"""The positions of effectors at coordinates that a task gives, for all robots of a small family."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 
 PRECISION = 128
-"""Bits of what is computed."""
+"""Bits of the computation."""
 
 
 @dataclass(frozen=True, slots=True)
 class GivenPositions:
-    """Per robot that fits the coordinates the positions of its effectors, (e, d) balls in metres.
+    """For each robot that fits the coordinates, its effectors' positions, (e, d) balls in metres.
 
-    A ball holds the positions for all values of the parameters.
+    A ball contains the positions for all values of the parameters.
     """
 
     robots: tuple[tuple[tuple[arb, ...], ...], ...]
 
     def outside(self, effector: int, region: Polytope) -> bool:
-        """Whether an effector, from 1, is outside a region for certain, whatever the robot."""
+        """Whether an effector, from 1, is certainly outside a region, whatever the robot."""
         return self._all(effector, region, inside=False)
 
     def inside(self, effector: int, region: Polytope) -> bool:
-        """Whether it is inside for certain."""
+        """Whether an effector, from 1, is certainly inside a region, whatever the robot."""
         return self._all(effector, region, inside=True)
 
     def _all(self, effector: int, region: Polytope, *, inside: bool) -> bool:
@@ -49,7 +49,7 @@ class GivenPositions:
 
 
 def given_positions(program: ir.Program, task: ir.Task, start: ir.StartAt) -> GivenPositions | None:
-    """The positions at a given start; None where the robots are too many, or one is unclear."""
+    """The positions at a given start; None if there are too many robots, or one is undefined."""
     robots = starting_robots(program, task, start)
     if robots is None:
         return None

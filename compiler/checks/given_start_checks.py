@@ -1,4 +1,4 @@
-"""Whether joints can be where a task lets a motion start, and as far off as it says."""
+"""Whether joints can be where a task lets a motion start, and as far off as it allows."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ AT_REST = ir.Num(Fraction(0))
 
 @dataclass(frozen=True, slots=True)
 class _Beyond:
-    """A radius with which a coordinate leaves its range for certain, or its rate does.
+    """A radius that certainly takes a coordinate, or its rate, out of its range.
 
-    ``values`` are the numbers of the values of the start, from 0, whose sum the coordinate is.
+    ``values`` are the numbers, from 0, of the values of the start whose sum is the coordinate.
     """
 
     radius: str
@@ -30,11 +30,11 @@ class _Beyond:
 
 
 def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report coordinates of ``start at`` outside the ranges of joints, and radii that lead there.
+    """Report ``start at`` coordinates outside the ranges of joints, and radii that lead outside.
 
-    Coordinates where that is so of all robots of a small family.  A radius is an error then, and a
-    warning where it is so of some; one that is too wide for a whole range is reported without a
-    start.
+    Coordinates are reported if no robot of a small family has them in its ranges. A radius is an
+    error if every such robot leaves its ranges, and a warning if only some robots do. Another
+    check, which needs no start, reports a radius that is too wide for a whole range.
     """
     for task in program.tasks.values():
         if not isinstance(task.start, ir.StartAt):
@@ -61,7 +61,7 @@ def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
 
 
 def _fits(model: RobotModel, values: Sequence[ir.Expr]) -> bool:
-    """Whether coordinates may be in their ranges, and those of rates may hold a rest."""
+    """Whether coordinates may be in their ranges, and a rate of zero in those of the rates."""
     pairs = zip(model.dofs, values, strict=True)
     return not any(_outside(x, dof.range) or _outside(AT_REST, dof.rate) for dof, x in pairs)
 
@@ -79,12 +79,12 @@ def _beyond(model: RobotModel, values: Sequence[ir.Expr], radii: ir.Radii) -> It
 
 
 def _leaves(value: ir.Expr, radius: Fraction, interval: ir.Interval | None) -> bool:
-    """Whether a value leaves an interval for certain where it is off by a radius, not zero."""
+    """Whether a value certainly leaves an interval if it is off by a non-zero radius."""
     return radius > 0 and _outside(value, interval, radius)
 
 
 def _outside(value: ir.Expr, interval: ir.Interval | None, radius: Fraction = Fraction(0)) -> bool:
-    """Whether some value within a radius of one is outside an interval for certain."""
+    """Whether some value within a radius of the given one is certainly outside an interval."""
     if interval is None:
         return False
     with working_precision(PRECISION):
@@ -94,7 +94,7 @@ def _outside(value: ir.Expr, interval: ir.Interval | None, radius: Fraction = Fr
 
 
 def _report(start: ir.StartAt, beyond: _Beyond, at: Span, sink: Sink, *, certain: bool) -> None:
-    """Say which value leaves a range."""
+    """Report which value leaves a range."""
     listed = " and ".join(str(number + 1) for number in beyond.values)
     several = len(beyond.values) > 1
     values = f"values {listed}" if several else f"value {listed}"

@@ -1,7 +1,7 @@
 """Findings about grammars: useless symbols, empty, finite, cyclic, toolless, ambiguous languages.
 
-Reachability and productivity as in Hopcroft, Motwani, Ullman, section 7.1.  Every grammar is
-looked at over its own symbols only, so the time is linear in the number of grammars of a file.
+Reachability and productivity are as in Hopcroft, Motwani, Ullman, section 7.1. Every grammar is
+checked over its own symbols only, so the time is linear in the number of grammars of a file.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ LISTED_TOOLS = 5
 
 @dataclass(frozen=True, slots=True)
 class _Context:
-    """What the checks of all grammars of a program share."""
+    """Data shared by the checks of all grammars of a program."""
 
     program: ir.Program
     order: Mapping[str, int]
@@ -37,13 +37,13 @@ class _Context:
 
 
 def grammar_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:
-    """Report what is wrong with, or suspicious in, the grammars of a program.
+    """Report errors and suspicious points in the grammars of a program.
 
     Args:
         program: the program.
         sink: where to report.
-        complete: False where items with errors were left out of the program; nothing is then
-            said that they might refute, and there are no notes beside the errors.
+        complete: False if items with errors were left out of the program; then nothing is
+            reported that they might refute, and there are no notes in addition to the errors.
     """
     if program.grammars and complete:
         _unused_symbols(program, sink)
@@ -77,7 +77,7 @@ def _unused_symbols(program: ir.Program, sink: Sink) -> None:
     }
     used |= {name for grammar in program.grammars.values() for name in grammar.listed}
     for name in program.terminals:
-        # An included file is a library, of which nobody uses everything.
+        # An included file is a library, and programs rarely use all of it.
         if name not in used and program.terminal_spans.get(name, ir.NOWHERE).file == 0:
             sink.warning(
                 Code.UNUSED_SYMBOL,
@@ -115,7 +115,7 @@ def _grammar(context: _Context, grammar: ir.Grammar, sink: Sink) -> None:
 
 
 def _language(grammar: ir.Grammar, rules: Srg, sink: Sink) -> Language | None:
-    """The accepted words; None, and a finding, where they cannot be looked at."""
+    """The accepted words; None, with a finding, if they cannot be computed."""
     try:
         return restrict(rules, accept_dfa(grammar.accept, rules.terminals), CHECKED_RULES)
     except AutomatonTooLargeError as error:
@@ -181,7 +181,7 @@ def _useless(grammar: ir.Grammar, rules: Srg, sink: Sink) -> None:
 
 
 def _places(grammar: ir.Grammar) -> dict[str, Span]:
-    """The first production of every nonterminal, or its first occurrence where it has none."""
+    """The first production of every nonterminal, or its first occurrence if it has none."""
     places: dict[str, Span] = {}
     for production in grammar.productions:
         places.setdefault(production.left, production.span)
@@ -193,7 +193,7 @@ def _places(grammar: ir.Grammar) -> dict[str, Span]:
 
 
 def _has_robot(language: Language) -> bool:
-    """Whether there is a word other than the empty one, which is no robot."""
+    """Whether there is a non-empty word; the empty word is not a robot."""
     return bool(language.product.starts)
 
 
@@ -210,10 +210,10 @@ def _empty_language(grammar: ir.Grammar, rules: Srg, sink: Sink) -> None:
 
 
 def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: Sink) -> None:
-    """Words without a tool; nothing where an effector may be among what was left out.
+    """Warn if no accepted word has a tool, unless an effector may be among what was left out.
 
-    A tool is a module of role effector; where the semantics says which productions emit an
-    effector, it is what these productions place.
+    A tool is a module of role effector. Nothing is reported if a production emits an effector but
+    places no tool.
     """
     if grammar.semantics is not None and not _emitters(grammar):
         message = f"the semantics of grammar `{grammar.name}` emits no effector"
@@ -251,7 +251,7 @@ def _effector(context: _Context, grammar: ir.Grammar, language: Language, sink: 
 
 
 def _module_bounds(tasks: Sequence[ir.Task], language: Language, sink: Sink) -> None:
-    """Tasks that allow fewer modules than any word has."""
+    """Report tasks that allow fewer modules than any word has."""
     for task in tasks:
         fewest = None if task.modules is None else language.fewest_modules()
         if task.modules is None or fewest is None or task.modules >= fewest:
@@ -278,13 +278,13 @@ def _emitters(grammar: ir.Grammar) -> list[ir.Production]:
 
 def _finite(grammar: ir.Grammar, words: int | None, longest: int, sink: Sink) -> None:
     if grammar.span.file:
-        return  # an included file is a library, which nobody changes
+        return  # an included file is a library, which its users do not change
     if words is None:
         number = "finitely many words"
     elif words < EXACT_BELOW:
         number = "1 word" if words == 1 else f"{words} words"
     else:
-        # 2^10 is over 10^3; the number itself may have more digits than Python likes to print.
+        # 2^10 is over 10^3; the number itself may have more digits than Python prints.
         number = f"over 10^{(words.bit_length() - 1) * 3 // 10} words"
     symbols = "1 symbol" if longest == 1 else f"{longest} symbols"
     sink.note(

@@ -12,11 +12,11 @@ from grammar_lang.source import Span
 
 
 def loop_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report starts that contradict what formulas ask of all times, of tasks that repeat.
+    """Report starts of repeating tasks that contradict what formulas demand at all times.
 
-    Maps are obstacles already.  Of a start in a region nothing is said of an effector that is not
-    known to be the one that starts; of one at given coordinates, where not all robots of the family
-    are known to begin on the wrong side.
+    Maps are obstacles already. A start in a region is checked only if the effector that starts
+    there is known. A start at given coordinates is reported only if all robots of the family
+    certainly begin on the wrong side.
     """
     for task in program.tasks.values():
         if not task.repeat:
@@ -30,10 +30,10 @@ def loop_diagnostics(program: ir.Program, sink: Sink) -> None:
 
 
 def _at_first(formula: ir.Formula, *, positive: bool = True) -> Iterator[tuple[ir.Atom, bool]]:
-    """The atoms that are true (or false) at the first instant wherever a formula holds there."""
+    """The atoms that are true (or false) at the first instant whenever a formula holds there."""
     match formula:
         case ir.Atom(poses=poses):
-            # An effector that is out of a pose may be anywhere.
+            # An effector that is not in a required pose may be anywhere.
             if positive or not poses:
                 yield formula, positive
         case ir.Not(operand=part):
@@ -78,7 +78,7 @@ def _check_given(
     asked: Sequence[tuple[ir.Atom, bool]],
     sink: Sink,
 ) -> None:
-    # It loads CasADi, which other checks do without.
+    # This module loads CasADi, which other checks do not need.
     from compiler.checks.given_positions import given_positions
 
     positions = given_positions(program, task, start)
@@ -107,7 +107,7 @@ def _report(sink: Sink, atom: ir.Atom, note: tuple[Span, str], *, inside: bool) 
 
 
 def _starting(program: ir.Program, task: ir.Task, start: ir.StartIn) -> int | None:
-    """The number of the effector that starts in the region; None where that is open."""
+    """The number of the effector that starts in the region; None if the task leaves it open."""
     named = start.effector or (None if task.reach is None else task.reach.effector)
     if named is None and several_effectors(program, program.grammars[task.grammar]) is False:
         return 1
@@ -115,6 +115,6 @@ def _starting(program: ir.Program, task: ir.Task, start: ir.StartIn) -> int | No
 
 
 def _region(workspace: ir.Workspace, name: str) -> Polytope | None:
-    """The exact set of a region; None where it is none with interior, which is reported."""
+    """The exact set of a region; None if it has no interior or is unbounded, reported elsewhere."""
     shape = refuting_polytope(workspace.region(name).shape, workspace.dimension)
     return shape if shape.is_bounded and not shape.is_empty and shape.has_interior else None

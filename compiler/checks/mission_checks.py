@@ -1,8 +1,8 @@
 """Whether the changes that a mission allows leave any robot of its grammar.
 
-That is a question about words where the first task says by ``from`` which robot there is: what it
-costs at least to make one word of another.  A chain of words costs no less than the direct way to
-each word in it, so that the task with the least bound on modules decides.
+If the first task names the existing robot by ``from``, this is a question about words: the least
+cost of turning one word into another. A chain of words costs at least as much as the direct way to
+each word in it, so the task with the least bound on modules decides.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from grammar_lang.ir.expression_text import number_text
 
 
 def mission_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Warn of the missions whose ``changes <= n`` is below the cost of every robot.
+    """Warn of missions whose ``changes <= n`` is below the cost of every robot.
 
-    A language that is too large to be looked at is passed over.
+    A language that is too large to compute is skipped.
     """
     for mission in program.missions.values():
         tasks = [program.tasks[name] for name in mission.tasks]
@@ -56,9 +56,9 @@ def _least(
     prices: ir.Prices,
     modules: int | None,
 ) -> Fraction | None:
-    """What any word of a grammar costs at least; None where it is not seen, or there is none.
+    """The least cost of any word of a grammar; None if it is unknown, or there is no word.
 
-    Of an existing robot that is no word of the grammar nothing is said: that is reported, too.
+    It is also None if the existing robot is not a word of the grammar: that is reported elsewhere.
     """
     order = {name: i for i, name in enumerate(program.terminals)}
     rules = srg(grammar, alphabet_of(grammar, order), program.modules)
@@ -76,17 +76,17 @@ def _least(
 def least_cost(
     words: Dfa, modules: Container[str], origin: Sequence[str], prices: ir.Prices
 ) -> Fraction | None:
-    """What it costs at least to make an accepted word of another one; None where there is none.
+    """The least cost of turning a word into an accepted one; None if no word is accepted.
 
-    Shortest paths (Dijkstra 1959) through the states of the automaton and the places in the word
+    Shortest paths (Dijkstra 1959) through the states of the automaton and the positions in the word
     (Wagner 1974, *Order-n correction for regular languages*, with deletions and insertions only).
     Edges cost nothing.
 
     Args:
-        words: what the word may become.
+        words: the words that it may become.
         modules: which of the symbols are modules.
-        origin: the word that there is.
-        prices: of a module that is added and one that is removed.
+        origin: the existing word.
+        prices: the prices of adding and of removing a module.
     """
     unit = lcm(prices.add.denominator, prices.remove.denominator)
     add, remove = int(prices.add * unit), int(prices.remove * unit)

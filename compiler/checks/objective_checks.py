@@ -1,4 +1,4 @@
-"""Whether the first objective of a task or mission leaves finitely many robots of each value."""
+"""Whether the first objective of a task or mission leaves finitely many robots for each value."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _SHOWN = 6
 def objective_diagnostics(program: ir.Program, sink: Sink) -> None:
     """Report the tasks whose first objective has the same value for infinitely many words.
 
-    So are missions with one robot.  Nothing is said of tasks with ``modules <= n``, of missions
-    that have one, of objectives that are not made of what each module adds, and of languages that
-    are too large to be looked at.
+    Missions with one robot are treated in the same way. Not checked are tasks with
+    ``modules <= n``, missions that have such a task, objectives that are not sums over modules, and
+    languages that are too large to compute.
     """
     for task in program.tasks.values():
         if task.minimize and task.modules is None:
@@ -56,7 +56,7 @@ def _check(
 
 
 def _least(domain: ir.Interval | ir.Choices) -> Fraction:
-    """The least value of a parameter, rounded where it is irrational."""
+    """The least value of a parameter, rounded if it is irrational."""
     values = (domain.lower,) if isinstance(domain, ir.Interval) else domain.values
     return min(map(_value, values))
 

@@ -20,7 +20,7 @@ from grammar_lang.source import Span
 
 
 def sound_polytope(region: Region, dimension: Literal[2, 3], sink: Sink) -> Polytope | None:
-    """The polytope of a region that has an interior (and, where it is the bounds, an end).
+    """The polytope of a region with an interior; if it is the bounds, it must also be bounded.
 
     Anything else is reported, an unbounded region as a warning.
     """
@@ -48,7 +48,7 @@ def _called(region: Region) -> str:
 
 
 def _open_sides(shape: Polytope) -> Iterator[str]:
-    """The directions along the axes in which a set has no end, at least one."""
+    """The directions along the axes in which a set is unbounded, at least one."""
     for axis, name in enumerate(AXES[: shape.dimension]):
         if shape.extends(axis, -1):
             yield f"-{name}"
@@ -86,7 +86,7 @@ def _flat_hull(points: Sequence[Point], shape: Polytope) -> tuple[str, str]:
 def _contradiction(
     rows: Sequence[HalfSpace], shape: Polytope
 ) -> tuple[str, str, list[tuple[Span, str]]]:
-    """The reason why inequalities leave nothing, a hint, and the few that do so as notes."""
+    """The reason why inequalities leave nothing, a hint, and a few contradicting ones as notes."""
     if shape.is_empty:
         few = irreducible_rows(rows, lambda part: part.is_empty)
         does = "contradict each other" if len(few) > 1 else "never holds"
@@ -107,7 +107,7 @@ def _contradiction(
 
 
 def _inequality(row: HalfSpace) -> str:
-    """A row as text, bounds of one coordinate with the coordinate alone on the left."""
+    """A row as text; for a bound of one coordinate, only the coordinate on the left."""
     terms = [(axis, entry) for axis, entry in zip(AXES, row.normal, strict=False) if entry]
     if len(terms) != 1:
         return Polytope((row,)).inequalities()[0]
@@ -118,18 +118,18 @@ def _inequality(row: HalfSpace) -> str:
 # --- Few inequalities that already contradict each other, or that leave no interior ---------------
 #
 # Source: Chinneck, *Feasibility and Infeasibility in Optimization* (2008), section 6.2 (additive
-# method), with the bisection of Junker, *QuickXplain* (2004).  By Helly's theorem an irreducible
-# set of half-spaces in dimension d without a common point has at most d + 1 members; the same holds
-# of their interiors.
+# method), with the bisection of Junker, *QuickXplain* (2004). By Helly's theorem an irreducible set
+# of half-spaces in dimension d without a common point has at most d + 1 members; the same is true
+# for their interiors.
 
 
 def irreducible_rows(
     rows: Sequence[HalfSpace], fails: Callable[[Polytope], bool]
 ) -> tuple[HalfSpace, ...]:
-    """Rows with which ``fails`` holds, none of which can be left out, in the order given.
+    """A subset of the rows for which ``fails`` holds and that is irreducible, in the order given.
 
     Args:
-        rows: half-spaces of one dimension with which ``fails`` holds.
+        rows: half-spaces of one dimension for which ``fails`` holds.
         fails: a test that more rows can only make true, such as emptiness.
     """
     kept: list[int] = []
@@ -154,8 +154,9 @@ def _polytope(rows: Sequence[HalfSpace], chosen: Sequence[int]) -> Polytope:
 # --------------------------------------------------------------------------------------------------
 # Findings about the ends of tasks: what bounds and avoided regions leave of start and target.
 #
-# The rules are those of the language reference, "Geometry": sets are closed, `bounds` binds every
-# effector, and a region the task starts in or reaches must leave room outside what it avoids.
+# The rules are those of the language reference, "Geometry": sets are closed, `bounds` constrains
+# every effector, and a region that the task starts in or reaches must leave room outside what it
+# avoids.
 
 
 LISTED = 5
@@ -165,8 +166,8 @@ LISTED = 5
 class Shapes:
     """The sound polytopes of a workspace, and the parts of the regions within the bounds.
 
-    The parts are given by their facets; a region without interior there has none.  ``maps`` are
-    the pieces of the maps that have an interior within the bounds.
+    The parts are given by their facets; a region without an interior within the bounds has no part.
+    ``maps`` are the pieces of the maps that have an interior within the bounds.
     """
 
     bounds: Polytope
@@ -175,13 +176,13 @@ class Shapes:
     maps: Mapping[str, Sequence[Polytope]] = field(default_factory=dict[str, Sequence[Polytope]])
 
     def parts(self, name: str) -> Sequence[Polytope]:
-        """What is avoided with a region or a map."""
+        """The parts that a region or a map excludes if it is avoided."""
         return [self.inside[name]] if name in self.inside else self.maps.get(name, ())
 
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """The start or the reach clause of a task, or an end of what is carried, with its region."""
+    """The start or the reach clause of a task, or an end of a carried load, with its region."""
 
     role: str
     region: Region
@@ -205,7 +206,7 @@ def ends(regions: Mapping[str, Region], task: Task) -> Iterator[End]:
 
 
 def end_diagnostics(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
-    """Report an end outside the bounds or in what is avoided: an error wholly, a warning partly."""
+    """Report an end that is wholly (error) or partly (warning) outside the bounds or avoided."""
     name, declared = end.region.name, ((end.region.span, f"`{end.region.name}` is declared here"),)
     if name not in shapes.inside:
         sink.error(
@@ -229,7 +230,7 @@ def end_diagnostics(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
 
 
 def _blocked(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
-    """What the avoided regions leave of an end; two tests, as only `with effector` binds it."""
+    """Report what the avoided regions leave of an end; only `with effector` constrains it."""
     part = shapes.inside[end.region.name]
     nearby = _avoided(task, ("effector", "body"), part, shapes)
     if not nearby:
@@ -268,21 +269,21 @@ def _listed(names: Collection[str]) -> str:
 def _covered(part: Polytope, regions: Sequence[Polytope]) -> bool:
     """Whether the union of regions covers a polytope."""
     common = (part.intersection(region).volume for region in regions)
-    # Cutting the part into pieces is dear, and of no use where the regions are too small together.
+    # Cutting the part into pieces is expensive, and useless if the total volume is too small.
     return sum(common, Fraction(0)) >= part.volume and not remainder(part, regions)
 
 
 def _together(avoided: Mapping[str, Sequence[Polytope]]) -> list[Polytope]:
-    """All that is avoided, without its names."""
+    """All avoided pieces, without their names."""
     return [piece for pieces in avoided.values() for piece in pieces]
 
 
 def _avoided(
     task: Task, subjects: tuple[str, ...], part: Polytope, shapes: Shapes
 ) -> dict[str, list[Polytope]]:
-    """What the task avoids by name, in the order named, as far as it meets the interior of a part.
+    """The sets that the task avoids and that meet the interior of a part, by name, in order.
 
-    Of a map only the pieces that do so count.
+    Only the pieces of a map that do so are included.
     """
     names = [name for avoid in task.avoid if avoid.subject in subjects for name in avoid.regions]
     found = {

@@ -1,4 +1,4 @@
-"""Which bodies may touch where a task says ``avoid self``, as a note."""
+"""A note about which bodies may touch if a task says ``avoid self``."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import counted
 
 MOST_PAIRS = 12
-"""So many pairs are named."""
+"""The most pairs that are named."""
 
 
 def self_collision_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Say of tasks with ``avoid self`` which pairs of bodies are exempt.
+    """Report which pairs of bodies are exempt, for tasks with ``avoid self``.
 
-    They are those of the smallest robot with bodies that have to stay apart.
+    They are those of the smallest robot with bodies that must not touch.
     """
     for task in program.tasks.values():
         if task.avoid_self is not None and program.grammars[task.grammar].semantics:

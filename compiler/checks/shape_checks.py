@@ -1,4 +1,4 @@
-"""Solids that collide as points, as a warning."""
+"""A warning about solids that collide as points."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from grammar_lang.diagnostics.diagnostic import Code, Sink
 
 
 def shape_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Warn of solids whose links have neither shape nor rod in some of the smallest robots.
+    """Warn of solids whose links have neither a shape nor a rod in some of the smallest robots.
 
-    Asked are tasks that avoid something with the body; each solid is reported once.
+    Only tasks that avoid something with the body are checked; each solid is reported once.
     """
     reported = set[ir.Solid]()
     for task in program.tasks.values():
@@ -36,7 +36,7 @@ def shape_diagnostics(program: ir.Program, sink: Sink) -> None:
 
 
 def collides(task: ir.Task) -> bool:
-    """Whether a task says something about the body of a robot."""
+    """Whether a task constrains the body of a robot."""
     with_body = any(avoid.subject == "body" for avoid in task.avoid)
     return with_body or task.avoid_self is not None or task.bounds_body
 

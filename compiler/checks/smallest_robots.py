@@ -1,4 +1,4 @@
-"""The smallest robots of a task with all joints of their words, for checks that are to be quick."""
+"""The smallest robots of a task with all joints of their words, for checks that must be fast."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from compiler.words.structures import structures_of
 from grammar_lang import ir
 
 MOST_ROBOTS = 100
-"""So many are looked at."""
+"""The most robots considered."""
 LONGEST = 200
-"""Longer words are passed over."""
+"""Longer words are skipped."""
 
 
 def smallest_robots(program: ir.Program, task: ir.Task) -> Iterator[tuple[Derivation, RobotModel]]:
-    """Derivations with their robots, as their rules build them; none that are hard to come by."""
+    """Derivations with their robots, as their rules build them; none if hard to compute."""
     family = family_of(program, task)
     try:
         words = family.language.words(max_length=LONGEST, max_modules=task.modules)

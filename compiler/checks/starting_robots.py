@@ -1,4 +1,4 @@
-"""The robots that fit the coordinates that a task gives, where they are few."""
+"""The robots that fit the coordinates that a task gives, if there are few."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ PASSED_OVER: tuple[type[Exception], ...] = (
     IntersectionTooLargeError,
     SemanticsError,
 )
-"""What keeps a check from looking at the robots of a family."""
+"""The errors for which a check skips the robots of a family."""
 MOST_ROBOTS = 8
-"""Families with more are passed over: a check is to be quick."""
+"""Families with more robots are skipped: a check must be fast."""
 
 
 def starting_robots(
     program: ir.Program, task: ir.Task, start: ir.StartAt
 ) -> tuple[tuple[RobotModel, GivenStart], ...] | None:
-    """The robots with these degrees of freedom, in normal form; None where they are too many.
+    """The robots with these degrees of freedom, in normal form; None if there are too many.
 
-    None also where a word is ambiguous without end, or a robot is unclear.
+    It is also None if a word is infinitely ambiguous, or a robot is undefined.
     """
     try:
         family = family_of(program, task)

@@ -19,7 +19,7 @@ from grammar_lang.ir.formula_parts import subformulas
 
 
 def task_diagnostics(program: ir.Program, sink: Sink) -> None:
-    """Report clauses without the number of an effector, and robots that the family has not."""
+    """Report clauses that lack an effector number, and existing robots outside the family."""
     several: dict[str, bool | None] = {}
     for task in program.tasks.values():
         plain = list(_plain_atoms(task))
@@ -56,7 +56,7 @@ def _plain_atoms(task: ir.Task) -> Iterator[ir.Atom]:
 
 
 def _origin(program: ir.Program, task: ir.Task, origin: ir.Origin, sink: Sink) -> None:
-    """The existing robot is one of the family, its accept condition aside."""
+    """Report an existing robot that the family lacks, ignoring its accept condition."""
     rules = srg(program.grammars[task.grammar], program.terminals, program.modules)
     language = restrict(rules, accept_dfa(ir.AllOf(()), rules.terminals))
     if not language.accepts(origin.word):
@@ -77,21 +77,21 @@ def _where_it_fails(language: Language, word: tuple[str, ...]) -> str:
 
 # --- Whether a family has robots that can start at the coordinates that a task gives --------------
 #
-# ``start at`` gives one value per degree of freedom of the word, so that this is a question about
+# ``start at`` gives one value for each degree of freedom of the word, so this is a question about
 # words: L(SRG), its accept condition and an automaton that counts degrees of freedom are
 # intersected.
 
 
 WRITTEN_AS = {"revolute": "an angle", "prismatic": "a length"}
-"""What a value with a unit is, by the kind of joint that it is for."""
+"""The name of a value with a unit, by the kind of joint that it is for."""
 UNITS = {"revolute": "`deg` or `rad`", "prismatic": "`m` or `cm`"}
 
 
 def start_diagnostics(program: ir.Program, sink: Sink) -> None:
     """Report the tasks that give coordinates which no robot of their family has.
 
-    An error where the values are of other kinds than the joints, a warning where there are too
-    many or too few.  A language that is too large to be looked at is passed over.
+    An error if the values are of other kinds than the joints, a warning if there are too many or
+    too few. A language that is too large to compute is skipped.
     """
     order = {name: i for i, name in enumerate(program.terminals)}
     for task in program.tasks.values():
@@ -117,16 +117,16 @@ class _Starting:
 
     @cached_property
     def family(self) -> BinaryGrammar:
-        """All words."""
+        """All words of the family."""
         return restrict(self.rules, self.accept, CHECKED_RULES).product
 
     @cached_property
     def count(self) -> int:
-        """How many values are given."""
+        """The number of values given."""
         return len(self.start.values)
 
     def report(self, sink: Sink) -> None:
-        """Say why no robot fits; an empty family is reported with its grammar."""
+        """Report why no robot fits; an empty family is reported with its grammar."""
         kinds = [self.start.kind(i) for i in range(self.count)]
         fitting = self.words(kinds)
         if fitting.starts:
@@ -137,13 +137,13 @@ class _Starting:
             self.number(sink)
 
     def words(self, kinds: Sequence[ir.DofKind | None]) -> BinaryGrammar:
-        """The accepted words with degrees of freedom of these kinds; None is any kind."""
+        """The accepted words with degrees of freedom of these kinds; None means any kind."""
         counter = _counting(self.program, self.rules.terminals, kinds)
         fits = intersection(self.accept, counter)
         return restrict(self.rules, fits, CHECKED_RULES).product
 
     def kinds(self, kinds: Sequence[ir.DofKind | None], sink: Sink) -> None:
-        """Name a value that is of the wrong kind in every robot with so many of them."""
+        """Report a value that is of the wrong kind in every robot with this many values."""
         bad, others = self.wrong(kinds)
         written = kinds[bad] or "revolute"
         met = "prismatic" if written == "revolute" else "revolute"
@@ -157,7 +157,7 @@ class _Starting:
         )
 
     def wrong(self, kinds: Sequence[ir.DofKind | None]) -> tuple[int, str]:
-        """A value, from 0, that fits no word together with those before it, and when so."""
+        """A value, from 0, that fits no word together with those before it, and a condition."""
         low, high = 0, self.count - 1
         while low < high:
             middle = (low + high) // 2
@@ -171,7 +171,7 @@ class _Starting:
         return low, ""
 
     def number(self, sink: Sink) -> None:
-        """There are too many values, or too few."""
+        """Report too many values, or too few."""
         modules = [self.program.modules.get(name) for name in self.rules.terminals]
         weights = [0 if module is None else len(module.dofs) for module in modules]
         fewest = self.family.lightest(weights) or 0
@@ -186,13 +186,13 @@ class _Starting:
         )
 
     def bound(self, fitting: BinaryGrammar, sink: Sink) -> None:
-        """The robots that fit are all larger than the task allows."""
+        """Report that all fitting robots are larger than the task allows."""
         if self.task.modules is None:
             return
         weights = [int(name in self.program.modules) for name in self.rules.terminals]
         fewest = fitting.lightest(weights) or 0
         smallest = self.family.lightest(weights) or 0
-        # That no robot at all is so small is reported with the grammar.
+        # If no robot at all is that small, this is reported with the grammar.
         if smallest <= self.task.modules < fewest:
             sink.warning(
                 Code.START_OF_NO_ROBOT,
@@ -217,9 +217,9 @@ def dof_counter(program: ir.Program, alphabet: tuple[str, ...], start: ir.StartA
 def _counting(
     program: ir.Program, alphabet: tuple[str, ...], kinds: Sequence[ir.DofKind | None]
 ) -> Dfa:
-    """The words with degrees of freedom of these kinds, in order; None is any kind.
+    """The words with degrees of freedom of these kinds, in order; None means any kind.
 
-    State k: so many were read, and they fit; the last state is dead.
+    State k: k degrees of freedom were read, and they fit; the last state is dead.
     """
     modules = [program.modules.get(name) for name in alphabet]
     dofs = [() if module is None else tuple(dof.kind for dof in module.dofs) for module in modules]

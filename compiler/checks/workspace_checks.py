@@ -23,22 +23,22 @@ from grammar_lang.ir import ObstacleMap, Region, Workspace
 
 
 def workspace_diagnostics(program: ir.Program, sink: Sink, *, complete: bool = True) -> None:
-    """Report what is wrong with the regions of every workspace and the ends of every task.
+    """Report errors in the regions of every workspace and in the ends of every task.
 
-    An error where nothing can satisfy the task or the set is no full-dimensional polytope, a
-    warning where a part of a region is of no use, a note where regions overlap.
+    An error if nothing can satisfy the task or the set is not a full-dimensional polytope, a
+    warning if a part of a region is useless, a note if regions overlap.
 
     Args:
         program: the program.
         sink: where to report.
-        complete: False where items with errors were left out of the program; nothing is then
-            said that they might refute, and there are no notes beside the errors.
+        complete: False if items with errors were left out of the program; then nothing is
+            reported that they might refute, and there are no notes in addition to the errors.
     """
     tasks: dict[str, list[ir.Task]] = {}
     for task in program.tasks.values():
         tasks.setdefault(task.workspace, []).append(task)
     for workspace in program.workspaces.values():
-        # A file without tasks is there to be included: what is avoided is said elsewhere.
+        # A file without tasks is meant to be included: other files say what is avoided.
         if complete and program.tasks:
             _unused_obstacles(workspace, tasks.get(workspace.name, []), sink)
         _workspace(workspace, tasks.get(workspace.name, []), sink, complete=complete)
@@ -84,7 +84,7 @@ def _shapes(workspace: ir.Workspace, sink: Sink) -> Shapes | None:
 
 
 def _common(bounds: Polytope, shape: Polytope) -> Polytope:
-    """The part of a region within the bounds; most regions lie there wholly."""
+    """The part of a region within the bounds; most regions lie wholly within them."""
     if shape.is_bounded and bounds.contains(shape):
         return shape
     return bounds.intersection(shape)
@@ -135,7 +135,7 @@ def _named(formula: ir.Formula) -> Iterator[str]:
 
 
 def _useless_regions(workspace: ir.Workspace, used: set[str], shapes: Shapes, sink: Sink) -> None:
-    """Regions outside the bounds that are no end of a task (for those there is an error)."""
+    """Report regions outside the bounds that are not an end of a task (these have an error)."""
     for region in workspace.regions:
         name = region.name
         if name in shapes.regions and name not in shapes.inside and name not in used:
@@ -148,7 +148,7 @@ def _useless_regions(workspace: ir.Workspace, used: set[str], shapes: Shapes, si
             )
 
 
-# --- Notes about regions of a workspace that overlap; it is allowed, and often not meant ----------
+# --- Notes about regions of a workspace that overlap: allowed, but often not intended -------------
 
 
 REPORTED = 20
@@ -163,9 +163,9 @@ def overlap_diagnostics(
 ) -> None:
     """Note the pairs of regions whose interiors meet within the bounds.
 
-    Two obstacles may overlap as they like.  The first ``REPORTED`` pairs in order of declaration
+    Obstacles may overlap each other freely. The first ``REPORTED`` pairs in order of declaration
     are noted one by one, the others by their number; at most ``CANDIDATE_LIMIT`` pairs whose
-    bounding boxes overlap are looked at.
+    bounding boxes overlap are examined.
 
     Args:
         workspace: the workspace.
@@ -197,7 +197,7 @@ def overlap_diagnostics(
 def _worth(
     regions: list[Region], shapes: list[Polytope], told: Collection[tuple[str, str]]
 ) -> Iterator[tuple[int, int]]:
-    """The candidates that there is something to say about."""
+    """The candidates that deserve a note."""
     for i, j in candidates(shapes):
         first, second = regions[i], regions[j]
         names = first.name, second.name
@@ -212,7 +212,7 @@ def _worth(
 def _overlap_note(
     first: Region, second: Region, one: Polytope, other: Polytope, sink: Sink
 ) -> None:
-    """One pair, at the region that is declared later."""
+    """Note one pair, at the region that is declared later."""
     a, b = f"{first.kind} `{first.name}`", f"{second.kind} `{second.name}`"
     forth, back = other.contains(one), one.contains(other)
     if forth and back:
@@ -233,7 +233,7 @@ def _overlap_note(
 def map_overlap_diagnostics(
     workspace: Workspace, shapes: Shapes, told: Collection[tuple[str, str]], sink: Sink
 ) -> None:
-    """Note the regions, obstacles aside, whose interiors meet that of a map; each pair once.
+    """Note the regions, except obstacles, whose interiors meet that of a map; each pair once.
 
     Args:
         workspace: the workspace.
@@ -259,7 +259,7 @@ def map_overlap_diagnostics(
                 )
 
 
-# --- Findings about maps of obstacles: what each is made of, or why it cannot be used -------------
+# --- Findings about maps of obstacles: what each consists of, or why it cannot be used ------------
 
 
 def map_shapes(
@@ -267,8 +267,8 @@ def map_shapes(
 ) -> dict[str, tuple[Polytope, ...]]:
     """The pieces of every map within the bounds, by name, and a note about each.
 
-    A map that cannot be used is an error and has no pieces; one without obstacles within the
-    bounds is warned of.
+    A map that cannot be used is an error and has no pieces; a map without obstacles within the
+    bounds gets a warning.
     """
     shapes: dict[str, tuple[Polytope, ...]] = {}
     for found in workspace.maps:
@@ -292,7 +292,7 @@ def map_shapes(
 
 
 def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, sink: Sink) -> None:
-    """What a map is made of, how far it was rounded, and whether the bounds go on beyond it."""
+    """Note what a map consists of, how far it was rounded, and whether the bounds exceed it."""
     parts = [f"{counted(inside, 'convex piece')} from {every.origin}"]
     if every.inflation:
         parts.append(f"rounded outwards by at most {_above(every.inflation)} m")
@@ -314,7 +314,7 @@ def _map_note(found: ObstacleMap, every: Pieces, inside: int, bounds: Polytope, 
 
 
 def _above(value: Fraction) -> str:
-    """A decimal of two digits that is not below a positive value."""
+    """A decimal of two digits that is not below the given positive value."""
     exponent = 0
     while value * 10**exponent < 10:
         exponent += 1

@@ -21,7 +21,7 @@ class Remark:
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """A line of a table of two columns."""
+    """A row of a table with two columns."""
 
     name: str
     text: str
@@ -29,7 +29,7 @@ class Fact:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A symbol, plain and in LaTeX, with what it stands for and what is known of its value."""
+    """A symbol, plain and in LaTeX, with its meaning and what is known about its value."""
 
     symbol: tuple[str, str]
     meaning: str
@@ -49,7 +49,7 @@ Item: TypeAlias = Remark | Fact | Entry | Equation
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A title and what stands below it."""
+    """A title and the items below it."""
 
     title: str
     items: tuple[Item, ...]
@@ -65,7 +65,7 @@ INDENT = "  "
 
 
 def to_text(sections: Sequence[Section]) -> str:
-    """Sections with underlined titles, columns aligned, long sums broken before an operator."""
+    """Sections with underlined titles, aligned columns, and long sums broken before an operator."""
     return "\n".join("\n".join(_text_section(section)) + "\n" for section in sections)
 
 
@@ -93,7 +93,7 @@ def _text_item(item: Item, first: int, second: int) -> list[str]:
 
 
 def _broken_text(left: str, right: Pieces) -> list[str]:
-    """An equation in lines of at most ``TEXT_WIDTH`` characters where its summands allow it."""
+    """An equation in lines of at most ``TEXT_WIDTH`` characters, if its summands allow it."""
     lines = [f"{left} ="]
     for number, (negative, text) in enumerate(right):
         sign = ("-" if negative else "") if number == 0 else ("- " if negative else "+ ")
@@ -113,7 +113,7 @@ SPECIAL = {
 
 
 def to_latex(sections: Sequence[Section]) -> str:
-    """Sections without numbers, their tables and aligned equations."""
+    """Sections without numbers, with their tables and aligned equations."""
     lines = ["% needs \\usepackage{amsmath}"]
     for section in sections:
         lines.append(rf"\section*{{{escaped(section.title)}}}")
@@ -123,7 +123,7 @@ def to_latex(sections: Sequence[Section]) -> str:
 
 
 def escaped(text: str) -> str:
-    """Plain text in LaTeX."""
+    """Plain text, escaped for LaTeX."""
     return "".join(SPECIAL.get(character, character) for character in text)
 
 
@@ -138,7 +138,7 @@ def _block(kind: type, items: Sequence[Item]) -> list[str]:
 
 
 def _remark(text: str) -> str:
-    """A remark, with what is quoted by backticks in a typewriter face."""
+    """A remark, with text in backticks set in typewriter face."""
     return re.sub(r"`([^`]*)`", r"\\texttt{\1}", escaped(text))
 
 

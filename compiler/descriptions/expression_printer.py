@@ -1,4 +1,4 @@
-"""Trigonometric polynomials in plain text or LaTeX, their terms in the order of reading."""
+"""Trigonometric polynomials in plain text or LaTeX, their terms in reading order."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class Product:
 
 
 def collected(number: TrigonometricPolynomial) -> tuple[Product, ...]:
-    """A sum of products in the order of reading.
+    """A sum of products in reading order.
 
-    What has no sine or cosine comes first, term by term; of the terms with one, what they have in
-    common stands before a sum.
+    Terms without a sine or cosine come first, one by one; terms with the same sine or cosine are
+    collected, with their common factor before a sum.
     """
     by_wave: dict[Wave, dict[Monomial, Fraction]] = {}
     for (wave, monomial), value in number.terms.items():
@@ -57,7 +57,7 @@ def collected(number: TrigonometricPolynomial) -> tuple[Product, ...]:
 
 
 def monomial_order(monomial: Monomial) -> tuple[int, list[tuple[int, int]]]:
-    """Higher degrees first, then higher powers of earlier symbols."""
+    """A sort key: higher degrees first, then higher powers of earlier symbols."""
     return -sum(exponent for _, exponent in monomial), [(s, -e) for s, e in monomial]
 
 
@@ -115,7 +115,7 @@ class Notation(Protocol):
         ...
 
     def grouped(self, expression: str) -> str:
-        """In parentheses."""
+        """An expression in parentheses."""
         ...
 
     def named(self, number: int) -> str:
@@ -125,9 +125,9 @@ class Notation(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ExpressionPrinter:
-    """Writes polynomials over one ring; ``names`` are of variables.
+    """Writes polynomials over one ring; ``names`` gives the names of variables.
 
-    ``numbers`` are those under which intermediate results are shown.
+    ``numbers`` are the numbers under which intermediate results are shown.
     """
 
     ring: PolynomialRing
@@ -136,7 +136,7 @@ class ExpressionPrinter:
     numbers: Mapping[int, int]
 
     def text(self, number: TrigonometricPolynomial) -> str:
-        """An expression in one piece."""
+        """An expression as one text."""
         return joined(self.pieces(number))
 
     def pieces(self, number: TrigonometricPolynomial) -> list[tuple[bool, str]]:
@@ -167,7 +167,7 @@ class ExpressionPrinter:
         return coefficient < 0, self.notation.product(above or ["1"])
 
     def _factor(self, symbol: int, exponent: int) -> tuple[str, bool]:
-        """A power of a symbol, and whether it stands above the line."""
+        """A power of a symbol, and whether it belongs in the numerator."""
         value = self.ring.symbols[symbol]
         if isinstance(value, Opaque) and value.function == "inv":
             exponent = -exponent
@@ -216,9 +216,9 @@ def joined(pieces: Sequence[tuple[bool, str]]) -> str:
 
 
 def _coefficient(size: Fraction) -> tuple[list[str], list[str]]:
-    """A positive coefficient above and below the line; one is left out.
+    """A positive coefficient as numerator and denominator; a one is left out.
 
-    A quotient where the denominator is small and its decimals are not shorter.
+    It is a quotient if the denominator is small and its decimals are not shorter.
     """
     decimal = number_text(size)
     plain = size.denominator <= LARGEST_PLAIN_DENOMINATOR and size.denominator % 5 > 0
@@ -234,20 +234,20 @@ class TextNotation:
     pi = "pi"
 
     def product(self, factors: Sequence[str]) -> str:
-        """Factors with asterisks."""
+        """Factors joined by asterisks."""
         return "*".join(factors)
 
     def quotient(self, numerator: Sequence[str], denominator: Sequence[str]) -> str:
-        """One line; several divisors in parentheses."""
+        """A quotient on one line; several divisors are in parentheses."""
         below = self.product(denominator)
         return f"{self.product(numerator)}/{below if len(denominator) == 1 else f'({below})'}"
 
     def power(self, base: str, exponent: int) -> str:
-        """With a caret."""
+        """A power with a caret."""
         return f"{base}^{exponent}"
 
     def function(self, name: str, argument: str) -> str:
-        """A call."""
+        """A function call."""
         return f"{name}({argument})"
 
     def grouped(self, expression: str) -> str:
@@ -272,14 +272,14 @@ class LatexNotation:
         return " ".join(factors)
 
     def quotient(self, numerator: Sequence[str], denominator: Sequence[str]) -> str:
-        """A fraction; what is long stays beside it."""
+        """A fraction; long factors stand beside it."""
         short = [part for part in numerator if "(" not in part]
         beside = [part for part in numerator if "(" in part]
         fraction = rf"\frac{{{self.product(short or ['1'])}}}{{{self.product(denominator)}}}"
         return self.product([fraction, *beside])
 
     def power(self, base: str, exponent: int) -> str:
-        """A superscript; a base with one of its own is grouped."""
+        """A superscript; a base that has one itself is grouped."""
         return f"{{{base}}}^{{{exponent}}}" if "^" in base else f"{base}^{{{exponent}}}"
 
     def function(self, name: str, argument: str) -> str:

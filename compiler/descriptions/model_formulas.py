@@ -1,4 +1,4 @@
-"""The functions of a robot's equations of motion as formulas for a person."""
+"""The functions of a robot's equations of motion as formulas for readers."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from grammar_lang.ir.expression_text import expression_text, number_text
 
 @dataclass(frozen=True, slots=True)
 class Formulas:
-    """The outputs of a function of the graph, and the named results they are made of, in order."""
+    """The outputs of a function of the graph, and the named results that they use, in order."""
 
     ring: PolynomialRing
     named: tuple[Abbreviation, ...]
@@ -62,7 +62,7 @@ def formulas(
 ) -> Formulas:
     """A function of (q, theta, k) or (q, v, theta, k) of a graph in joint coordinates.
 
-    In canonical form, or with named intermediate results where that is too long; ``wanted`` are
+    It is in canonical form, or with named intermediate results if that is too long; ``wanted`` are
     the outputs to read, by default all.
     """
     program, rates = tape(function), function.n_in() == 4
@@ -98,7 +98,7 @@ def _used(
     named: Sequence[Abbreviation],
     outputs: Sequence[TrigonometricPolynomial],
 ) -> Formulas:
-    """Only the named results that the outputs need, numbered again."""
+    """Keep only the named results that the outputs need, and renumber them."""
     needed: set[int] = set()
     todo = list(outputs)
     while todo:
@@ -116,7 +116,7 @@ def _used(
 
 
 def symbols_of(ring: PolynomialRing, number: TrigonometricPolynomial) -> list[Symbol]:
-    """The symbols of a polynomial, its angles included, in ascending order."""
+    """The symbols of a polynomial, including those in its angles, in ascending order."""
     found = {s for (_, monomial) in number.terms for s, _ in monomial}
     for (_, angle), _ in number.terms:
         found.update(s for monomial, _ in angle for s, _ in monomial)
@@ -159,14 +159,14 @@ AXES = ("x", "y", "z")
 
 @dataclass(slots=True)
 class _Writer:
-    """Writes formulas; intermediate results are numbered through all of them."""
+    """Writes formulas; intermediate results are numbered across all of them."""
 
     symbols: ModelSymbols
     shown: int = 0
     results: list[Item] = field(default_factory=list[Item])
 
     def equations(self, formulas: Formulas, lefts: Sequence[tuple[str, str]]) -> Iterator[Equation]:
-        """One equation per output; the intermediate results they need are noted."""
+        """One equation for each output; the intermediate results they need are recorded."""
         numbers = {item.number: self.shown + i + 1 for i, item in enumerate(formulas.named)}
         self.shown += len(numbers)
         text = ExpressionPrinter(formulas.ring, TextNotation(), self.symbols.text, numbers)
@@ -184,7 +184,7 @@ class _Writer:
 
 
 def motion_sections(described: ModelFormulas) -> list[Section]:
-    """M, c, g and the effectors' positions, then the intermediate results they are made of."""
+    """M, c, g and the effectors' positions, then the intermediate results that they use."""
     model, writer = described.model, _Writer(model_symbols(described.model))
     n = len(model.dofs)
     sections: list[Section] = []
@@ -216,7 +216,7 @@ def _gravitational(described: ModelFormulas, writer: _Writer) -> Iterator[Item]:
 
 
 def _mass_names(n: int) -> list[tuple[str, str]]:
-    """The entries of M on and above the diagonal, row by row."""
+    """The names of the entries of M on and above the diagonal, row by row."""
     text, latex = ("M{}{}", "M_{{{}{}}}") if n < 10 else ("M{}_{}", "M_{{{},{}}}")
     places = [(i, j) for i in range(1, n + 1) for j in range(i, n + 1)]
     return [(text.format(*place), latex.format(*place)) for place in places]
@@ -234,7 +234,7 @@ def _tip_names(dimension: int, effectors: int) -> list[tuple[str, str]]:
     ]
 
 
-# --- What a robot consists of: the symbols of its equations of motion and what drives it ----------
+# --- The parts of a robot: the symbols of its equations of motion and its drives ------------------
 
 
 RANGE_UNITS = {"revolute": "rad", "prismatic": "m"}
@@ -245,7 +245,7 @@ ACCELERATION_UNITS = {"revolute": "rad/s^2", "prismatic": "m/s^2"}
 def robot_sections(
     model: RobotModel, word: Sequence[str], task: ir.Task | None
 ) -> Iterator[Section]:
-    """Coordinates, parameters, inputs, states and the equation they enter.
+    """Coordinates, parameters, inputs, states and the equations in which they occur.
 
     ``task`` bounds the free inputs.
     """
@@ -348,7 +348,7 @@ def _text(expression: ir.Expr) -> str:
 def _called(
     model: RobotModel, own: OwnDynamics, states: dict[tuple[int, str], int]
 ) -> Iterator[str]:
-    """What the module's own names stand for."""
+    """The meanings of the module's own names."""
     parameters = model_symbols(model)
     for name, dof in own.dofs:
         yield f"{name} is 0" if dof is None else f"{name} is q{dof + 1}"

@@ -1,8 +1,8 @@
 """Short names for the coordinates, rates, states, inputs and parameters of a robot.
 
-Coordinates, rates, states and inputs are called as the columns of a stored trajectory are: q1, qd1,
-s1, u1.  A parameter is called by the first letter of its name where no other begins with it, and
-numbered in the order of the word: l1 and l2 are the first and second ``length``.
+Coordinates, rates, states and inputs are named like the columns of a stored trajectory: q1, qd1,
+s1, u1. A parameter is named by the first letter of its name if no other begins with it, and
+numbered in word order: l1 and l2 are the first and second ``length``.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class ModelSymbols:
 
 
 def model_symbols(model: RobotModel) -> ModelSymbols:
-    """Names for the symbols of a robot, no two the same."""
+    """Distinct names for the symbols of a robot."""
     names = [parameter.name for parameter in model.parameters]
     initials = Counter(name[0] for name in dict.fromkeys(names))
     seen: Counter[str] = Counter()
@@ -98,7 +98,7 @@ DEGREES = 180
 def domain_text(domain: ir.Interval | ir.Choices | None, unit: str) -> str:
     """``in [0.5, 5] m``, ``in {1, 2} m`` or ``unbounded``; multiples of pi in degrees.
 
-    ``unit`` is that of the bare numbers, empty for none.
+    ``unit`` is the unit of the bare numbers, empty if there is none.
     """
     if domain is None:
         return "unbounded"
@@ -130,5 +130,5 @@ def _exact(value: ir.Expr) -> Monomial | None:
 
 
 def closed_text(value: ir.Expr) -> str:
-    """A closed expression."""
+    """A closed expression as text."""
     return expression_text(value, str)

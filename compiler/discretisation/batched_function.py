@@ -1,9 +1,9 @@
 """A function of one sample, evaluated at many samples at once.
 
-CasADi's scalar expressions are interpreted at some nanoseconds per instruction and sample.  Here
-each instruction is carried out for all samples at once, on vectors with an entry per sample, so
-that the interpreter is paid for once and the vector units of the processor work.  What depends on
-shared inputs alone is computed once.
+CasADi interprets scalar expressions at some nanoseconds per instruction and sample. Here each
+instruction is carried out for all samples at once, on vectors with an entry per sample, so the cost
+of interpretation is paid once and the vector units of the processor are used. Expressions of shared
+inputs alone are computed once.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from compiler.expressions.tape import CONSTANT, INPUT, OUTPUT
 from compiler.time_limits.time_limit import check_time
 
 MOST_IN_BATCH = 128
-"""More samples go in blocks, so that the work vectors stay in the processor's cache."""
+"""More samples are split into blocks, so that the work vectors stay in the processor's cache."""
 
 
 class BatchedFunction:
-    """Evaluates a program that is made for a number of samples when that is first asked for.
+    """Evaluates a program that is built for a number of samples when that is first needed.
 
     Args:
-        program: from a number of samples to such a function as ``batched`` makes.
-        shape: of the output at one sample.
+        program: maps a number of samples to a function as made by ``batched``.
+        shape: the shape of the output at one sample.
     """
 
     def __init__(self, program: Callable[[int], ca.Function], shape: tuple[int, int]) -> None:
@@ -37,7 +37,7 @@ class BatchedFunction:
 
     @classmethod
     def of(cls, function: ca.Function) -> BatchedFunction:
-        """A function of one sample with a dense output."""
+        """Wrap a function of one sample with a dense output."""
         shape = function.size1_out(0), function.size2_out(0)
         return cls(lambda batch: batched(function, batch), shape)
 
@@ -48,7 +48,8 @@ class BatchedFunction:
         batch = -(-count // blocks)
         result = np.empty((count, *self.shape))
         for block in range(blocks):
-            # The last block may overlap with the one before: one program serves them all.
+            # The last block may overlap with the previous one, so that one program serves all
+            # blocks.
             start = min(block * batch, count - batch)
             part = slice(start, start + batch)
             self._evaluate([c[part] for c in columns], shared, result[part])
@@ -79,8 +80,8 @@ class BatchedFunction:
 def batched(function: ca.Function, batch: int) -> ca.Function:
     """A function of one sample as a function of many, with a row for each.
 
-    Its inputs are columns, the last of them shared by all samples; its output is taken column by
-    column.  The instruction list is carried out on vectors, shared inputs stay scalars.
+    Its inputs are columns, the last of them shared by all samples; its output is read column by
+    column. The instructions are carried out on vectors; shared inputs stay scalars.
     """
     last = function.n_in() - 1
     inputs = [ca.MX.sym(f"i{i}", batch, function.size1_in(i)) for i in range(last)]
@@ -101,7 +102,7 @@ def batched(function: ca.Function, batch: int) -> ca.Function:
         elif len(arguments) == 1:
             register[results[0]] = ca.MX.unary(code, register[arguments[0]])
         else:
-            # By its code: the overloaded operators of MX take ten times as long to call.
+            # By operation code: the overloaded operators of MX take ten times as long to call.
             pair = register[arguments[0]], register[arguments[1]]
             register[results[0]] = ca.MX.binary(code, *pair)
     wide = [item if item.numel() == batch else ca.repmat(item, batch, 1) for item in output]

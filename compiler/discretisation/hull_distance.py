@@ -1,8 +1,8 @@
-"""The points of many convex hulls that are nearest to zero, all at once.
+"""The points nearest to zero of many convex hulls, computed all at once.
 
-Gilbert, Johnson and Keerthi's algorithm: a simplex of at most d + 1 points of a hull is kept,
-whose point nearest to zero leads to the next one.  Here every step is one on all hulls.  Arrays
-have hulls last and coordinates first.
+Gilbert, Johnson and Keerthi's algorithm keeps a simplex of at most d + 1 points of a hull, whose
+point nearest to zero determines the next point. Here every step is carried out for all hulls.
+Arrays have hulls last and coordinates first.
 
 Source: Gilbert, Johnson, Keerthi, *A fast procedure for computing the distance between complex
 objects in three-dimensional space* (1988).
@@ -21,15 +21,15 @@ Flags = NDArray[np.bool_]
 
 MOST_ROUNDS = 40
 GAIN = 1e-14
-"""A point that is nearer by less than this part of the largest square is no nearer."""
+"""A smaller gain than this fraction of the largest square does not count as nearer."""
 FLAT = 1e-14
-"""Simplices are flat whose squared volume is less than this part of that of a cube."""
+"""A simplex is flat if its squared volume is below this fraction of that of a cube."""
 
 
 def nearest_to_zero(points: Array) -> Array:
-    """The points (k, d) of the hulls of w points, (k, w, d) each, that are nearest to zero.
+    """The points (k, d) nearest to zero of the hulls of w points, (k, w, d) each.
 
-    Where a hull contains zero, and where it all but does, that is zero up to rounding.
+    If a hull contains zero, or nearly so, the point is zero up to rounding.
     """
     p = np.ascontiguousarray(points.transpose(2, 1, 0))
     d, _, k = p.shape
@@ -59,7 +59,7 @@ def nearest_to_zero(points: Array) -> Array:
 
 
 def reduced(points: Array, chosen: Array, scale: Array) -> tuple[Array, Array]:
-    """The least face of each simplex with its point nearest to zero, and that point."""
+    """The least face (d + 1, k) of each simplex with its point nearest to zero, and it (d, k)."""
     d, _, k = points.shape
     corners = points[:, np.maximum(chosen, 0), np.arange(k)]
     there = chosen >= 0
@@ -84,7 +84,7 @@ def reduced(points: Array, chosen: Array, scale: Array) -> tuple[Array, Array]:
 def _shares(corners: Array, scale: Array) -> tuple[Array, Flags]:
     """The weights (f, k) of the point nearest to zero of the plane through corners (d, f, k).
 
-    With whether they are known: the corners are not flat.
+    Also returns whether they are known, that is, whether the corners are not flat.
     """
     count, k = corners.shape[1:]
     if count == 1:

@@ -4,11 +4,11 @@ r"""The linearisation of a robot about samples (Eqn. 5), and its exact discretis
     x^+ = x + \Phi f_0 + e^{F\,\Delta t}\,\delta x + \Phi G\,\delta u + \Phi H\,\delta\theta, \quad
     \Phi = \int_0^{\Delta t} e^{F s}\,\mathrm ds
 
-The affine map is exact for the linearised system with u held, so it needs F, G and H at the
-beginning of a step only.  The step map of the search (``NumericRobot.step``) is another thing: it
-follows the *nonlinear* flow, and its Jacobians are those of that flow along the arc of the step.
-Over a step of length h, values differ by O(h^3) and Jacobians by O(h^2), while the step map is off
-the flow by O(h^5): that is why the search uses it (docs/decisions/0021-linearisation.md).
+The affine map is exact for the linearised system with u held, so it only needs F, G and H at the
+beginning of a step. The step map of the search (``NumericRobot.step``) is different: it follows the
+*nonlinear* flow, and its Jacobians are those of that flow along the path of the step. Over a step
+of length h, values differ by O(h^3) and Jacobians by O(h^2), while the step map differs from the
+flow by O(h^5): this is why the search uses it (docs/decisions/0021-linearisation.md).
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def linearise(numeric: NumericRobot, x: Array, u: Array, theta: Array) -> Affine
 
 @dataclass(frozen=True, slots=True)
 class SecondOrderForm:
-    r"""The rigid bodies about K samples in the paper's form, T being the generalised forces.
+    r"""The rigid bodies about K samples in the paper's form, where T are the generalised forces.
 
     .. math:: M\,\delta\ddot q + C\,\delta\dot q + K\,\delta q + H\,\delta\theta = T - F
 
@@ -78,7 +78,7 @@ class SecondOrderForm:
 def second_order_form(
     system: ControlledSystem, q: Array, v: Array, a: Array, theta: Array
 ) -> SecondOrderForm:
-    """About nominal coordinates, rates and accelerations (K, n) each, at parameters (p,)."""
+    """The form about nominal coordinates, rates and accelerations (K, n), at parameters (p,)."""
     n, f = system.coordinates, system.inertial
     symbols = [ca.SX.sym(f"i{i}", f.size1_in(i)) for i in range(f.n_in())]
     *motion, parameters, k = symbols
@@ -95,7 +95,7 @@ def second_order_form(
 
 DEGREE = 13
 LARGEST_NORM = 5.371920351148152
-"""Up to here the approximant of degree 13 is exact to double precision (Higham 2005, Table 2.3)."""
+"""Up to this norm the approximant of degree 13 is exact in doubles (Higham 2005, Table 2.3)."""
 
 PADE = tuple(comb(DEGREE, j) * factorial(2 * DEGREE - j) for j in range(DEGREE + 1))
 """Coefficients of the numerator of the diagonal approximant, up to a common factor."""
@@ -122,7 +122,7 @@ def matrix_exponential(matrices: Array) -> Array:
 
 
 def held(state: Array, forcing: Array, time: float) -> tuple[Array, Array]:
-    r"""The flow of ``x' = F x + G w`` over a time, w held.
+    r"""The flow of ``x' = F x + G w`` over a time, with w held.
 
     .. math:: \exp \begin{pmatrix} F & G \\ 0 & 0 \end{pmatrix} t
         = \begin{pmatrix} e^{F t} & \int_0^t e^{F s} \mathrm ds\, G \\ 0 & 1 \end{pmatrix}

@@ -1,10 +1,10 @@
-"""A few differences of the points of two bodies that stand for all of them, in many poses at once.
+"""A few differences of points of two bodies that represent all of them, in many poses at once.
 
-Two hulls of 32 corners have 1,024 differences.  What is looked for is where their hull is nearest
-to zero.  Gilbert, Johnson and Keerthi's algorithm needs no list of them: the difference that is
-lowest in a direction is that of the lowest point of one body and the highest one of the other.
-Kept are the differences between which the nearest point lies, and those that are lowest in its
-direction.  Floats: what is found guides a search.
+Two hulls of 32 corners have 1,024 differences. The point of their hull nearest to zero is needed.
+Gilbert, Johnson and Keerthi's algorithm needs no list of them: the lowest difference in a direction
+is that of the lowest point of one body and the highest point of the other. The differences kept are
+those between which the nearest point lies, and the lowest ones in its direction. Floats: the result
+guides a search.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from compiler.discretisation.hull_distance import GAIN, MOST_ROUNDS, reduced
 Indices = NDArray[np.int64]
 
 KEPT = 16
-"""Differences per pair: twice as many as make rows of a convex step."""
+"""The differences kept per pair: twice as many as there are rows in a convex step."""
 LOWEST = 4
-"""So many points of either body are looked at for these."""
+"""The number of points of each body that are considered for the lowest differences."""
 FAR = 1.0
-"""Bodies whose boxes are farther apart than this part of their extent: the boxes tell whence."""
+"""If the gap of two boxes exceeds this fraction of their extent, the boxes give the direction."""
 
 
 def near_differences_of_pairs(
     pairs: Sequence[tuple[Array, Array]],
 ) -> list[tuple[Indices, Indices]]:
-    """The same of many pairs in K poses each, of as many points as they have."""
+    """``near_differences``, (K, KEPT), for many pairs in K poses, with any numbers of points."""
     count = len(pairs[0][0])
     ones, twos = (_stacked([pair[i] for pair in pairs]) for i in range(2))
     low, high = near_differences(ones, twos)
-    # Points were repeated so that all bodies have as many.
+    # Points were repeated so that all bodies have equally many.
     return [
         (
             np.minimum(low[place : place + count], one.shape[1] - 1),
@@ -45,7 +45,7 @@ def near_differences_of_pairs(
 
 
 def _stacked(bodies: Sequence[Array]) -> Array:
-    """The points (K, w, d) of bodies one behind the other, the last one repeated where fewer."""
+    """The points (K, w, d) of bodies one after another; missing ones repeat the last point."""
     most = max(each.shape[1] for each in bodies)
     filled = (
         np.concatenate([each, np.repeat(each[:, -1:], most - each.shape[1], axis=1)], axis=1)
@@ -55,7 +55,7 @@ def _stacked(bodies: Sequence[Array]) -> Array:
 
 
 def near_differences(one: Array, two: Array) -> tuple[Indices, Indices]:
-    """Which points of two bodies to take differences of: numbers (K, KEPT) for each.
+    """The points of two bodies whose differences to take: numbers (K, KEPT) for each body.
 
     The points are (K, a, d) and (K, b, d).
     """
@@ -70,7 +70,8 @@ def near_differences(one: Array, two: Array) -> tuple[Indices, Indices]:
     kept_low = np.concatenate([firsts, low], axis=1)[:, :KEPT]
     kept_high = np.concatenate([seconds, high], axis=1)[:, :KEPT]
     if meeting.any():
-        # The way out is along an axis, or that direction: what is lowest in these is kept.
+        # The bodies separate along an axis or that direction: the lowest differences in these are
+        # kept.
         d, size = one.shape[2], firsts.shape[1]
         axes = np.concatenate([np.eye(d), -np.eye(d)])
         places = slice(size, size + 2 * d)
@@ -98,7 +99,7 @@ def _far(one: Array, two: Array) -> tuple[Array, Indices, Indices]:
 
 
 def _lowest_pairs(one: Array, two: Array, along: Array) -> tuple[Indices, Indices]:
-    """The differences that are lowest in a direction (K, d), lowest first, of few of the points."""
+    """The lowest differences in a direction (K, d), lowest first, from few of the points."""
     ours, theirs = np.einsum("kad,kd->ka", one, along), -np.einsum("kbd,kd->kb", two, along)
     low = np.argsort(ours, axis=1, kind="stable")[:, :LOWEST]
     high = np.argsort(theirs, axis=1, kind="stable")[:, :LOWEST]
@@ -114,10 +115,10 @@ def _lowest_pairs(one: Array, two: Array, along: Array) -> tuple[Indices, Indice
 
 
 def nearest_differences(one: Array, two: Array) -> tuple[Array, Indices, Indices]:
-    """Where the hulls of differences of points (K, a, d) and (K, b, d) are nearest to zero, (K, d).
+    """The points (K, d) nearest to zero of the hulls of differences of (K, a, d) and (K, b, d).
 
-    With the points (K, d + 1) of either body whose differences it lies between; one of them
-    several times where there are fewer.
+    Also the points (K, d + 1) of each body between whose differences it lies; points are repeated
+    if there are fewer.
     """
     ours = np.ascontiguousarray(one.transpose(2, 1, 0))
     theirs = np.ascontiguousarray(two.transpose(2, 1, 0))

@@ -16,14 +16,14 @@ from compiler.expressions.scalars import Constant
 TRACKING_ROUNDS = 4
 TRACKING_DAMPING = 1e-4
 LONGEST_STEP = 0.3
-"""Per round, in radians or metres."""
+"""The longest step in one round, in radians or metres."""
 
 
 class NumericPoints:
-    """Evaluates where effectors are and what collides; not for proofs.
+    """Evaluates the positions of effectors and colliders; not for proofs.
 
-    There are n coordinates and p parameters, in SI units.  Effectors are the first points, then
-    come those that ``spanning`` makes of the graph's.
+    There are n coordinates and p parameters, in SI units. Effectors are the first points, followed
+    by those that ``spanning`` makes from the graph's points.
     """
 
     def __init__(self, graph: RobotGraph) -> None:
@@ -48,7 +48,7 @@ class NumericPoints:
 
     @cached_property
     def _effectors_in_batches(self) -> BatchedFunction:
-        """The same of the effectors alone."""
+        """Positions of the effectors alone with their derivatives."""
         return self._in_batches(_with_jacobians(self.graph.effectors, (0, 1)))
 
     @cached_property
@@ -69,12 +69,12 @@ class NumericPoints:
 
     @cached_property
     def _points_of_designs(self) -> BatchedFunction:
-        """The same with parameters of its own for every sample."""
+        """Positions with derivatives, with separate parameters for each sample."""
         return _of_designs(self._points)
 
     @cached_property
     def _effectors_of_designs(self) -> BatchedFunction:
-        """The same of the effectors alone."""
+        """Positions of the effectors with derivatives, with separate parameters for each sample."""
         return _of_designs(_with_jacobians(self.graph.effectors, (0, 1)))
 
     def track(
@@ -82,7 +82,7 @@ class NumericPoints:
     ) -> Array:
         """Coordinates (K, n) that follow waypoints (K, d), in m, continuously from ``first`` (n,).
 
-        Damped least squares, a fixed number of rounds per waypoint, kept within the box of
+        Damped least squares, with a fixed number of rounds per waypoint, kept within the box of
         coordinates, (n,) below and above.
         """
         if len(waypoints) < 2:
@@ -115,26 +115,26 @@ class NumericPoints:
         return self._read(found)
 
     def leading(self, q: Array, theta: Array) -> Points:
-        """Points at K samples, the effectors at least; all of them where they are not many."""
+        """Points (K, m, d) at K samples, at least the effectors; all if there are not many."""
         return (self.effectors if self.spanning.changing else self.points)(q, theta)
 
     def places(self, q: Array, theta: Array) -> Array:
-        """Where the effectors are at K samples, (K, e, d) in m; q (K, n), theta (p,)."""
+        """The positions of the effectors at K samples, (K, e, d) in m; q (K, n), theta (p,)."""
         found = self._places_in_batches((q,), np.concatenate([theta, self.constants]))
         return found.reshape(len(q), found.shape[1] // self.d, self.d)
 
     def _read(self, found: Array) -> Points:
-        """Points from rows (K, m d, 1 + n + p)."""
+        """Convert rows (K, m d, 1 + n + p) to points."""
         count, rows, width = found.shape
         parts = found.reshape(count, rows // self.d, self.d, width)
         return Points(parts[..., 0], parts[..., 1 : 1 + self.n], parts[..., 1 + self.n :])
 
     def positions(self, q: Array, theta: Array) -> Array:
-        """Where all points are at K samples, (K, m, d) in m; q (K, n), theta (p,)."""
+        """The positions of all points at K samples, (K, m, d) in m; q (K, n), theta (p,)."""
         return self.spanning.positions(self.graph_points(q, theta), theta, self.constants)
 
     def graph_points(self, q: Array, theta: Array) -> Array:
-        """Where the points of the graph are, (K, t, d) in m; some are directions."""
+        """The positions of the points of the graph, (K, t, d) in m; some are directions."""
         found = self._positions_in_batches((q,), np.concatenate([theta, self.constants]))
         return found.reshape(len(q), found.shape[1] // self.d, self.d)
 
@@ -148,7 +148,7 @@ def _with_jacobians(function: ca.Function, inputs: tuple[int, ...]) -> ca.Functi
 
 
 def _of_designs(points: ca.Function) -> BatchedFunction:
-    """Rows of values and Jacobians with parameters of its own for every sample."""
+    """Rows of values and Jacobians, with separate parameters for each sample."""
     q, theta, k = (ca.SX.sym(f"i{i}", points.size1_in(i)) for i in range(3))
     rows = ca.densify(ca.horzcat(*points(q, theta, k)))
     return BatchedFunction.of(ca.Function("points", [q, theta, k], [ca.cse(rows)]))

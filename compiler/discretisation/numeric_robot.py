@@ -1,6 +1,6 @@
 """A robot in doubles: its equations of motion, over all steps at once.
 
-The discrete step and its exact derivatives are those of ``step_map``.
+The discrete step and its exact derivatives are computed by ``step_map``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.robots.state_and_input import robot_inputs, robot_states
 
 Groups: TypeAlias = tuple[tuple[int, ...], ...]
-"""Bodies by number, in groups."""
+"""Groups of bodies, by number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +40,8 @@ class Linearisation:
 class NumericRobot(NumericPoints):
     """Evaluates a robot's graph in doubles; not for proofs.
 
-    A state x has N = 2n + r entries: n coordinates, n rates and the r states of the modules' own;
-    there are m inputs and p parameters.  All are in SI units.
+    A state x has N = 2n + r entries: n coordinates, n rates and the r states of the modules; there
+    are m inputs and p parameters. All are in SI units.
     """
 
     def __init__(self, graph: RobotGraph) -> None:
@@ -52,7 +52,7 @@ class NumericRobot(NumericPoints):
         self._rollouts: dict[tuple[str, int, int], ca.Function] = {}
         self._burdens: dict[Groups, BatchedFunction] = {}
 
-    # Made when first asked for: most structures are judged by their points alone.
+    # Made when first needed: most structures are judged by their points alone.
 
     @cached_property
     def _system(self) -> ControlledSystem:
@@ -90,7 +90,8 @@ class NumericRobot(NumericPoints):
     def step(self, x: Array, u: Array, theta: Array, dt: float, substeps: int) -> Linearisation:
         """The state ``dt`` seconds later and its Jacobians; x (K, N), u (K, m), theta (p,).
 
-        The step is ``substeps`` equal ones of the classical Runge-Kutta method, the inputs held.
+        The step consists of ``substeps`` equal steps of the classical Runge-Kutta method with the
+        inputs held.
         """
         size = self.size
         shared = np.concatenate([theta, self._system.constants, [dt / substeps]])
@@ -120,7 +121,7 @@ class NumericRobot(NumericPoints):
     def mass_matrix(self, q: Array, theta: Array, u: Array | None = None) -> Array:
         """M at K samples, (K, n, n), in kg m^2 (kg for prismatic rows); q (K, n), theta (p,).
 
-        What is taken up and put down is there as inputs (K, m) say, without them it is not.
+        Loads are present as the inputs (K, m) say; without inputs they are absent.
         """
         inputs = np.zeros((len(q), self.m)) if u is None else u
         return self._mass_matrix((q, inputs), np.concatenate([theta, self.constants]))
@@ -128,7 +129,7 @@ class NumericRobot(NumericPoints):
     def slowed(
         self, groups: Groups, x: Array, accelerations: Array, u: Array, theta: Array
     ) -> Array:
-        """The accelerations that the bodies of each group take, M^-1 (M_i a + c_i + g_i).
+        """The accelerations due to the bodies of each group, M^-1 (M_i a + c_i + g_i).
 
         Shape (K, n, groups), for states (K, N), accelerations (K, n), inputs (K, m) and parameters
         theta (p,).
@@ -141,7 +142,7 @@ class NumericRobot(NumericPoints):
 
 
 def _efforts(graph: RobotGraph, groups: Groups) -> ca.Function:
-    """What bodies ask of the joints, with theta and k in one column."""
+    """The forces that groups of bodies require of the joints, with theta and k in one column."""
     function = graph.efforts_of(groups)
     sizes = [function.size1_in(i) for i in range(function.n_in())]
     *own, shared = (ca.SX.sym("i", size) for size in (*sizes[:4], sum(sizes[4:])))
@@ -161,11 +162,11 @@ def _rollout(system: ControlledSystem, substeps: int, steps: int) -> ca.Function
 
 # --- The discrete step of a controlled system, and its derivatives, as functions of one sample ----
 #
-# The step is the classical Runge-Kutta method with inputs held (Kutta 1901), its derivatives the
-# variational equations carried along, so exactly those of the step (Hairer, Norsett & Wanner,
-# *Solving Ordinary Differential Equations I*, I.14).  Written for q' = v (as Nystrom did, ibid.,
-# II.14): the stages of q are known polynomials in the accelerations, and so are their derivatives,
-# which leaves only those of w' to be solved for.
+# The step is the classical Runge-Kutta method with inputs held (Kutta 1901). Its derivatives follow
+# from the variational equations, so they are exactly those of the step (Hairer, Norsett & Wanner,
+# *Solving Ordinary Differential Equations I*, I.14). It is written for q' = v (as by Nystrom,
+# ibid., II.14): the stages of q are known polynomials in the accelerations, and so are their
+# derivatives, so only the derivatives of w' must be solved for.
 
 
 Graph = TypeVar("Graph", ca.SX, ca.MX)
@@ -187,9 +188,9 @@ def rates_of_change(system: ControlledSystem) -> ca.Function:
 
 
 def step_map(system: ControlledSystem, batch: int) -> ca.Function:
-    """``(x, u, (theta, k, h))`` to the states a time h later and their derivatives, on batch.
+    """``(x, u, (theta, k, h))`` to the states a time h later and their derivatives, for a batch.
 
-    Shape (N, 1 + N + m + p), N = 2n + r.  The stages share their programs, which would not stay in
+    Shape (N, 1 + N + m + p), N = 2n + r. The stages share their programs, which would not fit in
     the processor's cache if they were written out four times.
     """
     n, size = system.coordinates, 2 * system.coordinates + system.states
@@ -231,7 +232,7 @@ def _heart(system: ControlledSystem) -> ca.Function:
 
 
 def _carries(system: ControlledSystem) -> tuple[ca.Function, ca.Function]:
-    """What slopes of w before add to dR through w, and through q."""
+    """The contributions of slopes of w to dR, through w and through q."""
     n, height = system.coordinates, system.coordinates + system.states
     width = system.coordinates + height + system.inputs + system.parameters
     slopes = ca.SX.sym("s", height, 1 + width)
@@ -281,7 +282,7 @@ def value_map(system: ControlledSystem) -> ca.Function:
 
 
 def _stage(x: Graph, h: Graph, n: int, rates: Sequence[Graph]) -> tuple[Graph, Graph]:
-    """Where the next stage is evaluated: q and w, in a row per sample, as are the rates of w."""
+    """The q and w at which the next stage is evaluated, one row per sample, as for the rates."""
     node, place, speed = NODES[len(rates)] * h, x[:, :n], x[:, n:]
     if rates:
         place = place + node * x[:, n : 2 * n]
@@ -292,7 +293,7 @@ def _stage(x: Graph, h: Graph, n: int, rates: Sequence[Graph]) -> tuple[Graph, G
 
 
 def _sums(slopes: Sequence[Graph], h: Graph) -> tuple[Graph, Graph]:
-    """The slopes of w as they move q and w at the end."""
+    """The weighted sums of the slopes of w that change q and w over the step."""
     first, second, third, fourth = slopes
     lead = first + second + third
     return h**2 / 6 * lead, h / 6 * (lead + second + third + fourth)

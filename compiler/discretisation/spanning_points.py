@@ -1,9 +1,9 @@
-"""The corners of what collides, from the points and directions of a robot's graph, in doubles.
+"""The corners of colliders, from the points and directions of a robot's graph, in doubles.
 
-Bodies and shapes become hulls of points.  Those of boxes and hulls are exact; a cylinder becomes a
-prism whose edges are as far outside as its faces are inside.  Proofs read cylinders as they are,
-and ask for more room where a face was too near.  Of pairs with a great many differences, those are
-taken in each pose that lie where the bodies are nearest.
+Bodies and shapes become hulls of points. Those of boxes and hulls are exact; a cylinder becomes a
+prism whose edges are as far outside as its faces are inside. Proofs use exact cylinders, and demand
+a larger distance if a face was too near. For pairs with very many differences, those where the
+bodies are nearest are chosen in each pose.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ Indices = NDArray[np.int64]
 Choice: TypeAlias = tuple[Indices, Indices]
 
 SIDES = 8
-"""Of the prism for a cylinder."""
+"""The number of sides of the prism for a cylinder."""
 OFF = (1 - cos(pi / SIDES)) / (1 + cos(pi / SIDES))
-"""The part of the radius, 4 %, by which edges are outside of the cylinder, and faces inside."""
+"""The fraction of the radius, 4 %, by which edges are outside the cylinder, and faces inside."""
 
 MOST_DIFFERENCES = 256
-"""Of a pair with more differences a few are taken, which are others from pose to pose."""
+"""For a pair with more differences a few are chosen, separately in each pose."""
 MOST_AT_ONCE = 1 << 13
-"""More pairs, in each pose, go in blocks."""
+"""If pairs times poses exceed this number, the pairs are split into blocks."""
 
 
 @dataclass(frozen=True, slots=True)
 class Points:
     """Positions of m points at K samples, in metres, and their derivatives.
 
-    Shapes: value (K, m, d), by_q (K, m, d, n), by_theta (K, m, d, p).  ``changing`` are those that
-    are others from sample to sample, where there are some.
+    Shapes: value (K, m, d), by_q (K, m, d, n), by_theta (K, m, d, p). ``changing`` holds the points
+    chosen separately in each sample, if there are any.
     """
 
     value: Array
@@ -56,7 +56,7 @@ class Points:
 
 @dataclass(frozen=True, slots=True)
 class ChangingPoints:
-    """What is chosen of pairs at K samples, to follow it from one to the next.
+    """The points chosen of pairs at K samples, to follow them from one sample to the next.
 
     ``by_q`` (K, t, d, n) are derivatives of the points of the graph, ``sizes`` (1 or K, s).
     """
@@ -66,9 +66,9 @@ class ChangingPoints:
     sizes: Array
 
     def bends(self, rates: Array, dt: float) -> Iterator[tuple[slice, Array]]:
-        """Their numbers, and how far each is from its chord half way through the steps (k, …, d).
+        """Their numbers, and the distance of each from its chord halfway through a step (k, …, d).
 
-        Those of a step are the ones at its beginning; ``rates`` are (k + 1, n).
+        The points of a step are those chosen at its beginning; ``rates`` are (k + 1, n).
         """
         velocities = np.einsum("ktdn,kn->ktd", self.by_q, rates)
         given = dt / 8 * (velocities[:-1] - velocities[1:])
@@ -79,10 +79,10 @@ class ChangingPoints:
 
 @dataclass(frozen=True, slots=True)
 class _Offsets:
-    """What leads from a base of a collider to its w corners: sums of c directions with weights.
+    """The vectors from a base of a collider to its w corners: weighted sums of c directions.
 
-    ``columns`` (c,) are directions by number; weights are ``parts`` (w, c) of the ``sizes`` (w, c),
-    by number; behind these there is one more, which is 1.
+    ``columns`` (c,) are the numbers of the directions; weights are ``parts`` (w, c) of the sizes
+    with the numbers ``sizes`` (w, c); after the last size there is one more, which is 1.
     """
 
     columns: Indices
@@ -90,7 +90,7 @@ class _Offsets:
     parts: Array
 
     def seen_along(self, columns: Indices) -> _Offsets:
-        """The same along other directions."""
+        """The offsets along other directions."""
         return replace(self, columns=columns)
 
     def of(self, given: Array, sizes: Array) -> Array:
@@ -98,7 +98,7 @@ class _Offsets:
         return _product(sizes[:, self.sizes] * self.parts, given[:, self.columns])
 
     def by_theta(self, given: Points, sizes: Array, slopes: Array) -> Array:
-        """Their derivatives (K, w, d, p); those of the sizes are ``slopes`` (1 or K, s, p)."""
+        """The derivatives (K, w, d, p); those of the sizes are ``slopes`` (1 or K, s, p)."""
         whole = self.of(given.by_theta, sizes)
         weights = slopes[:, self.sizes] * self.parts[..., None]
         for place, column in enumerate(self.columns):
@@ -116,14 +116,14 @@ def _product(weights: Array, directions: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class _Group:
-    """Bases, by number, with the offsets of a collider, or those of one less those of another."""
+    """Bases, by number, with a collider's offsets, or with those of one minus those of another."""
 
     bases: Indices
     offsets: tuple[_Offsets, ...]
 
     @property
     def count(self) -> int:
-        """How many points it has."""
+        """The number of its points."""
         return len(self.bases) * prod(len(each.parts) for each in self.offsets)
 
     def points(self, given: Array, offsets: Sequence[Array]) -> Array:
@@ -139,34 +139,34 @@ class _Group:
 
 @dataclass(frozen=True, slots=True)
 class _NearGroup(_Group):
-    """The same of a pair with a great many differences: in every pose the few that are chosen."""
+    """A pair with very many differences, of which few are chosen in every pose."""
 
     @property
     def count(self) -> int:
-        """How many points it has in a pose."""
+        """The number of its points in a pose."""
         return KEPT
 
     def of(self, given: Array, offsets: Sequence[Array], choice: Choice) -> Array:
-        """What is chosen, (K, count, …), of points or of their derivatives."""
+        """The chosen points, or their derivatives, (K, count, …)."""
         one, two = self.bodies(given, offsets)
         row = np.arange(len(given))[:, None]
         found: Array = one[row, choice[0]] - two[row, choice[1]]
         return found
 
     def bodies(self, given: Array, offsets: Sequence[Array]) -> tuple[Array, Array]:
-        """The points of both bodies, from where the second one is."""
+        """The points of both bodies, relative to the second one."""
         first = given[:, self.bases][:, :, None] + offsets[0][:, None]
         count = first.shape[1] * first.shape[2]
         return first.reshape(len(given), count, *given.shape[2:]), offsets[1]
 
 
 class SpanningPoints:
-    """Effectors, the corners of all colliders, the differences of those of pairs, and axes.
+    """Effectors, the corners of all colliders, their differences for pairs, and axes.
 
     ``hulls`` are the numbers of the corners of each collider, ``gaps`` those of the differences of
-    each pair ``apart``, ``axes`` those of the axes of each effector's frame, from the first point
-    behind the effectors.  ``lasting`` are the numbers of the points that are the same from pose to
-    pose, effectors included.
+    each pair ``apart``, ``axes`` those of the axes of each effector's frame, counted from the first
+    point after the effectors. ``lasting`` are the numbers of the points that are the same in every
+    pose, including effectors.
     """
 
     def __init__(self, graph: RobotGraph) -> None:
@@ -201,7 +201,7 @@ class SpanningPoints:
         self.gaps = tuple(numbers[len(colliders) : last])
         self.axes = tuple(numbers[last:])
         self.plain = not any(own.parts.size for own in offsets)
-        """Whether they are the points of the graph as they are."""
+        """Whether the points are those of the graph, unchanged."""
         self._groups = [_Group(np.arange(first), ()), *groups]
         self.lasting: Indices = np.concatenate(
             [np.arange(first)]
@@ -219,7 +219,7 @@ class SpanningPoints:
 
     @property
     def changing(self) -> bool:
-        """Whether some points are others from pose to pose."""
+        """Whether some points are chosen separately in each pose."""
         return bool(self._near)
 
     @cached_property
@@ -232,7 +232,7 @@ class SpanningPoints:
         return ca.Function("sizes", [theta, k], outputs)
 
     def positions(self, points: Array, theta: Array, constants: Array) -> Array:
-        """Where the corners are, (K, m, d) in m, from the points of the graph, (K, t, d)."""
+        """The positions of the corners, (K, m, d) in m, from the points of the graph, (K, t, d)."""
         if self.plain:
             return points
         sizes, _ = self._sizes_at(theta, constants)
@@ -240,7 +240,7 @@ class SpanningPoints:
         return self._spanned(points, lambda offsets: offsets.of(points, sizes), choices)
 
     def of(self, points: Points, theta: Array, constants: Array) -> Points:
-        """The same with derivatives; ``theta`` is (p,) or, for each sample, (K, p)."""
+        """The corners with derivatives; ``theta`` is (p,) or, for each sample, (K, p)."""
         if self.plain:
             return points
         sizes, slopes = self._sizes_at(theta, constants)
@@ -260,7 +260,7 @@ class SpanningPoints:
         )
 
     def _choices(self, given: Array, sizes: Array) -> list[Choice]:
-        """What is chosen of each pair with a great many differences."""
+        """The choices for each pair with very many differences."""
         found, most = list[Choice](), max(1, MOST_AT_ONCE // len(given))
         for start in range(0, len(self._near), most):
             check_time()
@@ -272,7 +272,7 @@ class SpanningPoints:
         return found
 
     def _sizes_at(self, theta: Array, constants: Array) -> tuple[Array, Array]:
-        """The sizes (1 or K, s) in m with a 1 behind them, and their derivatives (1 or K, s, p)."""
+        """The sizes (1 or K, s) in m with a 1 after them, and their derivatives (1 or K, s, p)."""
         designs = np.atleast_2d(theta)
         count, p = designs.shape
         values, slopes = self._sizes.map(count)(

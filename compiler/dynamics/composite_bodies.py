@@ -1,12 +1,13 @@
 r"""The mass matrix from composite bodies in the frames of the joints.
 
-All that a joint carries is one body with mass m, first moment h and inertia I about the joint's
-origin.  Moving the joint gives it the momenta (p, L); with the axis s of an earlier joint,
+Everything that a joint carries is one body with mass m, first moment h and inertia I about the
+joint's origin. Moving the joint gives this body the momenta (p, L); with the axis s of an earlier
+joint,
 
 .. math:: M_{ij} = s_i \cdot L \quad\text{(revolute)}, \qquad M_{ij} = s_i \cdot p
     \quad\text{(prismatic)}
 
-Only coordinates between the two joints and behind them occur, each in few places, so that the
+Only the coordinates between the two joints and after them occur, each in few places, so the
 expressions are short, and interval arithmetic loses far less than on the product of Jacobians.
 
 Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), section 6.2.
@@ -52,7 +53,7 @@ def _enter(
     body: SpatialInertia,
     steps: list[tuple[ca.SX, ca.SX]],
 ) -> None:
-    """Add the entries of a joint's frame with itself and all joints before it."""
+    """Add the entries of a joint's frame with itself and with all joints before it."""
     step = model.frames[last].step
     if not isinstance(step, Joint):
         raise TypeError("only joints have entries")

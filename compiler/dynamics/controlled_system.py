@@ -1,15 +1,15 @@
-r"""A robot as a controlled system in the form that floats differentiate cheaply.
+r"""A robot as a controlled system in a form that is cheap to differentiate in floats.
 
 .. math:: \dot q = v, \qquad N(q, \theta)\,\dot w = F(q, w, u, \theta), \qquad
     N = \begin{pmatrix} M & 0 \\ 0 & 1 \end{pmatrix}
 
-for w = (v, s), the rates and the modules' own states.  With the residual
+for w = (v, s), the rates and the modules' own states. With the residual
 ``R(q, w, w', u, theta) = F - N w'``, the implicit function theorem gives
 
 .. math:: \mathrm d\dot w = N^{-1}\, \mathrm dR
 
 at fixed w' (Carpentier & Mansard, *Analytical Derivatives of Rigid Body Dynamics Algorithms*, RSS
-2018), so that neither the factorisation nor the accelerations are differentiated.
+2018), so neither the factorisation nor the accelerations are differentiated.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class ControlledSystem:
 
     - ``forces(q, w, u, theta, k)``: M, shape (n, n), and F, shape (n + r,);
     - ``differential(q, w, a, u, theta, k)``: dR in (q, w, u, theta) at fixed accelerations a,
-      shape (n + r, 2n + r + m + p); zero in loads, which are given and not steered;
+      shape (n + r, 2n + r + m + p); zero for loads, which are given and not controlled;
     - ``inertial(q, v, a, theta, k)``: M a + c + g, shape (n,), without loads.
 
     ``coordinates``, ``states``, ``inputs`` and ``parameters`` are n, r, m and p.
@@ -55,13 +55,13 @@ class ControlledSystem:
     inertial: ca.Function
 
     def accelerate(self, mass: ca.SX, forces: ca.SX) -> ca.SX:
-        """N^-1 times F or dR, of one or more columns."""
+        """N^-1 times F or dR, for one or more columns."""
         n = self.coordinates
         return ca.vertcat(ldl_solve(mass, forces[:n, :]), forces[n:, :])
 
 
 def controlled_system(graph: RobotGraph) -> ControlledSystem:
-    """The same robot in the same coordinates."""
+    """The controlled system of a robot, in the same coordinates."""
     model, coordinates = graph.model, graph.coordinates
     n, r, m, p = (
         len(items)

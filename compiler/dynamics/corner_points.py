@@ -1,9 +1,9 @@
-"""The points of a robot that refutations speak of, as expressions in (q, theta).
+"""The points of a robot that refutations use, as expressions in (q, theta).
 
-They lie in what they are about: effectors, the points about which bodies and shapes are, and all
-corners of hulls; then the differences of those of the pairs that are looked at, and the axes of
-effectors' frames.  (A hull's middle, by which the other points of a robot know it, is a combination
-of its corners; a refutation that counts on them is of more poses.)
+These are the effectors, the base points of bodies and shapes, and all corners of hulls; then the
+differences of these points for the pairs considered, and the axes of effectors' frames. (Elsewhere
+a hull is represented by its middle, which is a combination of its corners; a refutation based on
+the corners covers more poses.)
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from compiler.dynamics.kinematics import Kinematics
 from compiler.dynamics.robot_points import Numbered
 
 MOST_OF_PAIRS = 2
-"""Of pairs in which one has more points, no differences are looked at."""
+"""If one collider of a pair has more points, the pair's differences are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class CornerPoints:
     """All such points, coordinates (d * count,), and the numbers of the axes of each effector.
 
-    These are counted from the first point behind the effectors; there are none where the turn of
-    effectors does not matter.
+    The numbers are counted from the first point after the effectors. There are no axes if the
+    orientation of effectors does not matter.
     """
 
     points: ca.SX

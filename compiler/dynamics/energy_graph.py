@@ -1,4 +1,4 @@
-"""What bounds need of a robot: its energies, and the factorisation of its mass matrix."""
+"""The energies of a robot and the factorisation of its mass matrix, as bounds need them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from compiler.robots.state_and_input import robot_inputs, robot_states
 def ldl_solve(matrix: ca.SX, right: ca.SX) -> ca.SX:
     """``matrix^-1 right`` for a right side of one or more columns; reads the lower triangle.
 
-    Elementary operations only, because validated evaluators need them; no pivoting (Golub & Van
-    Loan, *Matrix Computations*, Algorithm 4.1.2).
+    It uses elementary operations only, because validated evaluators need them, and no pivoting
+    (Golub & Van Loan, *Matrix Computations*, Algorithm 4.1.2).
     """
     n = matrix.size1()
     if not n:
@@ -31,7 +31,7 @@ def ldl_solve(matrix: ca.SX, right: ca.SX) -> ca.SX:
     lower, scaled = ca.SX.eye(n), ca.SX(n, n)
     inverse = []
     for j in range(n):
-        # scaled holds L D, so that no product is formed twice.
+        # ``scaled`` is L D, so that no product is computed twice.
         pivot = matrix[j, j] - sum((lower[j, k] * scaled[j, k] for k in range(j)), ca.SX(0))
         inverse.append(1 / pivot)
         for i in range(j + 1, n):
@@ -51,9 +51,9 @@ def ldl_solve(matrix: ca.SX, right: ca.SX) -> ca.SX:
 
 # --- What bounds on energy and on distances need of a robot, as tapes for interval arithmetic -----
 #
-# All in the joints' own coordinates q: efforts, rates and ranges are of those.  The bounds do not
-# depend on coordinates anyway: with q = D y the forces are D' tau and the mass matrix is D' M D, so
-# that tau' M^-1 tau and q' M q are the same numbers.
+# Everything is in the joints' own coordinates q, to which efforts, rates and ranges refer. The
+# bounds do not depend on the coordinates anyway: with q = D y the forces are D' tau and the mass
+# matrix is D' M D, so tau' M^-1 tau and q' M q are the same numbers.
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +62,12 @@ class EnergyGraph:
 
     Inputs of every tape: q (n), theta, then the exact ``constants``.
 
-    - ``mass``: M column by column, (n * n,), of which only the coordinates ``shape`` count;
-    - ``slopes``: its derivatives in the inputs ``active``, one after the other;
+    - ``mass``: M column by column, (n * n,), which depends only on the coordinates ``shape``;
+    - ``slopes``: its derivatives in the inputs ``active``, one after another;
     - ``potential``: the potential energy V (1,) and its gradient (n,); None without gravity;
     - ``effectors``: positions (d * e,), then their Jacobian column by column (d * e * n,);
-    - ``damping``: b >= 0 or not of every joint (n,), where the forces on the joints are u - b rate;
-      None where they are anything else, or where modules have states of their own.
+    - ``damping``: b of every joint (n,), of any sign, if the forces on the joints are u - b rate;
+      None if they have another form, or if modules have states of their own.
     """
 
     constants: tuple[Constant | PiConstant, ...]
@@ -81,7 +81,7 @@ class EnergyGraph:
 
 
 def energy_graph(model: RobotModel, gravity: tuple[Fraction, ...]) -> EnergyGraph:
-    """The graph of a robot.
+    """The energy graph of a robot.
 
     Args:
         model: the robot.
@@ -123,7 +123,7 @@ def energy_graph(model: RobotModel, gravity: tuple[Fraction, ...]) -> EnergyGrap
 
 
 def _dependencies(expression: ca.SX, variables: ca.SX) -> tuple[int, ...]:
-    """The entries of a column of variables that occur."""
+    """The entries of a column of variables that occur in an expression."""
     if not variables.numel():
         return ()
     columns = ca.jacobian_sparsity(expression, variables).get_triplet()[1]
@@ -131,10 +131,10 @@ def _dependencies(expression: ca.SX, variables: ca.SX) -> tuple[int, ...]:
 
 
 def _damping(model: RobotModel, theta: ca.SX, constants: SymbolicEvaluator) -> ca.SX | None:
-    """The b of every joint, where tau = u - b rate.
+    """The b of every joint if tau = u - b rate, else None.
 
-    tau has this form if its Jacobian in (q, rate, s, u) is (0, -b, 0, 1) with a diagonal b that
-    none of these occurs in, and if it is zero at zero.
+    tau has this form if its Jacobian in (q, rate, s, u) is (0, -b, 0, 1) with a diagonal b in which
+    none of these variables occurs, and if it is zero at zero.
     """
     joints = [entry.dof for entry in robot_inputs(model)]
     n, m = len(model.dofs), len(joints)

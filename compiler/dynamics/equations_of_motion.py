@@ -41,14 +41,14 @@ from compiler.robots.state_and_input import robot_inputs, robot_states
 from compiler.time_limits.time_limit import check_time
 
 MOST_INSTRUCTIONS = 40_000
-"""Of first derivatives of which second ones are made: they have five to seven times as many."""
+"""First derivatives up to this many instructions get second ones, which have 5 to 7 times more."""
 MOST_OF_SECOND = 10_000
-"""Of second derivatives of which third ones are made."""
+"""The most instructions of second derivatives for which third ones are made."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Expressions:
-    """The variables of a graph, and what its functions are made of."""
+    """The variables of a graph, and the expressions of its functions."""
 
     q: ca.SX
     w: ca.SX
@@ -69,32 +69,32 @@ class _Expressions:
 
 @dataclass(frozen=True)
 class RobotGraph:
-    """One robot's expression graph, read by several back ends; ``gravity`` is in m/s^2.
+    """The expression graph of a robot, read by several back ends; ``gravity`` is in m/s^2.
 
     Inputs, each a column: ``q``, ``w`` (the rates v of q, then the modules' own states), ``u``
     (inputs), ``theta`` and ``k``, the exact constants listed in ``constants``.  Where
-    ``coordinates`` are absolute angles, ``q`` and ``v`` stand for those and their rates; ``u`` are
-    the joints' own inputs always.  With n degrees of freedom, r own states, m inputs, e effectors,
-    b body points and d the dimension of the workspace:
+    ``coordinates`` are absolute angles, ``q`` and ``v`` stand for these and their rates; ``u``
+    always holds the joints' own inputs.  With n degrees of freedom, r own states, m inputs, e
+    effectors, b body points and d the dimension of the workspace:
 
-    - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows), without what is
-      taken up and put down; ``loaded_mass_matrix(q, u, theta, k)``: M;
-    - ``centrifugal(q, v, theta, k)``: c, shape (n,), N m (N), without that, too;
-    - ``gravitational(q, theta, k)``: g, shape (n,); ``bias(q, v, theta, k)``: c + g; likewise;
+    - ``mass_matrix(q, theta, k)``: M, shape (n, n), kg m^2 (kg for prismatic rows), without loads
+      (which are picked up and put down); ``loaded_mass_matrix(q, u, theta, k)``: M with them;
+    - ``centrifugal(q, v, theta, k)``: c, shape (n,), N m (N), without loads;
+    - ``gravitational(q, theta, k)``: g, shape (n,); ``bias(q, v, theta, k)``: c + g; without loads;
     - ``acceleration(q, w, u, theta, k)``: the derivative of w, shape (n + r,); floats have a
       cheaper way (``controlled_system.py``);
     - ``balance(q, w, u, theta, k)``: M column by column (n * n,), then tau - c - g (n,), then the
-      derivatives of the own states (r,): the parts that a validated evaluator solves itself,
-      without the graph's own divisions;
+      derivatives of the own states (r,): the parts from which a validated evaluator solves for the
+      accelerations itself, without the graph's own divisions;
     - ``variation(q, w, a, u, theta, k)``: the Jacobian of (tau - c - g - M a, own derivatives) in
       (q, w) for given accelerations a, column by column ((n + r) * (2n + r),);
     - ``input_slopes(q, w, u, theta, k)``: the Jacobian of (tau - c - g, own derivatives) in u,
       column by column ((n + r) * m,);
-    - ``conditions(q, w, u, theta, k)``: what must not be zero (the first ``divisors`` entries), and
-      what must not be negative, for the values above to exist as they were written;
+    - ``conditions(q, w, u, theta, k)``: quantities that must not be zero (the first ``divisors``
+      entries) or not negative (the others), so that the values above exist as they were written;
     - ``effectors(q, theta, k)``: positions, shape (d * e,), metres;
     - ``body_points(q, theta, k)``: positions, shape (d * b,), metres; ``points(q, theta, k)``:
-      effectors, body points, then what is no place (:mod:`compiler.dynamics.robot_points`).
+      effectors, body points, differences and directions (:mod:`compiler.dynamics.robot_points`).
 
     A function is made when it is first asked for: their sizes differ by orders of magnitude.
     """
@@ -108,10 +108,9 @@ class RobotGraph:
 
     @cached_property
     def holding_inputs(self) -> RobotGraph:
-        """The same robot whose inputs are states that do not change, disturbed by its new inputs.
+        """A robot whose old inputs are constant states, to which its new inputs are added.
 
-        ``w`` has m more entries, the inputs that are held; the inputs ``u`` (m,) are what is added
-        to them.
+        ``w`` has m more entries, the held inputs; the new inputs ``u`` (m,) are added to them.
         """
         p = self.parts
         held, added = (ca.SX.sym(name, p.u.numel()) for name in ("held", "added"))
@@ -121,9 +120,9 @@ class RobotGraph:
         return replace(self, parts=_with_still(parts, held))
 
     def weighed(self, groups: Sequence[Sequence[int]]) -> RobotGraph:
-        """The same robot with masses times factors, which are the last entries of ``w``.
+        """A robot with masses multiplied by factors, which are the last entries of ``w``.
 
-        A factor is that of all masses and inertias of some bodies, given by their numbers; a body
+        Each factor applies to all masses and inertias of a group of bodies, given by number; a body
         may be in several ``groups``.
         """
         factors = ca.SX.sym("factor", len(groups))
@@ -144,7 +143,7 @@ class RobotGraph:
         return replace(self, parts=_with_still(parts, factors))
 
     def efforts_of(self, groups: Sequence[Sequence[int]]) -> ca.Function:
-        """What the bodies of each group ask of the joints: M a + c + g, a column per group.
+        """The forces M a + c + g that the bodies of each group require, one column per group.
 
         Its inputs are ``q``, ``w``, the accelerations a (n,), ``u``, ``theta`` and ``k``.
         """
@@ -158,7 +157,7 @@ class RobotGraph:
     def _of_bodies(
         self, bodies: Sequence[int], *, rotors: bool = False
     ) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """What some bodies, or the ``rotors``, add to M, to M without literal entries, and to g."""
+        """The part of M, of M without literal entries, and of g from some bodies, or ``rotors``."""
         p = self.parts
         plain = not any(dof.inertia for dof in self.model.dofs)
         if plain and rotors:
@@ -172,7 +171,7 @@ class RobotGraph:
         model = replace(self.model, bodies=kept, dofs=tuple(dofs))
         mass = mass_matrix(model, at, p.q, constants, self.coordinates)
         pull = gravitational_forces(model, at, p.q, self.gravity, constants)
-        # The constants of a part are among those of the whole.
+        # The constants of a part are among the constants of the whole.
         known = [self.constants.index(symbol) for symbol in constants.symbols]
         k = ca.vertcat(*(p.k[i] for i in known)) if known else ca.SX(0, 1)
         mass, pull = ca.substitute([mass, pull], [constants.vector()], [k])
@@ -246,7 +245,7 @@ class RobotGraph:
 
     @cached_property
     def variation(self) -> ca.Function:
-        """The Jacobian of what is balanced, for given accelerations."""
+        """The Jacobian of the balance, for given accelerations."""
         p, a = self.parts, ca.SX.sym("a", len(self.model.dofs))
         residual = ca.vertcat(self._drive - p.mass @ a, p.derivatives)
         jacobian = ca.jacobian(residual, ca.vertcat(p.q, p.w))
@@ -254,9 +253,9 @@ class RobotGraph:
 
     @cached_property
     def curvature(self) -> tuple[ca.Function, tuple[tuple[int, int, int], ...]] | None:
-        """Second derivatives of what is balanced that are not zero, and where they belong.
+        """The non-zero second derivatives of the balance, and their indices.
 
-        The places (i, j, k), j >= k: output i, entries j and k of (q, w, a).  None where
+        An index (i, j, k), j >= k, means output i and entries j and k of (q, w, a). None if
         ``variation`` has so many instructions that its derivatives would take minutes.
         """
         if self.variation.n_instructions() > MOST_INSTRUCTIONS:
@@ -277,10 +276,10 @@ class RobotGraph:
 
     @cached_property
     def curvature_slopes(self) -> tuple[ca.Function, tuple[tuple[int, int], ...]] | None:
-        """First derivatives of the values of ``curvature`` that are not zero, and their places.
+        """The non-zero first derivatives of the values of ``curvature``, and their indices.
 
-        The places (v, l): value v, entry l of (q, w, a).  None where ``curvature`` has so many
-        instructions that these take longer than what they save.
+        An index (v, l) means value v and entry l of (q, w, a). None if ``curvature`` has so many
+        instructions that the derivatives take longer than they save.
         """
         if self.curvature is None or self.curvature[0].n_instructions() > MOST_OF_SECOND:
             return None
@@ -294,7 +293,7 @@ class RobotGraph:
 
     @cached_property
     def input_slopes(self) -> ca.Function:
-        """The Jacobian in the inputs of what drives the robot."""
+        """The Jacobian, in the inputs, of the forces and of the own derivatives."""
         p = self.parts
         jacobian = ca.jacobian(ca.vertcat(p.forces, p.derivatives), p.u)
         return self._function("input_slopes", [p.q, p.w, p.u], ca.vec(ca.densify(jacobian)))
@@ -312,7 +311,7 @@ class RobotGraph:
 
     @cached_property
     def body_points(self) -> ca.Function:
-        """Positions of the points that bodies and shapes are about."""
+        """Positions of the base points of bodies and shapes."""
         return self._function("body_points", [self.parts.q], self.parts.points.bodies)
 
     @cached_property
@@ -322,7 +321,7 @@ class RobotGraph:
 
     @property
     def numbering(self) -> Numbering:
-        """Which of the points are of what."""
+        """The numbers of the points of each collider, pair and effector frame."""
         return self.parts.points.numbering
 
     @property
@@ -347,18 +346,18 @@ def robot_graph(
     gravity: tuple[Fraction, ...] = (),
     coordinates: Coordinates | None = None,
 ) -> RobotGraph:
-    """Build the graph of a robot.
+    """The graph of a robot.
 
     Args:
         model: the robot.
         gravity: the acceleration in m/s^2, default none.
-        coordinates: what the motion is written in, default the joints' own coordinates.
+        coordinates: the coordinates of the motion, default the joints' own.
     """
     coordinates = coordinates or own_coordinates(model)
     n, r, m = len(model.dofs), len(robot_states(model)), len(robot_inputs(model))
     q, w, u = (ca.SX.sym(name, size) for name, size in (("q", n), ("w", n + r), ("u", m)))
     theta = ca.SX.sym("theta", len(model.parameters))
-    # All constants are met here, so that every function has the same inputs k.
+    # All constants are collected here, so that every function has the same inputs k.
     constants = SymbolicEvaluator()
     half = constants.constant(Fraction(1, 2))
     loads = u[m - len(loads_of(model)) :]
@@ -382,7 +381,7 @@ def robot_graph(
 
 
 def _with_still(parts: _Expressions, entries: ca.SX) -> _Expressions:
-    """With more entries of the modules' own states, which do not change."""
+    """Add constant entries to the modules' own states."""
     return replace(
         parts,
         w=ca.vertcat(parts.w, entries),

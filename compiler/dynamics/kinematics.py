@@ -29,9 +29,9 @@ from compiler.robots.robot import (
 #
 # .. math:: q = D y
 #
-# with an integer matrix D.  In y the mass matrix of a chain has one cosine per entry and no
-# velocity couples with another, so interval arithmetic loses far less than in the joints' own
-# coordinates. (The paper's Example 3 uses such angles, its case study the joints' own.)
+# with an integer matrix D. In y the mass matrix of a chain has one cosine per entry and no velocity
+# couples with another, so interval arithmetic loses far less than in the joints' own coordinates.
+# (The paper's Example 3 uses such angles, its case study the joints' own.)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Coordinates:
     absolute: frozenset[int]
 
     def solved_for(self, q: Sequence[Fraction]) -> list[Fraction]:
-        """The y with D y = q, exactly.  A row has its own entry, at most one of another joint."""
+        """The y with D y = q, exactly. A row has its own entry and at most one of another joint."""
         known: dict[int, Fraction] = {}
         while len(known) < len(self.rows):
             for i, row in enumerate(self.rows):
@@ -60,11 +60,11 @@ def own_coordinates(model: RobotModel) -> Coordinates:
 
 
 def absolute_angles(model: RobotModel) -> Coordinates:
-    """Absolute angles for a robot.
+    """The absolute angles of a robot.
 
-    A revolute joint that follows another about its axis, with only rigid turns about it and
-    translations in between, is measured from where that one is; every other coordinate is its own
-    up to its sign.  A coordinate that moves two frames is left as it is.
+    A revolute joint that follows another about its axis, with only rigid rotations about it and
+    translations in between, is measured from where that one is measured. Every other coordinate is
+    its own, up to its sign. A coordinate that moves two frames is left unchanged.
     """
     rows = [list(row) for row in own_coordinates(model).rows]
     uses = Counter(node.step.dof for node in model.frames if isinstance(node.step, Joint))
@@ -118,7 +118,7 @@ def _stack(entries: list[ca.SX]) -> ca.SX:
 
 @dataclass(frozen=True, slots=True)
 class Orientation:
-    """``base * R(axis, angle + leading)``, so that angles about one axis add.
+    """The rotation ``base * R(axis, angle + leading)``, so that angles about one axis add.
 
     ``leading`` is the absolute angle of the last joint that is measured from a fixed direction.
     """
@@ -133,20 +133,20 @@ class Orientation:
         return self.base @ rotation(self.axis, self.angle + self.leading)
 
     def turned(self, axis: int, angle: ca.SX) -> Orientation:
-        """After a further rotation about a local axis."""
+        """The orientation after a further rotation about a local axis."""
         if axis == self.axis:
             return Orientation(self.base, axis, self.angle + angle, self.leading)
         return Orientation(self.matrix(), axis, angle, ca.SX(0))
 
     def led(self, axis: int, leading: ca.SX) -> Orientation:
-        """After a joint whose absolute angle about a local axis replaces the one before."""
+        """The orientation after a joint whose absolute angle about a local axis becomes leading."""
         if axis == self.axis:
             return Orientation(self.base, axis, self.angle, leading)
         return Orientation(self.matrix(), axis, ca.SX(0), leading)
 
 
 UNTURNED = Orientation(ca.SX.eye(3), 2, ca.SX(0), ca.SX(0))
-"""As the world is."""
+"""The orientation of the world."""
 
 
 def rotation(axis: int, angle: ca.SX) -> ca.SX:
@@ -167,8 +167,7 @@ def rotation(axis: int, angle: ca.SX) -> ca.SX:
 class Kinematics:
     """Positions, orientations and joint axes of all frames as expressions in (q, theta).
 
-    ``loads`` (c, 1) are the inputs that say of what is taken up and put down whether it is there,
-    1 or 0; with no entries none of it is.
+    ``loads`` (c, 1) are the inputs that say which loads are present, 1 or 0; if empty, no load is.
     """
 
     model: RobotModel
@@ -179,7 +178,7 @@ class Kinematics:
     loads: ca.SX
 
     def mass(self, body: PointBody) -> ca.SX:
-        """The mass of a point mass as far as it is there."""
+        """The mass of a point mass, zero while it is a load that is not present."""
         if body.load is None:
             return self.scalars[body.mass]
         return self.scalars[body.mass] * self.loads[body.load] if self.loads.numel() else ca.SX(0)
@@ -194,9 +193,10 @@ class Kinematics:
         return self.origins[frame] + self.orientations[frame].matrix() @ offset
 
     def bases(self, collider: Collider) -> list[ca.SX]:
-        """The points that a body or shape is about.
+        """The base points of a body or shape.
 
-        Both ends of what has a length, the middle of a box, sphere or hull, the place of a mass.
+        Both ends of a body or shape with a length, the middle of a box, sphere or hull, the place
+        of a mass.
         """
         if isinstance(collider, Shape) and collider.corners:
             return [self._middle(collider)]
@@ -209,7 +209,7 @@ class Kinematics:
         return [origin, origin + direction * self.scalars[collider.length]]
 
     def _middle(self, hull: Shape) -> ca.SX:
-        """The place of the middle of a hull, in the world."""
+        """The middle of a hull, in the world."""
         constants = self.motion.constants
         middle = (constants.constant(x) for x in hull_middle(hull, self.model.scalars))
         return self.origins[hull.frame] + self.orientations[hull.frame].matrix() @ ca.vertcat(
@@ -217,24 +217,25 @@ class Kinematics:
         )
 
     def corners(self, collider: Collider) -> list[ca.SX]:
-        """The corners of a hull, and the ``bases`` of what is none."""
+        """The corners of a hull, or the ``bases`` of anything else."""
         if isinstance(collider, Shape) and collider.corners:
             return [self.point(collider.frame, corner) for corner in collider.corners]
         return self.bases(collider)
 
     def columns(self, collider: Collider) -> list[ca.SX]:
-        """The directions of the axes along which a shape extends about its bases, in the world.
+        """The directions, in the world, of the axes along which a shape extends about its bases.
 
-        None where it does so alike in all directions, or not at all.
+        Empty if it extends equally in all directions, or not at all.
         """
         if not isinstance(collider, Shape):
             return []
         return [self.axis(collider.frame, axis) for axis in collider.across(self.model.dimension)]
 
     def seen_from_below(self, one: int, two: int) -> Kinematics:
-        """The same, free of what moves two frames alike.
+        """The kinematics without the motion that two frames share.
 
-        They are seen from the last frame that both are behind; with absolute angles, in world axes.
+        The frames are seen from the last frame that both come after; with absolute angles, in world
+        axes.
         """
         ways = [[WORLD, *self.model.chain(frame)] for frame in (one, two)]
         common = max(set(ways[0]) & set(ways[1]))
@@ -252,7 +253,7 @@ class Kinematics:
 
 @dataclass(frozen=True, slots=True)
 class _FrameMotion:
-    """How a frame moves with the one before it; ``coordinates`` are y as ``measured`` says."""
+    """How a frame moves relative to its parent; ``coordinates`` are y, defined by ``measured``."""
 
     model: RobotModel
     scalars: Sequence[ca.SX]
@@ -263,7 +264,7 @@ class _FrameMotion:
     def behind(
         self, step: Step | None, origin: ca.SX, orientation: Orientation
     ) -> tuple[ca.SX, Orientation]:
-        """The origin and the orientation behind a step."""
+        """The origin and the orientation after a step."""
         match step:
             case Turn(axis, angle):
                 orientation = orientation.turned(axis, self.constants.unfolded(self.scalars[angle]))
@@ -293,8 +294,8 @@ def kinematics(
 ) -> Kinematics:
     """Forward kinematics, one pass over the frames in topological order.
 
-    ``coordinates`` are y with q = D y, as ``measured`` says.  ``loads`` (c, 1) say of what is taken
-    up and put down whether it is there; without them it is not.
+    ``coordinates`` are y with q = D y, as defined by ``measured``. ``loads`` (c, 1) say which loads
+    are present; without them none is.
     """
     scalars = evaluate_scalars(model.scalars, constants, ca.vertsplit(parameters))
     motion = _FrameMotion(model, scalars, coordinates, constants, measured)

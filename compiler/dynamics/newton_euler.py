@@ -1,17 +1,18 @@
 r"""Inverse dynamics by the recursive Newton-Euler algorithm, in the axes of the joints' frames.
 
-From the base to the tips, each frame's angular velocity, angular acceleration and the acceleration
-of its origin; back again, the forces and moments that the joints pass on to what they carry.  With
-the tensor A that maps a place in the frame to its acceleration beyond the origin's, and a rigid
-link of mass m, first moment h and inertia I about the origin,
+The first pass, from the base to the tips, computes each frame's angular velocity, angular
+acceleration and the acceleration of its origin. The second pass, back to the base, computes the
+forces and moments that the joints transmit to what they carry. The tensor A maps a place in the
+frame to its acceleration relative to the origin's. For a rigid link of mass m, first moment h and
+inertia I about the origin,
 
 .. math:: f = m a + A h, \qquad
     n = h \times a + I \dot\omega + \omega \times I \omega, \qquad
     A = [\dot\omega]_\times + [\omega]_\times^2
 
-Gravity is an acceleration of the base.  Everything fixed to a joint is one link, so that there are
-as many steps as joints, and their number is linear in that of joints, that of derivatives is its
-square.
+Gravity is an acceleration of the base. Everything fixed to a joint is one link, so there are as
+many steps as joints. The number of operations is linear in the number of joints, and that of
+derivatives is quadratic.
 
 Source: Luh, Walker & Paul, *On-line computational scheme for mechanical manipulators* (1980);
 Featherstone, *Rigid Body Dynamics Algorithms* (2008), ch. 5.
@@ -38,7 +39,7 @@ from compiler.robots.robot import WORLD, Joint, RobotModel
 
 @dataclass(frozen=True, slots=True)
 class _Link:
-    """A joint and what is fixed to it, which ``turn`` and ``shift`` place in ``parent``."""
+    """A joint and everything fixed to it; ``turn`` and ``shift`` place it in ``parent``."""
 
     parent: int
     joint: Joint
@@ -49,7 +50,7 @@ class _Link:
 
 @dataclass(frozen=True, slots=True)
 class _LinkMotion:
-    """How the axes of a link move, in these axes; ``spread`` is the tensor A, (3, 3)."""
+    """The motion of the axes of a link, in these axes; ``spread`` is the tensor A, (3, 3)."""
 
     rate: ca.SX
     angular: ca.SX
@@ -64,14 +65,14 @@ def inverse_dynamics(
     gravity: tuple[Fraction, ...],
     constants: SymbolicEvaluator,
 ) -> ca.SX:
-    """The generalised forces M a + c + g, shape (n,), that cause accelerations.
+    """The generalised forces M a + c + g, shape (n,), for given accelerations.
 
     Args:
         model: the robot.
         at: its scalars.
         motion: q, v and a of the joints themselves, (n,) each.
         gravity: the acceleration in m/s^2, none if empty.
-        constants: where exact constants are entered.
+        constants: collects the exact constants.
     """
     q, v, a = motion
     links, inertias = _links(model, at, q, constants)
@@ -101,9 +102,9 @@ def inverse_dynamics(
 def _links(
     model: RobotModel, at: Kinematics, q: ca.SX, constants: SymbolicEvaluator
 ) -> tuple[dict[int, _Link], list[SpatialInertia]]:
-    """The links by the frames of their joints, parents first, and the inertia fixed to a frame."""
+    """The links by the frames of their joints, parents first, and the inertia fixed to each."""
     links: dict[int, _Link] = {}
-    # Of every frame: that of the link it is fixed to, and where it is in its axes.
+    # For every frame, the frame of its link, and its rotation and position in that link's axes.
     fixed = [(WORLD, ca.SX.eye(3), ca.SX(3, 1))]
     for number, node in enumerate(model.frames):
         if number == WORLD:
@@ -125,7 +126,7 @@ def _links(
 
 
 def _moved(base: _LinkMotion, link: _Link, rate: ca.SX, acceleration: ca.SX) -> _LinkMotion:
-    """The motion of a link by that of the one before it, and by its joint's own."""
+    """The motion of a link, from that of the link before it and of its own joint."""
     back, axis = link.turn.T, joint_axis(link.joint)
     turning, angular = back @ base.rate, back @ base.angular
     linear = back @ (base.linear + base.spread @ link.shift)
@@ -138,7 +139,7 @@ def _moved(base: _LinkMotion, link: _Link, rate: ca.SX, acceleration: ca.SX) -> 
 
 
 def _spread(rate: ca.SX, angular: ca.SX) -> ca.SX:
-    """What maps a place in a frame to its acceleration beyond that of the origin, (3, 3)."""
+    """The tensor that maps a place to its acceleration relative to the origin's, (3, 3)."""
     tensor = ca.SX(3, 3)
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -150,7 +151,7 @@ def _spread(rate: ca.SX, angular: ca.SX) -> ca.SX:
 
 
 def _wrench(inertia: SpatialInertia, motion: _LinkMotion) -> tuple[ca.SX, ca.SX]:
-    """The force, and the moment about its origin, that move a link."""
+    """The force on a link, and the moment about its origin, that move it."""
     force = inertia.mass * motion.linear + motion.spread @ inertia.moment
     spin = inertia.inertia @ motion.rate
     moment = inertia.inertia @ motion.angular + ca.cross(motion.rate, spin)

@@ -36,20 +36,21 @@ from grammar_lang import ir
 
 # --- Mass matrix, Coriolis forces and gravity of rigid bodies as CasADi expressions ---------------
 #
-# From kinetic and potential energy (Lagrange's equations of the second kind).  The kinetic energy
-# is that of composite bodies (``composite_bodies.py``), but for planar robots in absolute angles: a
-# column of their Jacobian is a vector turned by one angle at most, J_i = R(y_a) w_i, so that
+# They follow from kinetic and potential energy (Lagrange's equations of the second kind). The
+# kinetic energy is that of composite bodies (``composite_bodies.py``), except for planar robots in
+# absolute angles. For these a column of the Jacobian is a vector rotated by at most one angle, J_i
+# = R(y_a) w_i, so
 #
 # .. math:: J_i \cdot J_j = w_i \cdot R(y_b - y_a)\, w_j
 #
-# Left to itself a product has the sum of two squares of sines and cosines where there is a one, and
-# a sum of products where there is one cosine: over a box of angles, intervals lose all of that.
+# Without this rule a product contains a sum of two squares of sines and cosines instead of 1, and a
+# sum of products instead of one cosine. Over a box of angles, intervals lose these cancellations.
 
 
 def inertia_of(
     body: Body, at: Kinematics, constants: SymbolicEvaluator
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Mass, position of the com, and inertia about it in world axes."""
+    """The mass, the position of the centre of mass, and the inertia about it in world axes."""
     half, twelfth = (constants.constant(Fraction(1, i)) for i in (2, 12))
     match body:
         case RodBody(frame, axis, sign, length, density, _):
@@ -78,7 +79,7 @@ def angular_jacobian(
         if step.dof not in coordinates.absolute:
             columns[:, step.dof] += step.sign * at.axis(node, step.axis)
             continue
-        # Measured from a fixed direction: the rate of the joint it is measured from drops out.
+        # An absolute angle: the rate of the joint it is measured from cancels.
         for other, entry in enumerate(coordinates.rows[step.dof]):
             if entry and other != step.dof:
                 columns[:, other] = 0
@@ -105,7 +106,7 @@ def mass_matrix(
 
 
 def rotor_inertias(model: RobotModel, constants: SymbolicEvaluator) -> ca.SX | None:
-    """The inertias of the rotors as their joints feel them, on a diagonal; None where all are 0."""
+    """The rotor inertias as their joints feel them, on a diagonal; None if all are 0."""
     if not any(dof.inertia for dof in model.dofs):
         return None
     found = ca.SX.zeros(len(model.dofs), len(model.dofs))
@@ -116,7 +117,7 @@ def rotor_inertias(model: RobotModel, constants: SymbolicEvaluator) -> ca.SX | N
 
 
 def _generalised(mass: ca.SX, coordinates: Coordinates) -> ca.SX:
-    """D' M D: a quadratic form of the joints' own rates in those of y."""
+    """D' M D: a quadratic form of the joints' own rates, in the rates of y."""
     for _ in range(2):
         columns = [generalised_forces(coordinates, column) for column in ca.horzsplit(mass)]
         mass = ca.horzcat(*columns).T
@@ -153,7 +154,7 @@ def centrifugal_forces(mass: ca.SX, q: ca.SX, v: ca.SX, half: ca.SX) -> ca.SX:
         row = ca.SX(0)
         for j in range(n):
             for k in range(j, n):
-                # Doubled throughout, and halved once by an exact input below.
+                # Doubled throughout, and halved once below by an exact input.
                 twice = slope[i, j, k] + slope[i, k, j] - slope[j, k, i]
                 row += twice * v[j] * v[k] * (1 if j == k else 2)
         rows.append(row * half)
@@ -161,7 +162,7 @@ def centrifugal_forces(mass: ca.SX, q: ca.SX, v: ca.SX, half: ca.SX) -> ca.SX:
 
 
 def _slopes(mass: ca.SX, q: ca.SX) -> dict[tuple[int, int, int], ca.SX]:
-    """The derivative of M_ij in q_k by (i, j, k); M is symmetric, so it is made for i <= j."""
+    """The derivative of M_ij in q_k by (i, j, k); as M is symmetric, computed for i <= j only."""
     n = q.numel()
     pairs = [(i, j) for i in range(n) for j in range(i, n)]
     jacobian = ca.jacobian(ca.vertcat(*(mass[i, j] for i, j in pairs)), q) if pairs else ca.SX()
@@ -199,13 +200,13 @@ def potential_energy(
 
 
 NORMAL = 2
-"""The axis that is normal to the plane."""
+"""The axis normal to the plane."""
 
 
 def has_turned_columns(model: RobotModel, coordinates: Coordinates) -> bool:
-    """Whether all columns are such: in the plane, no coordinate moves two frames, none is flipped.
+    """Whether each column is a rotated vector: planar, and no coordinate moves two frames or flips.
 
-    A turn about another axis than the plane's would change the sense in which angles count.
+    A rotation about an axis other than the plane's normal would change the sign of angles.
     """
     steps = [node.step for node in model.frames]
     uses = Counter(step.dof for step in steps if isinstance(step, Joint))
@@ -220,9 +221,9 @@ def has_turned_columns(model: RobotModel, coordinates: Coordinates) -> bool:
 
 
 def coordinates_for_intervals(model: RobotModel) -> Coordinates:
-    """Those in which interval arithmetic loses least: absolute angles if columns are turned.
+    """The coordinates in which intervals lose least: absolute angles if all columns are rotated.
 
-    Dry friction needs the joints' own: it depends on the signs of their rates.
+    Dry friction needs the joints' own coordinates, as it depends on the signs of their rates.
     """
     if dry_friction(model):
         return own_coordinates(model)
@@ -243,13 +244,13 @@ def planar_products(columns: ca.SX, y: ca.SX, absolute: frozenset[int]) -> ca.SX
 
 
 def _angle(column: ca.SX, y: ca.SX, absolute: frozenset[int]) -> int | None:
-    """The angle by which a column is turned; None for one that stays as it is."""
+    """The angle by which a column is rotated; None if it is constant."""
     turned = [number for number in sorted(absolute) if ca.depends_on(column, y[number])]
     return turned[0] if turned else None
 
 
 def _relative(product: ca.SX, y: ca.SX, first: int | None, second: int | None) -> ca.SX:
-    """The product of two columns as the angle between them says."""
+    """The product of two columns as a function of the angle between them."""
     if first is None or second is None:
         return product
     if first == second:
@@ -258,7 +259,7 @@ def _relative(product: ca.SX, y: ca.SX, first: int | None, second: int | None) -
     return ca.substitute(product, ca.vertcat(y[first], y[second]), ca.vertcat(0, between))
 
 
-# --- What drives a robot: the generalised forces on its joints, and its modules' own states -------
+# --- The generalised forces on a robot's joints, and the derivatives of its modules' own states ---
 #
 # .. math:: \tau = \tau(q, \dot q, s, u, \theta), \qquad \dot s = \sigma(q, \dot q, s, u, \theta)
 #
@@ -275,7 +276,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """What a drive may depend on, as columns: the joints' own q and rates, s, u and theta."""
+    """The variables of a drive, as columns: the joints' own q and rates, s, u and theta."""
 
     q: ca.SX
     rates: ca.SX
@@ -324,7 +325,7 @@ class _Reader:
         return evaluate_expression(expression, self.constants, self.leaf)
 
     def leaf(self, leaf: ir.Expr) -> ca.SX:
-        """The graph node of a leaf; what belongs to a lost degree of freedom reads zero."""
+        """The graph node of a leaf; one that belongs to a removed degree of freedom is zero."""
         match leaf:
             case ir.ParameterOf(_, name):
                 return self.motion.parameters[dict(self.own.parameters)[name]]
@@ -342,7 +343,7 @@ class _Reader:
                 raise TypeError(f"no scalar of a module's own dynamics: {leaf}")
 
     def of_dof(self, name: str, value: Callable[[int], ca.SX]) -> ca.SX:
-        """A value that belongs to a degree of freedom."""
+        """A value that belongs to a degree of freedom, zero if that was removed."""
         dof = self.own.bound_dofs.get(name)
         return ca.SX(0) if dof is None else value(dof)
 

@@ -1,9 +1,9 @@
-"""The points of a robot that searches and proofs speak of, as expressions in (q, theta).
+"""The points of a robot that searches and proofs use, as expressions in (q, theta).
 
-Effectors come first, then the points about which bodies and shapes are; then the differences of
-these points for every pair that has to stay apart, and the directions along which shapes extend;
-at last the axes of effectors' frames, where it matters how these are turned.  Differences and
-directions are no places, and are called points all the same.
+Effectors come first, then the base points of bodies and shapes; then the differences of these
+points for every pair that must not touch, and the directions along which shapes extend; finally the
+axes of effectors' frames, if their orientation matters. Differences and directions are not places,
+but are called points as well.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ MADE = "equations of motion were made"
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """What a collider is by numbers of points, counted from the first one behind the effectors.
+    """A collider, by the numbers of its points, counted from the first one after the effectors.
 
-    It is the hull of its ``bases``, and what its sizes or corners add to that along its
-    ``columns``, the directions of the axes of its frame.
+    It is the hull of its ``bases``, enlarged by its sizes or corners along its ``columns``, the
+    directions of the axes of its frame.
     """
 
     bases: tuple[int, ...]
@@ -33,9 +33,9 @@ class Extent:
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """A pair of colliders: the differences of their ``bases``, and the ``columns`` of either.
+    """A pair of colliders: the differences of their ``bases``, and the ``columns`` of each.
 
-    The differences with the first base of the first collider come first.
+    The differences from the first base of the first collider come first.
     """
 
     bases: tuple[int, ...]
@@ -44,10 +44,10 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class Numbering:
-    """Which points are of each collider, of each pair ``apart``, and of each effector's frame.
+    """The numbers of the points of each collider, each pair ``apart``, and each effector's frame.
 
-    ``axes`` are the directions of the axes of effectors' frames, none where these do not matter;
-    numbers are counted from the first point behind the effectors.
+    ``axes`` are the directions of the axes of effectors' frames, empty if these do not matter;
+    numbers are counted from the first point after the effectors.
     """
 
     extents: tuple[Extent, ...]
@@ -57,28 +57,28 @@ class Numbering:
 
 @dataclass(slots=True)
 class Numbered:
-    """Expressions (3,) one behind the other, in ``d`` coordinates each."""
+    """Expressions (3,) one after another, in ``d`` coordinates each."""
 
     d: int
     points: list[ca.SX] = field(default_factory=list[ca.SX])
 
     def add(self, points: Sequence[ca.SX]) -> tuple[int, ...]:
-        """Their numbers."""
+        """Add points and return their numbers."""
         first = len(self.points)
         self.points += [point[: self.d] for point in points]
         return tuple(range(first, len(self.points)))
 
     def stacked(self, first: int = 0, last: int | None = None) -> ca.SX:
-        """Those from a first to before a last one, shape (d * count,)."""
+        """The points ``first`` to ``last`` - 1, shape (d * count,)."""
         return ca.vertcat(*self.points[first:last]) if self.points[first:last] else ca.SX(0, 1)
 
 
 @dataclass(frozen=True, slots=True)
 class RobotPoints:
-    """All points with what they are of: coordinates (d * count,) in metres, directions without.
+    """All points and what they belong to: coordinates (d * count,) in metres, directions unitless.
 
     ``bodies`` are the bases of the colliders, ``others`` the differences and the directions;
-    ``sizes`` are those of the shapes, in metres, one behind the other.
+    ``sizes`` are the sizes of the shapes, in metres, one after another.
     """
 
     effectors: ca.SX

@@ -1,7 +1,7 @@
-r"""Dry friction as further inputs of the equations of motion.
+r"""Dry friction as additional inputs of the equations of motion.
 
 Coulomb friction of size c is any measurable :math:`f \in -c\,\operatorname{Sgn}(\dot q)`, an effort
-on its joint.  Here f is an input, so that whoever reads the graph says what it may be.
+on its joint. Here f is an input, so the user of the graph decides which values it may have.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from compiler.robots.state_and_input import dry_friction
 
 
 def with_dry_friction(graph: RobotGraph) -> RobotGraph:
-    """The same robot with the efforts of dry friction (N m, N) as its last inputs.
+    """The robot graph with the efforts of dry friction (N m, N) as its last inputs.
 
-    They are in the order of the joints that have any; without such joints the graph is the same.
+    They are in the order of the joints that have friction; without such joints the graph is
+    unchanged.
     """
     rubbing = list(dry_friction(graph.model))
     if not rubbing:

@@ -1,7 +1,8 @@
 """Bodies and steps in the axes of a robot's frames, as expressions.
 
-What algorithms that recur over frames need: nothing here depends on how the robot stands but
-through a joint's own coordinate (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 2).
+They are the input of recursive algorithms over frames: nothing here depends on the pose of the
+robot except through a joint's own coordinate (Featherstone, *Rigid Body Dynamics Algorithms*, 2008,
+ch. 2).
 """
 
 from __future__ import annotations
@@ -36,17 +37,17 @@ class SpatialInertia:
 
     @staticmethod
     def none() -> SpatialInertia:
-        """That of no body."""
+        """The inertia of no body."""
         return SpatialInertia(ca.SX(1, 1), ca.SX(3, 1), ca.SX(3, 3))
 
     def plus(self, other: SpatialInertia) -> SpatialInertia:
-        """That of both together."""
+        """The inertia of both bodies together."""
         return SpatialInertia(
             self.mass + other.mass, self.moment + other.moment, self.inertia + other.inertia
         )
 
     def moved(self, turn: ca.SX, shift: ca.SX) -> SpatialInertia:
-        """The same in the axes of a frame in which its own is turned and shifted."""
+        """The inertia in axes in which this frame is rotated by ``turn`` and moved by ``shift``."""
         moment = turn @ self.moment
         inertia = turn @ self.inertia @ turn.T
         inertia += _about(shift @ moment.T + moment @ shift.T)
@@ -81,7 +82,7 @@ def step_transform(
 
 
 def spatial_inertia(body: Body, at: Kinematics, constants: SymbolicEvaluator) -> SpatialInertia:
-    """A body in the axes of its frame."""
+    """The inertia of a body in the axes of its frame."""
     match body:
         case RodBody(_, axis, sign, length, density, _):
             half, third = (constants.constant(Fraction(1, i)) for i in (2, 3))
@@ -104,7 +105,7 @@ def spatial_inertia(body: Body, at: Kinematics, constants: SymbolicEvaluator) ->
 
 
 def inertia_tensor(items: list[ca.SX]) -> ca.SX:
-    """The tensor (3, 3) of one number in the plane, or of six in space."""
+    """The tensor (3, 3) given by one number in the plane, or by six in space."""
     tensor = ca.SX(3, 3)
     if len(items) == 1:
         tensor[2, 2] = items[0]

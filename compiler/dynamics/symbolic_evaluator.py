@@ -1,11 +1,11 @@
-"""CasADi expressions: the evaluator that builds the graph, and the conditions of its values.
+"""CasADi expressions: the evaluator that builds the graph, and the conditions for its values.
 
-Every literal that is not an integer, and pi, is a symbolic input of the graph, because CasADi
-folds constants in doubles: a validated evaluator must be able to give their exact values.
+Every literal that is not an integer, and pi, is a symbolic input of the graph, because CasADi folds
+constants in doubles: a validated evaluator must be able to insert their exact values.
 
-CasADi simplifies while a graph grows (x / x is 1, 0 * x is 0), so that its values may exist where
-those of the expressions that were written do not.  The conditions are kept beside the graph, each
-taken from its own operand before anything around it is simplified.
+CasADi simplifies while a graph grows (x / x is 1, 0 * x is 0), so its values may exist where those
+of the original expressions do not. The conditions are therefore kept separately, each taken from
+its own operand before anything around it is simplified.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from compiler.expressions.scalars import Constant, PiConstant
 
 NEVER_NEGATIVE = {ca.OP_SQ, ca.OP_FABS, ca.OP_SQRT}
 CLOSED = {ca.OP_ADD, ca.OP_MUL, ca.OP_DIV}
-"""Operations on numbers that are not negative whose result is not."""
+"""Operations whose result is not negative if their arguments are not."""
 
 
 @dataclass(slots=True)
 class Conditions:
-    """The operands on which a graph's values depend for their existence."""
+    """The operands on which the existence of a graph's values depends."""
 
     divisors: list[ca.SX] = field(default_factory=list[ca.SX])
     radicands: list[ca.SX] = field(default_factory=list[ca.SX])
 
     def divisor(self, operand: ca.SX) -> None:
-        """Take note of a divisor; a literal other than zero needs none."""
+        """Record a divisor; a literal other than zero needs no record."""
         if not operand.is_constant() or operand.is_zero():
             self.divisors.append(operand)
 
     def radicand(self, operand: ca.SX, is_positive: Callable[[ca.SX], bool]) -> None:
-        """Take note of a radicand; a square, say, needs none."""
+        """Record a radicand; a square, for example, needs no record."""
         if not never_negative(operand, is_positive):
             self.radicands.append(operand)
 
@@ -48,9 +48,9 @@ class Conditions:
 
 
 def never_negative(expression: ca.SX, is_positive: Callable[[ca.SX], bool]) -> bool:
-    """Whether an expression is seen not to be negative wherever it has a value.
+    """Whether an expression is recognised as non-negative wherever it has a value.
 
-    ``is_positive`` judges the symbols of constants.
+    ``is_positive`` decides this for the symbols of constants.
     """
     todo = [expression]
     while todo:
@@ -72,7 +72,7 @@ def never_negative(expression: ca.SX, is_positive: Callable[[ca.SX], bool]) -> b
 class SymbolicEvaluator(Evaluator[ca.SX]):
     """Values are CasADi expressions; the evaluator keeps the inputs that stand for constants.
 
-    It keeps the conditions, too, under which the values exist.
+    It also keeps the conditions under which the values exist.
     """
 
     symbols: dict[Constant | PiConstant, ca.SX] = field(
@@ -83,12 +83,12 @@ class SymbolicEvaluator(Evaluator[ca.SX]):
     def constant(self, value: Fraction | int) -> ca.SX:
         """A number if it is -1, 0 or 1, else an input.
 
-        CasADi folds products of literals, in doubles: only these stay exact whatever happens.
+        CasADi folds products of literals in doubles: only these numbers always stay exact.
         """
         return ca.SX(int(value)) if value in (-1, 0, 1) else self._input(Constant(Fraction(value)))
 
     def pi(self) -> ca.SX:
-        """An input."""
+        """The input that stands for pi."""
         return self._input(PiConstant())
 
     def div(self, dividend: ca.SX, divisor: ca.SX, /) -> ca.SX:
@@ -128,7 +128,7 @@ class SymbolicEvaluator(Evaluator[ca.SX]):
         return ca.tan(argument)
 
     def neg(self, argument: ca.SX, /) -> ca.SX:
-        """The opposite."""
+        """The negation."""
         return -argument
 
     def fabs(self, argument: ca.SX, /) -> ca.SX:
@@ -154,10 +154,10 @@ class SymbolicEvaluator(Evaluator[ca.SX]):
         return constant is not None and (isinstance(constant, PiConstant) or constant.value >= 0)
 
     def unfolded(self, expression: ca.SX) -> ca.SX:
-        """An expression as it is, but a literal other than zero as an input.
+        """The expression itself, but an input in place of a literal other than zero.
 
-        Integers stay exact under sums and products only: CasADi folds 1 / 3 and sqrt(2) in doubles.
-        A literal that is not finite stays: a condition tells of its divisor.
+        Integers stay exact only under sums and products: CasADi folds 1 / 3 and sqrt(2) in doubles.
+        A literal that is not finite stays: a condition on its divisor reports it.
         """
         if not expression.is_constant() or expression.is_zero() or not expression.is_regular():
             return expression

@@ -1,11 +1,11 @@
-"""The refutation of a robot by poses of its whole body, an SMT-LIB 2 script, in the plane.
+"""The refutation of a robot by poses of its whole body, as an SMT-LIB 2 script, in the plane.
 
 Statement: for some parameters in range there are poses, one with an effector in the start region
 and one with an effector in the target, with every effector within the bounds and every rod, point
-and com clear of the obstacles that the task keeps bodies out of.  The unknowns are the vectors
-from joint to joint (``planar_poses.py``).  A script asks about one of the two poses, or about both
-with the same parameters.  ``unsat`` proves that the structure cannot do the task; every relaxation
-only enlarges the set of solutions.
+and centre of mass clear of the obstacles that the task keeps bodies out of. The unknowns are the
+vectors from joint to joint (``planar_poses.py``). A script asks about one of the two poses, or
+about both with the same parameters. ``unsat`` proves that the structure cannot do the task; every
+relaxation only enlarges the set of solutions.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ TARGET = "a pose that brings {who} into {target}"
 
 
 def body_scripts(question: PoseQuestion) -> tuple[Poses, ...]:
-    """The poses that scripts about a question are about, each script's together."""
+    """The sets of poses that scripts for a question ask about, one set per script."""
     if question.start is None:
         return (("target",),)
     return ("target",), ("start",), ("start", "target")
@@ -64,7 +64,7 @@ def body_script(
 ) -> str | None:
     """The script of a robot and a task: SMT-LIB 2, QF_NRA, the same bytes for the same input.
 
-    None where no effector is a candidate: the script without the body refutes that.
+    None if no effector is a candidate: the script without the body refutes this case.
     """
     pairs = effector_choices(model, question)
     if not pairs:
@@ -88,7 +88,7 @@ class _Encoding:
     script: RealScript
 
     def write(self, poses: Poses, pairs: Sequence[tuple[int, int]]) -> None:
-        """Everything between the logic and the check."""
+        """Write everything between the logic and the check."""
         scalars = ScalarTerms(self.model, self.script)
         scalars.define(_lengths(self.model))
         bodies: dict[Pose, PlanarPose] = {}
@@ -104,13 +104,13 @@ class _Encoding:
         self.script.assertion(any_of(list(alternatives)))
 
     def _reached(self, body: PlanarPose, pose: Pose, pair: tuple[int, int]) -> list[Formula]:
-        """The effector of a choice is where it has to be at a pose."""
+        """The effector of a choice is where it must be at a pose."""
         region = self.question.target if pose == "target" else self.question.start or ()
         position = body.position(body.effectors[pair[pose == "target"]])
         return [inside(row, position) for row in region]
 
     def _clear(self, body: PlanarPose) -> None:
-        """What holds at every instant."""
+        """Assert what holds at every instant."""
         script, demands = self.script, self.demands
         found: list[Formula] = []
         for place in body.effectors:
@@ -130,13 +130,13 @@ class _Encoding:
         script.assertion(*dict.fromkeys(found))
 
     def _within(self, position: Sequence[Quantity]) -> list[Formula]:
-        """Bodies keep the bounds where the task says so."""
+        """Bodies stay within the bounds if the task says so."""
         bounds: tuple[ir.HalfSpace, ...] = self.question.bounds
         return [inside(row, position) for row in bounds] if self.demands.bounds_body else []
 
 
 def _lengths(model: RobotModel) -> set[int]:
-    """The scalars that the places of a robot in the plane are made of, but for angles."""
+    """The scalars, except angles, on which positions of a robot in the plane depend."""
     found = set[int]()
     for node in model.frames:
         if isinstance(node.step, Offset):
@@ -151,7 +151,7 @@ def _lengths(model: RobotModel) -> set[int]:
     return found
 
 
-# --- A robot's mass matrix and effector positions as an SMT-LIB 2 script, to be continued ---------
+# --- A robot's mass matrix and effector positions as an SMT-LIB 2 script, for users to extend -----
 
 
 BITS = 128
@@ -160,8 +160,8 @@ BITS = 128
 def model_script(graph: RobotGraph) -> str:
     """Declarations, ranges, and the entries of M and of the effectors' positions as functions.
 
-    With entries ``M_i_j`` (i <= j) and ``e_i_x``, indices from 1; coordinates are ``q1`` or
-    ``cos_q1`` and ``sin_q1``, parameters ``theta1``.  Assertions of one's own can follow.
+    The entries are ``M_i_j`` (i <= j) and ``e_i_x``, with indices from 1; coordinates are ``q1`` or
+    ``cos_q1`` and ``sin_q1``, parameters ``theta1``. The user's own assertions can follow.
     """
     model, script = graph.model, RealScript(["(set-logic QF_NRA)"])
     with working_precision(BITS):

@@ -2,10 +2,10 @@ r"""A robot's expression graph as polynomial real terms in SMT-LIB 2.
 
 The sine and the cosine of a revolute coordinate, and of an angle that depends on parameters, are
 unknowns on the unit circle; those of sums of angles follow from these by the addition theorems.
-Quotients and roots are unknowns with their defining equations.  What is known of angles beyond
-that (that a cosine is one of *this* parameter, the length of a range over a full turn) is left
-out, and irrational constants lie in narrow rational intervals, so that the script allows at least
-all poses of all robots.
+Quotients and roots are unknowns with their defining equations. Other knowledge about angles (that a
+cosine belongs to *this* parameter, the length of a range over a full turn) is left out, and
+irrational constants lie in narrow rational intervals, so the script allows at least all poses of
+all robots.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class LinearTerm:
 
     @property
     def value(self) -> Fraction | None:
-        """The value of a constant."""
+        """The value if it is a constant, else None."""
         return None if self.coefficients else self.constant
 
 
@@ -81,7 +81,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return LinearTerm({PI: ONE}, Fraction(0))
 
     def symbol(self, quantity: Quantity) -> LinearTerm:
-        """A symbol of the script."""
+        """A symbol of the script as a linear form."""
         if quantity.core is None:
             return LinearTerm({}, quantity.factor)
         self.quantities.setdefault(quantity.core, Quantity(ONE, quantity.core, quantity.ball))
@@ -90,11 +90,11 @@ class TermEvaluator(Evaluator[LinearTerm]):
     # --- operations ----------------------------------------------------------------------------
 
     def neg(self, argument: LinearTerm, /) -> LinearTerm:
-        """The opposite."""
+        """The negation."""
         return scaled(argument, Fraction(-1))
 
     def twice(self, argument: LinearTerm, /) -> LinearTerm:
-        """The double."""
+        """Twice the argument."""
         return scaled(argument, Fraction(2))
 
     def add(self, left: LinearTerm, right: LinearTerm, /) -> LinearTerm:
@@ -102,14 +102,14 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return added(left, right)
 
     def mul(self, left: LinearTerm, right: LinearTerm, /) -> LinearTerm:
-        """The product, as a symbol where no factor is a number."""
+        """The product, as a new symbol if neither factor is a number."""
         for one, other in ((left, right), (right, left)):
             if one.value is not None:
                 return scaled(other, one.value)
         return self._define(multiply(self.quantity(left), self.quantity(right)))
 
     def div(self, left: LinearTerm, right: LinearTerm, /) -> LinearTerm:
-        """The quotient, as a symbol; the divisor is asserted not to be zero."""
+        """The quotient, as a symbol; the divisor is asserted to be non-zero."""
         if right.value:
             return scaled(left, 1 / right.value)
         dividend, divisor = self.quantity(left), self.quantity(right)
@@ -151,7 +151,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
     # --- terms ---------------------------------------------------------------------------------
 
     def quantity(self, number: LinearTerm) -> Quantity:
-        """A number as a term; sums are defined as symbols, so that none is written twice."""
+        """A number as a term; sums are defined as symbols, so that each is written only once."""
         return self._named(self.expression(number))
 
     def expression(self, number: LinearTerm) -> Quantity:
@@ -163,7 +163,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return add(*parts, constant(number.constant))
 
     def real(self, symbol: str) -> Quantity:
-        """A symbol; one that is not known yet is declared within its range."""
+        """A symbol; an unknown one is declared within its range."""
         if symbol not in self.quantities:
             found = self.script.number(arb.pi()) if symbol == PI else None
             enclosure = self.ranges.get(symbol)
@@ -177,7 +177,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return self.symbol(self._named(quantity))
 
     def _named(self, quantity: Quantity) -> Quantity:
-        """A term as a multiple of a symbol that is defined to be the rest."""
+        """A term as a multiple of a symbol, which is defined as the rest of the term."""
         if quantity.is_leaf or quantity.core is None:
             return quantity
         if quantity.core not in self._defined:
@@ -206,7 +206,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return angle
 
     def _fixed(self, turns: Fraction, radians: Fraction) -> Angle:
-        """The cosine and sine of a known angle, exact where they are rational."""
+        """The cosine and sine of a known angle, exact if they are rational."""
         exact = None if radians else (turns, 1)
         value = arb_of(turns) * arb.pi() + arb_of(radians)
         cosine = self._known("cos", exact, value.cos())
@@ -234,7 +234,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return angle if factor > 0 else Angle(angle.cosine, negate(angle.sine))
 
     def _repeated(self, symbol: str, times: int, divisor: int) -> Angle:
-        """So many times the part of a symbol, by repeated doubling."""
+        """A multiple of a fraction of a symbol, by repeated doubling."""
         key = ((symbol, Fraction(times)), ("divisor", Fraction(divisor)))
         if times == 1:
             return self.unit_point(symbol, divisor)
@@ -247,7 +247,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return self._angles[key]
 
     def unit_point(self, symbol: str, divisor: int = 1) -> Angle:
-        """A point of the unit circle, within the range of the symbol over the divisor."""
+        """A point of the unit circle, within the range of the symbol divided by the divisor."""
         key = ((symbol, Fraction(1, divisor)),)
         if key not in self._angles:
             name = symbol if divisor == 1 else f"{symbol}_over_{divisor}"
@@ -262,7 +262,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         return self._angles[key]
 
     def _choose(self, symbol: str, divisor: int, angle: Angle) -> None:
-        """A symbol with finitely many values has the cosine and sine of the same of them."""
+        """Let a symbol with finitely many values have the cosine and sine of one of them."""
         if symbol not in self.choices:
             return
         whole = self.real(symbol)
@@ -275,7 +275,7 @@ class TermEvaluator(Evaluator[LinearTerm]):
         self.script.assertion(any_of(cases))
 
     def _sum(self, left: Angle, right: Angle) -> Angle:
-        """The addition theorems."""
+        """The sum of two angles, by the addition theorems."""
         cosines, sines = (
             self._named(multiply(left.cosine, right.cosine)),
             self._named(multiply(left.sine, right.sine)),
@@ -315,9 +315,9 @@ def _cosine_range(enclosure: arb) -> arb:
 
 
 def _inside(quantity: Quantity, beyond: Fraction | None = None) -> list[str]:
-    """That a symbol is within its enclosure, where this says anything.
+    """Formulas that a symbol is within its enclosure, if they are not trivial.
 
-    ``beyond``: its absolute value is known to be at most that.
+    ``beyond``: its absolute value is known to be at most this.
     """
     bounds = outward(quantity.ball)
     if bounds is None or (beyond is not None and bounds[0] <= -beyond and bounds[1] >= beyond):

@@ -1,13 +1,14 @@
 r"""A pose of a robot in the plane as unknown vectors, for nonlinear real arithmetic.
 
-What lies between revolute joints is rigid but for prismatic joints: a *group* of frames, turned as
-one.  A group in which all points but its origin p are at one place d needs its world vector w only,
+The frames between revolute joints are rigid except for prismatic joints: they are a *group*, which
+rotates as one. If all points of a group other than its origin p are at one place d, its world
+vector w is enough,
 
 .. math:: |w|^2 = |d|^2,
 
-else the direction (c, s) of the group, with :math:`c^2 + s^2 = 1`, and points at
-:math:`p + (c d_x - s d_y, s d_x + c d_y)`.  Each joint turns freely: limits of revolute joints are
-left out.  Otherwise this is exact.
+otherwise it needs the direction (c, s) of the group, with :math:`c^2 + s^2 = 1`, and points are at
+:math:`p + (c d_x - s d_y, s d_x + c d_y)`. Each joint turns freely: limits of revolute joints are
+left out. Everything else is exact.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ EAST = Angle(constant(1), constant(0))
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A point of a group: ``local`` in the axes of the group, about its origin."""
+    """A point of a group: ``local`` is in the axes of the group, relative to its origin."""
 
     group: int
     local: Vector
@@ -72,8 +73,8 @@ class _Frame:
 class PlanarPose:
     """One robot in one unknown pose, named ``pose`` in the script.
 
-    ``effectors``, ``points`` (of what has no length) and ``rods`` (of what has) are in the order of
-    the model.
+    ``effectors``, ``points`` (of colliders without a length) and ``rods`` (of those with one) are
+    in the order of the model.
     """
 
     model: RobotModel
@@ -123,7 +124,7 @@ class PlanarPose:
 
     @property
     def script(self) -> RealScript:
-        """Where it is written."""
+        """The script to which the pose is written."""
         return self.scalars.script
 
     # --- frames in their groups ---
@@ -181,7 +182,7 @@ class PlanarPose:
         return add(x, across), add(y, up)
 
     def line(self, rod: Rod) -> tuple[Quantity, Quantity, Quantity]:
-        """A direction u of a rod and m = u_x a_y - u_y a_x, for a point a of its line."""
+        """A direction u of a rod and m = u_x a_y - u_y a_x, for a point a on its line."""
         first = rod.ends[0]
         outer = [end for end in rod.ends if _text(end.local) != _text(ZERO)]
         if first.group == 0:
@@ -202,7 +203,7 @@ class PlanarPose:
         return self._worlds[group]
 
     def _is_arm(self, group: int) -> bool:
-        """Whether one vector is all that the group's points need."""
+        """Whether one vector is enough for all points of the group."""
         return len(set(self._arms.get(group, []))) == 1
 
     def _world(self, place: Place) -> Vector:
@@ -230,7 +231,7 @@ class PlanarPose:
 
 
 def _absorbed(model: RobotModel) -> set[int]:
-    """Frames that a revolute joint alone turns with respect to their parent: it absorbs the turn.
+    """Rotating frames that are the only frame behind a revolute joint, which absorbs the rotation.
 
     Nothing else may be in the joint's frame.
     """
@@ -255,7 +256,7 @@ def _unit(axis: int, sign: int) -> Vector:
 
 
 def _turn(angle: Angle, vector: Vector) -> Vector:
-    """The vector turned by an angle."""
+    """The vector rotated by an angle."""
     x, y = vector
     return (
         subtract(multiply(angle.cosine, x), multiply(angle.sine, y)),

@@ -1,4 +1,4 @@
-"""Which poses a robot must be able to take for a task, of its effectors and of its whole body."""
+"""The poses of its effectors and of its whole body that a robot must be able to take for a task."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from compiler.tasks.specification import missing_effector
 from compiler.workspaces.polytope import Polytope, polytope_of, refuting_polytope
 from grammar_lang import ir
 
-# --- What a task asks of the whole body of a robot at any instant, in the plane -------------------
+# --- What a task demands of the whole body of a robot at any instant, in the plane ----------------
 
 
 MOST = 24
-"""Of more obstacles, those farthest from the middle of the bounds are left out of a script."""
+"""If there are more obstacles, those farthest from the middle of the bounds are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class BodyConditions:
-    """Obstacles that bodies and effectors stay out of; ``bounds_body``: bodies keep the bounds.
+    """Obstacles that bodies and effectors avoid; ``bounds_body``: bodies stay within the bounds.
 
     Margins and the radii of rods are left out, which can only add poses.
     """
@@ -33,7 +33,7 @@ class BodyConditions:
 
 
 def body_conditions(workspace: ir.Workspace, task: ir.Task) -> BodyConditions | None:
-    """The demands of a task; None where it asks nothing of bodies, and in space."""
+    """The demands of a task; None if it demands nothing of bodies, or in space."""
     bodies = _avoided(task, "body")
     if workspace.dimension != 2 or not (bodies or task.bounds_body):
         return None
@@ -45,7 +45,7 @@ def body_conditions(workspace: ir.Workspace, task: ir.Task) -> BodyConditions | 
 
 
 def _avoided(task: ir.Task, subject: str) -> tuple[str, ...]:
-    """The regions that an ``avoid`` of that subject names, each once, as they are named."""
+    """The regions that an ``avoid`` with that subject names, each once, in the order named."""
     names = (name for item in task.avoid if item.subject == subject for name in item.regions)
     return tuple(dict.fromkeys(names))
 
@@ -68,7 +68,7 @@ def _distance(polygon: PolygonTerms, bounds: Polytope) -> Fraction:
     return sum(((x - y) ** 2 for x, y in zip(centre, bounds.centre, strict=True)), Fraction(0))
 
 
-# --- Which poses a robot must be able to take if it is to do a task: questions for the solvers ----
+# --- The poses that a robot must be able to take to do a task: questions for the solvers ----------
 #
 # Each is necessary: a robot for which one of them has no answer cannot do the task.
 
@@ -77,11 +77,11 @@ def _distance(polygon: PolygonTerms, bounds: Polytope) -> Fraction:
 class PoseQuestion:
     """Exact half-spaces of the regions, and the effectors (from 0) that the clauses name.
 
-    ``start`` is None where the task gives the start pose by its coordinates.  A None
-    ``start_effector`` is the effector that reaches, or any one with ``any_start``; a None
-    ``reach_effector`` is any effector.  ``start_at`` is a given start pose: a robot that cannot
-    take it is no candidate; nor is one with less than ``effectors`` effectors.  ``goal`` says in
-    words what the target is.
+    ``start`` is None if the task gives the start pose by its coordinates. If ``start_effector`` is
+    None, it is the effector that reaches, or any effector with ``any_start``. If ``reach_effector``
+    is None, it is any effector. ``start_at`` is a given start pose: a robot that cannot take it is
+    not a candidate; nor is one with fewer than ``effectors`` effectors. ``goal`` names the target
+    in words.
     """
 
     start: tuple[ir.HalfSpace, ...] | None
@@ -96,16 +96,16 @@ class PoseQuestion:
 
     @property
     def who(self) -> str:
-        """The effector of the target pose, in words that follow the one of the start pose."""
+        """The effector of the target pose, in words that follow those for the start pose."""
         same = self.start_effector == self.reach_effector and not self.any_start
         return "it" if same or self.reach_effector is None else "another one"
 
 
 def pose_questions(workspace: ir.Workspace, task: ir.Task) -> tuple[PoseQuestion, ...]:
-    """What a task asks of the poses: each has an answer for every robot that does the task.
+    """The questions of a task: each has an answer for every robot that does the task.
 
-    About the start and the target, and about the start and every region that the formulas make an
-    effector visit; about the start alone, where there is neither.
+    They are about the start and the target, and about the start and every region that the formulas
+    make an effector visit; about the start alone if there are neither.
     """
     start = task.start if isinstance(task.start, ir.StartIn) else None
     named = None if start is None else start.effector
@@ -140,10 +140,10 @@ def _rows(region: ir.Region, workspace: ir.Workspace) -> tuple[ir.HalfSpace, ...
 
 
 def start_fault(model: RobotModel, question: PoseQuestion) -> str:
-    """Why a robot cannot take the given start pose, in words; empty where there is no such fault.
+    """Why a robot cannot take the given start pose, in words; empty if there is no such reason.
 
-    That a single joint is out of its range is not said here but by a covering, which also allows
-    for how near a motion has to start.
+    A single joint that is out of its range is not reported here but by a covering, which also
+    accounts for how near to the pose a motion must start.
     """
     return "" if question.start_at is None else given_start(model, question.start_at).fault
 
@@ -151,7 +151,7 @@ def start_fault(model: RobotModel, question: PoseQuestion) -> str:
 def effector_choices(model: RobotModel, question: PoseQuestion) -> list[tuple[int, int]]:
     """The pairs (starting, reaching) of effectors that the task admits, from 0.
 
-    Where only the start names its effector, any effector may reach.
+    If only the start names its effector, any effector may reach.
     """
     count, start, reach = len(model.effectors), question.start_effector, question.reach_effector
     if count < question.effectors or start_fault(model, question):

@@ -1,21 +1,21 @@
-r"""The kinematic refutation of a robot as nonlinear real arithmetic, an SMT-LIB 2 script.
+r"""The kinematic refutation of a robot in nonlinear real arithmetic, as an SMT-LIB 2 script.
 
 Statement: for some parameters in range and some effector there are a start pose and a target pose
-with the effector in the start region and in the target, both within the bounds.  A region that a
-formula makes an effector visit takes the place of the target in a question of its own.  ``unsat``
-proves that the structure cannot do the task; every relaxation only enlarges the set of solutions.
+with the effector in the start region and in the target, both within the bounds. For a region that a
+formula makes an effector visit, a separate question has this region as its target. ``unsat`` proves
+that the structure cannot do the task; every relaxation only enlarges the set of solutions.
 
-Along the frames to an effector, rigid *segments* lie between revolute joints.  Segment j displaces
-by a vector of length :math:`r_j(\theta)` that its joint turns freely.  Vectors
-:math:`w_1, \dots, w_n` of the plane, or of space, with :math:`|w_j| = r_j` and sum v exist iff
+Along the frames to an effector, rigid *segments* lie between revolute joints. Segment j displaces
+by a vector of length :math:`r_j(\theta)` that its joint turns freely. Vectors :math:`w_1, \dots,
+w_n` of the plane, or of space, with :math:`|w_j| = r_j` and sum v exist iff
 
 .. math:: |v| \le \sum_j r_j, \qquad r_k \le |v| + \sum_{j \ne k} r_j \quad (k = 1, \dots, n)
 
-(the polygon inequality; for n = 1 it says :math:`|v| = r_1`), so that the positions of the joints
-need not be unknowns, which cost z3's nonlinear solver nearly all of its time.  In the plane that
-is exact but for the limits of revolute joints.  In space the leading joints about parallel axes
-keep the components along their axis and turn those across it; all later joints turn freely about
-any axis, so that their segments add a vector across of length e and one along of length h with
+(the polygon inequality; for n = 1 it says :math:`|v| = r_1`), so the positions of the joints need
+not be unknowns, which would take nearly all of the time of z3's nonlinear solver. In the plane this
+is exact except for the limits of revolute joints. In space the leading joints about parallel axes
+keep the components along their axis and turn those across it. All later joints turn freely about
+any axis, so their segments add a vector across of length e and one along of length h with
 :math:`e^2 + h^2 = |v|^2`, v as above.
 
 Source: Kapovich & Millson, *On the moduli space of polygons in the Euclidean plane*.
@@ -79,7 +79,7 @@ NO_CANDIDATE = "No effector of the structure is a candidate, or the start pose i
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """What lies between two revolute joints; ``axis`` of the first one, None at the base."""
+    """The steps between two revolute joints; ``axis`` of the first joint, None at the base."""
 
     axis: int | None
     steps: tuple[Step, ...]
@@ -91,9 +91,9 @@ Chain: TypeAlias = tuple[Segment, ...]
 def segments(model: RobotModel, frame: int) -> tuple[Segment, ...]:
     """The segments from the world to a frame, the base segment first.
 
-    A rigid turn right behind a revolute joint about its axis is left out: the joint absorbs it.
-    A displacement along its axis there commutes with the joint, so it belongs to the segment
-    before.  Joints behind the last displacement move no effector.
+    A rigid rotation directly after a revolute joint and about its axis is left out: the joint
+    absorbs it. A displacement along its axis there commutes with the joint, so it belongs to the
+    segment before. Joints after the last displacement move no effector.
     """
     found: list[tuple[int | None, list[Step]]] = [(None, [])]
     for step in model.steps(frame):
@@ -113,7 +113,7 @@ def segments(model: RobotModel, frame: int) -> tuple[Segment, ...]:
 
 
 def _direction(model: RobotModel, step: Step) -> int | None:
-    """The axis that a step displaces along; None if it turns or is not seen to have one."""
+    """The axis that a step displaces along; None if it rotates or has no known axis."""
     match step:
         case Joint(axis=axis):
             return axis
@@ -165,7 +165,7 @@ class _Encoding:
         self.scalars = ScalarTerms(self.model, self.script)
 
     def write(self, pairs: list[tuple[Chain, Chain]]) -> None:
-        """Everything between the logic and the check."""
+        """Write everything between the logic and the check."""
         script, question = self.script, self.question
         self._define_scalars(pairs)
         start = self._position("start", question.start) if question.start is not None else None
@@ -213,7 +213,7 @@ class _Encoding:
     # --- segments ---
 
     def _displacement(self, segment: Segment, pose: Pose) -> Vector:
-        """From the segment's first origin to its last, in its first frame."""
+        """The vector from the segment's first origin to its last, in its first frame."""
         moving = any(isinstance(step, Joint) for step in segment.steps)
         key = (segment, pose if moving else None)
         if key not in self._displacements:
@@ -221,7 +221,7 @@ class _Encoding:
         return self._displacements[key]
 
     def _new_displacement(self, segment: Segment, pose: Pose) -> Vector:
-        """By Horner's scheme, from the far end: terms stay linear in the number of steps."""
+        """The displacement by Horner's scheme, from the far end: terms grow linearly with steps."""
         script = self.script
         vector = [constant(0)] * 3
         for step in reversed(segment.steps):
@@ -274,7 +274,7 @@ class _Encoding:
         formulas: list[Formula] = []
         later = self._lengths(tail)
         if later:
-            # The later segments add a vector of the plane, of any direction, and one along.
+            # The later segments add a vector across, of any direction in the plane, and one along.
             aside = script.fresh(f"{pose}_r")
             script.assertion(non_negative(aside))
             formulas += self._polygon([aside, along], later, pose)
@@ -293,12 +293,12 @@ class _Encoding:
         return [self.script.named("d", v) for v in vector] if turns else vector
 
     def _lengths(self, vectors: Sequence[tuple[Quantity, ...]]) -> list[Quantity]:
-        """The lengths of the vectors that are not zero."""
+        """The lengths of the non-zero vectors."""
         kept = [tuple(q for q in vector if q.value != 0) for vector in vectors]
         return [self._length(parts) for parts in kept if parts]
 
     def _length(self, parts: tuple[Quantity, ...]) -> Quantity:
-        """The Euclidean norm of a vector, the same at both poses where the vector is."""
+        """The Euclidean norm of a vector, shared by both poses if the vector is."""
         script, key = self.script, tuple(part.text for part in parts)
         if key not in self._radii:
             if len(parts) == 1:
@@ -318,7 +318,7 @@ class _Encoding:
         return norm
 
     def _polygon(self, total: list[Quantity], radii: list[Quantity], pose: Pose) -> list[Formula]:
-        """Vectors of these lengths, freely turned, have this sum."""
+        """Formulas that vectors of these lengths, freely turned, can have this sum."""
         if not radii:
             return [equal(part, constant(0)) for part in total]
         if len(radii) == 1:
@@ -335,7 +335,7 @@ class _Encoding:
 
 
 def _parallel(moving: list[Segment]) -> int:
-    """How many of the leading joints turn about parallel axes."""
+    """The number of leading joints that turn about parallel axes."""
     axis, count = moving[0].axis, 0
     for segment in moving:
         if segment.axis != axis:

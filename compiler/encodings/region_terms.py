@@ -1,4 +1,4 @@
-"""Real terms of an SMT script, and points and segments against regions in them."""
+"""Real terms of an SMT script, and conditions on points and segments relative to regions."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from compiler.expressions.exact_numbers import GRID, outward
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 
-# --- Points and segments against convex regions, as formulas about their coordinates --------------
+# --- Points and segments relative to convex regions, as formulas about their coordinates ----------
 #
-# Touching counts as inside a region and as clear of an obstacle, so that each formula is necessary
-# for what has to hold strictly.  A segment and a convex polygon have disjoint interiors iff the
-# line of one of the polygon's edges separates them, or the segment's own line does (the separating
-# axis theorem for their Minkowski difference, whose edges are edges of either).
+# Touching counts as inside a region and as clear of an obstacle, so each formula is necessary for
+# the strict condition. A segment and a convex polygon have disjoint interiors iff the line of one
+# of the polygon's edges separates them, or the segment's own line does (the separating axis theorem
+# for their Minkowski difference, whose edges are edges of either).
 #
 # Source: de Berg, Cheong, van Kreveld & Overmars, *Computational Geometry*, section 13.3.
 
 
 FAR = Fraction(10**6)
-"""Metres at which an obstacle without end is cut: what is farther away is left out."""
+"""The distance in metres at which an unbounded obstacle is cut off."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class PolygonTerms:
 
 
 def polygon_terms(polygon: Polytope) -> PolygonTerms | None:
-    """The polygon without rows that no edge lies on; None if it is empty."""
+    """The polygon without rows that define no edge; None if it is empty."""
     if polygon.is_empty:
         return None
     if not polygon.is_bounded:
@@ -77,7 +77,7 @@ def segment_clear(
     """A segment has no point in the interior of a polygon.
 
     ``line`` is (u_x, u_y, m): a direction of the segment, and m = u_x a_y - u_y a_x of a point a on
-    its line, so that u_x v_y - u_y v_x - m tells on which side of it a vertex v lies.
+    its line. The sign of u_x v_y - u_y v_x - m says on which side of it a vertex v lies.
     """
     edges = [all_of([beyond(row, end) for end in ends]) for row in polygon.rows]
     x, y, moment = line
@@ -94,11 +94,11 @@ def segment_clear(
 
 
 # --------------------------------------------------------------------------------------------------
-# Real terms with the balls that contain them, and the SMT-LIB 2 script they are asserted in.
+# Real terms with the balls that contain them, and the SMT-LIB 2 script in which they are asserted.
 #
-# Source: Barrett, Fontaine & Tinelli, *The SMT-LIB Standard, version 2.6* (logic QF_NRA).  Terms
-# are written directly: pySMT loads z3 when it is imported, and the verifier, which writes every
-# script again, loads no solver.  Constants are folded exactly.
+# Source: Barrett, Fontaine & Tinelli, *The SMT-LIB Standard, version 2.6* (logic QF_NRA). Terms are
+# written directly: pySMT loads z3 when it is imported, and the verifier, which writes every script
+# again, loads no solver. Constants are folded exactly.
 
 
 NARROW = 4  # grid steps
@@ -109,7 +109,7 @@ Formula: TypeAlias = str
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """``factor * core``, the core an SMT-LIB term (None: one), and a ball that contains it."""
+    """``factor * core``, where the core is an SMT-LIB term (None for one), and a ball around it."""
 
     factor: Fraction
     core: str | None
@@ -117,7 +117,7 @@ class Quantity:
 
     @property
     def value(self) -> Fraction | None:
-        """The value of a constant."""
+        """The value if it is a constant, else None."""
         return self.factor if self.core is None else None
 
     @property
@@ -155,7 +155,7 @@ class RealScript:
         self.lines += [f"(assert {formula})" for formula in formulas if formula != TRUE]
 
     def declare(self, name: str, enclosure: arb | None = None) -> Quantity:
-        """A new symbol; its ball is a claim about what is asserted of it, by default none."""
+        """A new symbol; its ball, by default all numbers, must follow from what is asserted."""
         self.lines.append(f"(declare-fun {name} () Real)")
         whole = arb(0, float("inf"))
         return Quantity(Fraction(1), name, whole if enclosure is None else enclosure)
@@ -166,7 +166,7 @@ class RealScript:
         return self.declare(f"{prefix}{self._counts[prefix]}", enclosure)
 
     def number(self, enclosure: arb) -> Quantity | None:
-        """A symbol within a ball, if the ball is as good as a number; else None.
+        """A symbol within a ball, if the ball is narrow enough for a number; else None.
 
         A known irrational number costs the solver less as an interval than as a root.
         """
@@ -178,9 +178,9 @@ class RealScript:
         return symbol
 
     def named(self, prefix: str, quantity: Quantity) -> Quantity:
-        """A symbol asserted equal to a quantity; constants and multiples of symbols stay.
+        """A symbol asserted equal to a quantity; constants and multiples of symbols are unchanged.
 
-        Keeps the script linear in the size of shared expressions.
+        This keeps the script linear in the size of shared expressions.
         """
         if quantity.is_leaf:
             return quantity
@@ -209,7 +209,7 @@ def constant(value: Fraction | int) -> Quantity:
 
 
 def add(*quantities: Quantity) -> Quantity:
-    """A sum; zeros vanish and constants become one."""
+    """A sum; zeros are dropped and constants are combined."""
     known = sum((q.value for q in quantities if q.value is not None), Fraction(0))
     parts = [q for q in quantities if q.value is None]
     if known or not parts:
@@ -221,7 +221,7 @@ def add(*quantities: Quantity) -> Quantity:
 
 
 def multiply(left: Quantity, right: Quantity) -> Quantity:
-    """A product; constant factors become one."""
+    """A product; constant factors are combined."""
     factor = left.factor * right.factor
     cores = [core for core in (left.core, right.core) if core is not None]
     if not factor or not cores:
@@ -231,7 +231,7 @@ def multiply(left: Quantity, right: Quantity) -> Quantity:
 
 
 def negate(quantity: Quantity) -> Quantity:
-    """The opposite."""
+    """The negation."""
     return Quantity(-quantity.factor, quantity.core, -quantity.ball)
 
 
@@ -249,14 +249,14 @@ def sum_of_squares(quantities: Sequence[Quantity]) -> Quantity:
 
 
 def equal(left: Quantity, right: Quantity) -> Formula:
-    """``left = right``, decided where both are constants."""
+    """``left = right``, decided if both are constants."""
     if left.value is not None and right.value is not None:
         return TRUE if left.value == right.value else FALSE
     return f"(= {left.text} {right.text})"
 
 
 def at_most(left: Quantity, right: Quantity) -> Formula:
-    """``left <= right``, decided where both are constants."""
+    """``left <= right``, decided if both are constants."""
     if left.value is not None and right.value is not None:
         return TRUE if left.value <= right.value else FALSE
     return f"(<= {left.text} {right.text})"
@@ -268,7 +268,7 @@ def non_negative(quantity: Quantity) -> Formula:
 
 
 def between(bounds: tuple[Fraction, Fraction], quantity: Quantity) -> list[Formula]:
-    """``lower <= quantity <= upper``, conjunct by conjunct."""
+    """``lower <= quantity <= upper``, as a list of conjuncts."""
     lower, upper = (constant(bound) for bound in bounds)
     if lower.value == upper.value:
         return [equal(quantity, lower)]
@@ -276,7 +276,7 @@ def between(bounds: tuple[Fraction, Fraction], quantity: Quantity) -> list[Formu
 
 
 def all_of(formulas: Sequence[Formula]) -> Formula:
-    """A conjunction, without what is trivially true; none is true."""
+    """A conjunction without trivially true parts; true if it is empty."""
     if FALSE in formulas:
         return FALSE
     kept = [formula for formula in formulas if formula != TRUE]
@@ -286,7 +286,7 @@ def all_of(formulas: Sequence[Formula]) -> Formula:
 
 
 def any_of(formulas: Sequence[Formula]) -> Formula:
-    """A disjunction, without what is trivially false; none is false."""
+    """A disjunction without trivially false parts; false if it is empty."""
     if TRUE in formulas:
         return TRUE
     kept = [formula for formula in formulas if formula != FALSE]
@@ -296,5 +296,5 @@ def any_of(formulas: Sequence[Formula]) -> Formula:
 
 
 def negation(formula: Formula) -> Formula:
-    """The opposite of a formula."""
+    """The negation of a formula."""
     return {TRUE: FALSE, FALSE: TRUE}.get(formula, f"(not {formula})")

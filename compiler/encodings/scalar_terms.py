@@ -1,10 +1,10 @@
 r"""A robot's scalars as terms of nonlinear real arithmetic.
 
-Sums, products, quotients, powers, roots and absolute values are exact.  A sine and a cosine of
-one angle are unknowns with :math:`c^2 + s^2 = 1`, within intervals from ball arithmetic over the
-parameters' ranges.  What else the angle says about them is left out, and so is all about a known
-irrational number but a narrow interval; that only enlarges the set of solutions.  Values at which
-an expression is undefined are excluded, as they are no robots.
+Sums, products, quotients, powers, roots and absolute values are exact. A sine and a cosine of one
+angle are unknowns with :math:`c^2 + s^2 = 1`, within intervals from ball arithmetic over the
+parameters' ranges. Their other dependence on the angle is left out, and of a known irrational
+number only a narrow interval is used; this only enlarges the set of solutions. Values at which an
+expression is undefined are excluded, as they give no robot.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Angle:
 
 @dataclass(slots=True)
 class ScalarTerms:
-    """The terms of the scalars of one robot in one script; ``define`` comes first."""
+    """The terms of the scalars of one robot in one script; call ``define`` first."""
 
     model: RobotModel
     script: RealScript
@@ -75,7 +75,7 @@ class ScalarTerms:
         self.monomials = evaluate_scalars(self.model.scalars, MonomialEvaluator(), known)
 
     def define(self, scalars: set[int]) -> None:
-        """Declare what the given scalars need; angles follow on demand."""
+        """Declare the terms that the given scalars need; angles follow on demand."""
         script = self.script
         needed = _closure(self.model.scalars, scalars)
         nodes = [(i, self.model.scalars[i]) for i in sorted(needed)]
@@ -105,7 +105,7 @@ class ScalarTerms:
         return self._angles[scalar]
 
     def _new_angle(self, scalar: int) -> Angle:
-        """Exact where rational, intervals where known, else unknowns on the unit circle."""
+        """Exact if rational, intervals if known, else unknowns on the unit circle."""
         script, value = self.script, self.balls[scalar]
         cosine = self._known("cos", scalar, value.cos())
         sine = self._known("sin", scalar, value.sin())
@@ -216,7 +216,7 @@ class ScalarTerms:
 
 
 def absolute(script: RealScript, quantity: Quantity) -> Quantity:
-    """The absolute value: the quantity or its opposite where the sign is certain."""
+    """The absolute value: the quantity or its negation if the sign is certain."""
     if quantity.value is not None:
         return constant(abs(quantity.value))
     if quantity.ball >= 0:
@@ -250,7 +250,7 @@ def _domain_ball(domain: ir.Interval | ir.Choices) -> arb:
 
 
 def _only_value(domain: ir.Interval | ir.Choices) -> Fraction | None:
-    """The value of a parameter that has only one, a rational."""
+    """The value of a parameter that has only one value, a rational; else None."""
     ends = (domain.lower, domain.upper) if isinstance(domain, ir.Interval) else domain.values
     values = {exact_rational(end) for end in ends}
     return values.pop() if len(values) == 1 else None

@@ -1,1 +1,1 @@
-"""Expression graphs, and the evaluators that give them values."""
+"""Expression graphs, and the evaluators that compute their values."""

@@ -1,10 +1,9 @@
-"""One protocol for every kind of value that an expression graph can have.
+"""One protocol for all kinds of values of an expression graph.
 
 Three representations are evaluated with it: the scalars of a robot (``scalars.py``), the equations
 of motion (``tape.py``), and scalar expressions as they were written (``evaluate_expression``).
-
-Source: Elliott, "Compiling to categories" (2017), for one program and many interpretations; the
-extra operations are those of CasADi's instruction lists.
+Source: Elliott, "Compiling to categories" (2017), for one program with many interpretations; the
+additional operations are those of CasADi's instruction lists.
 """
 
 from __future__ import annotations
@@ -21,19 +20,19 @@ METHODS: Mapping[str, str] = {
     "+": "add", "-": "sub", "*": "mul", "/": "div", "^": "power", "neg": "neg", "abs": "fabs",
     "sqrt": "sqrt", "sin": "sin", "cos": "cos", "tan": "tan",
 }  # fmt: skip
-"""The method of an operation as it is written in expressions."""
+"""Maps operations, as written in expressions, to methods."""
 
 
 class UnsupportedOperation(ValueError):
-    """An evaluator has no value for an operation."""
+    """An evaluator does not support an operation."""
 
 
 class Evaluator(Protocol[Value]):
     """The operations on one kind of value.
 
-    Evaluators subclass it.  What has a body here is derived from the other operations; an
-    evaluator replaces it where it can do better.  A method is looked up once per evaluation, so
-    that it may be a static method that is a compiled function.
+    Evaluators subclass it. Methods with a body here are derived from the other operations; an
+    evaluator overrides them if it can do better. A method is looked up once per evaluation, so that
+    it may be a static method that is a compiled function.
     """
 
     def constant(self, value: Fraction | int) -> Value:
@@ -45,7 +44,7 @@ class Evaluator(Protocol[Value]):
         ...
 
     def neg(self, argument: Value, /) -> Value:
-        """The opposite."""
+        """The negation."""
         ...
 
     def add(self, left: Value, right: Value, /) -> Value:
@@ -69,7 +68,7 @@ class Evaluator(Protocol[Value]):
         return self.div(self.constant(1), argument)
 
     def twice(self, argument: Value, /) -> Value:
-        """The double."""
+        """Twice the argument."""
         return self.add(argument, argument)
 
     def sq(self, argument: Value, /) -> Value:
@@ -88,7 +87,7 @@ class Evaluator(Protocol[Value]):
         return result if exponent >= 0 else self.inv(result)
 
     def sqrt(self, argument: Value, /) -> Value:
-        """The square root that is not negative."""
+        """The non-negative square root."""
         ...
 
     def sin(self, argument: Value, /) -> Value:
@@ -100,7 +99,7 @@ class Evaluator(Protocol[Value]):
         ...
 
     def sin_cos(self, argument: Value, /) -> tuple[Value, Value]:
-        """Sine and cosine of one angle."""
+        """The sine and cosine of one angle."""
         return self.sin(argument), self.cos(argument)
 
     def tan(self, argument: Value, /) -> Value:
@@ -116,7 +115,7 @@ class Evaluator(Protocol[Value]):
         """The slope of the absolute value: 1 above zero, -1 below.
 
         Raises:
-            UnsupportedOperation: there is no such value.
+            UnsupportedOperation: the evaluator has no such value.
         """
         raise UnsupportedOperation(f"{type(self).__name__} has no sign of {argument}")
 
@@ -126,7 +125,7 @@ def evaluate_expression(
     evaluator: Evaluator[Value],
     leaf: Callable[[ir.Expr], Value] | None = None,
 ) -> Value:
-    """The value of a scalar expression; ``leaf`` gives that of what is no number.
+    """The value of a scalar expression; ``leaf`` gives the value of a leaf that is not a number.
 
     Raises:
         ValueError: the expression is not closed, and there is no ``leaf``.

@@ -1,4 +1,4 @@
-"""Exact rationals and the texts that state them: in files a number is a decimal or a quotient."""
+"""Exact rationals and their texts: in files a number is a decimal or a quotient."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from grammar_lang import ir
 from grammar_lang.ir.constants import MagnitudeError, monomial
 
 MOST_PLACES = 1100
-"""A double has 1074 places behind the point at most."""
+"""A double has at most 1074 decimal places."""
 
 _NUMBER = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,1100}|/[0-9]{1,300})?")
-"""Decimals below 1e300, and quotients; no exponents, whose expansion has no bound."""
+"""Decimals below 1e300, and quotients; no exponents, since their expansion has no bound."""
 
 
 def shortest_decimal(value: float) -> Fraction:
@@ -26,15 +26,15 @@ def shortest_decimal(value: float) -> Fraction:
 
 
 def decimal(value: float) -> str:
-    """That decimal, without an exponent."""
+    """The shortest decimal of a double, without an exponent."""
     return exact_decimal(shortest_decimal(value))
 
 
 def exact_decimal(value: Fraction) -> str:
-    """A rational whose denominator divides a power of ten, as a decimal.
+    """The decimal of a rational whose denominator divides a power of ten.
 
     Raises:
-        ValueError: the value is no finite decimal.
+        ValueError: the value is not a finite decimal.
     """
     digits, power = 0, 1
     while power % value.denominator:
@@ -47,7 +47,7 @@ def exact_decimal(value: Fraction) -> str:
 
 
 def exact_text(value: Fraction) -> str:
-    """A rational as a finite decimal where it is one, else as a quotient."""
+    """A rational as a finite decimal if it is one, else as a quotient."""
     try:
         return exact_decimal(value)
     except ValueError:
@@ -55,7 +55,7 @@ def exact_text(value: Fraction) -> str:
 
 
 def exact_number(text: str) -> Fraction:
-    """The rational that a decimal or a quotient of whole numbers denotes.
+    """The rational that a decimal or a quotient of integers denotes.
 
     Raises:
         ValueError: the text is neither, or the quotient's denominator is zero.
@@ -70,7 +70,8 @@ def exact_number(text: str) -> Fraction:
 
 
 # --------------------------------------------------------------------------------------------------
-# Rational intervals that contain real numbers: exact where seen to be, else rounded outwards.
+# Rational intervals that contain real numbers: exact if recognised as rational, else rounded
+# outwards.
 #
 # Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (outward rounding).
 
@@ -81,7 +82,7 @@ Bounds: TypeAlias = tuple[Fraction, Fraction]
 
 
 def exact_rational(expression: ir.Expr) -> Fraction | None:
-    """The value of a closed scalar expression where it is seen to be rational."""
+    """The value of a closed scalar expression if it is recognised as rational, else None."""
     try:
         value = monomial(expression)
     except MagnitudeError:
@@ -98,7 +99,7 @@ def outward(ball: arb) -> Bounds | None:
 
 
 def rational_bounds(expression: ir.Expr) -> Bounds:
-    """Rationals below and above a closed scalar expression, equal where it is seen to be rational.
+    """Rationals below and above a closed scalar expression, equal if it is recognised as rational.
 
     Raises:
         ValueError: the expression has no finite value.

@@ -13,8 +13,8 @@ from grammar_lang.ir.constants import MagnitudeError, Monomial, apply, combine
 
 # --- Scalar expressions over a robot's parameters, as a hash-consed table without recursion -------
 #
-# A scalar is its index in the table; equal expressions have equal indices, and arguments precede
-# the nodes that use them, so that evaluation is one loop.
+# A scalar is its index in the table. Equal expressions have equal indices, and arguments precede
+# the nodes that use them, so evaluation is one loop.
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,32 +50,32 @@ ScalarNode: TypeAlias = Constant | PiConstant | ParameterLeaf | Apply
 
 @dataclass(slots=True)
 class ScalarTable:
-    """Builds scalars; the only simplifications are exact ones on rationals, 0 and 1."""
+    """Builds scalars; it simplifies only exactly, with rationals, 0 and 1."""
 
     nodes: list[ScalarNode] = field(default_factory=list[ScalarNode])
     _index: dict[ScalarNode, int] = field(default_factory=dict[ScalarNode, int])
 
     def add(self, node: ScalarNode) -> int:
-        """The index of a node, as it is."""
+        """The index of a node, which is added unsimplified if it is new."""
         if node not in self._index:
             self._index[node] = len(self.nodes)
             self.nodes.append(node)
         return self._index[node]
 
     def constant(self, value: Fraction | int) -> int:
-        """An exact rational."""
+        """The index of an exact rational."""
         return self.add(Constant(Fraction(value)))
 
     def pi(self) -> int:
-        """The number pi."""
+        """The index of the number pi."""
         return self.add(PiConstant())
 
     def parameter(self, index: int) -> int:
-        """A parameter of the robot."""
+        """The index of a parameter of the robot."""
         return self.add(ParameterLeaf(index))
 
     def rational(self, scalar: int) -> Fraction | None:
-        """The value of a scalar that is a rational constant."""
+        """The value of a scalar that is a rational constant; None for other scalars."""
         node = self.nodes[scalar]
         return node.value if isinstance(node, Constant) else None
 
@@ -125,7 +125,7 @@ def evaluate_constant(constant: Constant | PiConstant, evaluator: Evaluator[Valu
 def evaluate_scalars(
     nodes: Sequence[ScalarNode], evaluator: Evaluator[Value], parameters: Sequence[Value]
 ) -> list[Value]:
-    """The value of every node at values of the parameters."""
+    """The value of every node for given values of the parameters."""
     operations: dict[str, Callable[..., Value]] = {
         operation: getattr(evaluator, name) for operation, name in METHODS.items()
     }
@@ -142,14 +142,14 @@ def evaluate_scalars(
     return values
 
 
-# --- Monomials ``q * pi**k`` with rational q: what is seen of the value of a closed scalar --------
+# --- Monomials ``q * pi**k`` with rational q: values of closed scalars that are recognised --------
 
 
 Known: TypeAlias = Monomial | None
 
 
 class MonomialEvaluator(Evaluator[Known]):
-    """Values are monomials; None where a value is not seen to be one, or is too large a number."""
+    """Values are monomials; None if a value is not recognised as one, or is too large."""
 
     def constant(self, value: Fraction | int) -> Known:
         """A rational."""
@@ -180,7 +180,7 @@ class MonomialEvaluator(Evaluator[Known]):
         return _combined("^", base, (Fraction(exponent), 0))
 
     def neg(self, argument: Known, /) -> Known:
-        """The opposite."""
+        """The negation."""
         return _applied("neg", argument)
 
     def fabs(self, argument: Known, /) -> Known:

@@ -1,8 +1,8 @@
-"""The straight-line program of an expression graph, to be run with any evaluator.
+"""The straight-line program of an expression graph, which any evaluator can run.
 
-Every value has a number: inputs first, then constants, then results in the order they are made.
-What no output needs, and what was computed before, is left out; sine and cosine of the same value
-are made at once, which costs power series no more than one of them.
+Every value has a number: inputs first, then constants, then results in the order they are computed.
+Values that no output needs, and repeated computations, are left out. Sine and cosine of one value
+are computed together, which costs no more than one of them for power series.
 """
 
 from __future__ import annotations
@@ -38,26 +38,25 @@ OPERATIONS = {
     ca.OP_MUL: "mul",
     ca.OP_DIV: "div",
 }
-"""The method of an evaluator that carries out an instruction."""
+"""Maps instructions to the methods of an evaluator that carry them out."""
 LEAVES = {"input", "constant"}
 SINE_AND_COSINE = "sin_cos"
 ONE_ARGUMENT, TWO_VALUES = -1, -2
-"""Instead of a second argument."""
+"""These stand in place of a second argument."""
 
 Node: TypeAlias = tuple[str, tuple[int, ...]]
-"""An operation and the numbers of its arguments; an input or a constant and its index or value."""
+"""An operation with the numbers of its arguments, or an input or constant with index or value."""
 
 
 class UndefinedValueError(ValueError):
-    """A graph that has no value anywhere."""
+    """A graph that has no value at any input."""
 
 
 @dataclass(frozen=True)
 class Tape:
-    """An expression graph: distinct nodes, arguments before what uses them, and its outputs.
+    """An expression graph: distinct nodes, arguments before their uses, and the outputs.
 
-    Inputs are numbered through all input columns of the function, outputs through its first
-    output.
+    Inputs are numbered through all input columns of the function, outputs through its first output.
     """
 
     nodes: tuple[Node, ...]
@@ -65,22 +64,22 @@ class Tape:
 
     @property
     def outputs(self) -> int:
-        """How many outputs there are."""
+        """The number of outputs."""
         return len(self.results)
 
     def uses(self, name: str) -> bool:
-        """Whether an operation occurs."""
+        """Whether an operation occurs in the program."""
         return any(name == node for node, _ in self.nodes)
 
     def first(self, outputs: int) -> Tape:
-        """The program of the first outputs alone."""
+        """The program of the first ``outputs`` outputs alone."""
         return Tape(self.nodes, self.results[:outputs])
 
     def evaluate(self, inputs: Sequence[Value], evaluator: Evaluator[Value]) -> list[Value]:
-        """The outputs at the inputs."""
+        """The values of the outputs for given inputs."""
         check_time()
         plan = self.plan
-        # Values of unknown type within the loop: sin_cos makes two of them.
+        # Values have no common type in the loop: sin_cos returns two of them.
         values: list[Any] = [inputs[i] for i in plan.used]
         values += [evaluator.constant(constant) for constant in plan.constants]
         append = values.append
@@ -96,7 +95,7 @@ class Tape:
 
     @cached_property
     def plan(self) -> Plan:
-        """The operations that outputs need, in order."""
+        """The operations that the outputs need, in order."""
         return _plan(self.nodes, self.results)
 
 
@@ -105,8 +104,7 @@ def tape(function: ca.Function) -> Tape:
 
     Raises:
         UndefinedValueError: CasADi has divided by a literal zero.
-        ValueError: a constant that is not an exact integer, or an operation that has no exact
-            value.
+        ValueError: a constant is not an exact integer, or an operation has no exact value.
     """
     nodes: dict[Node, int] = {}
     register: dict[int, int] = {}
@@ -126,7 +124,7 @@ def tape(function: ca.Function) -> Tape:
 
 
 def _instructions(function: ca.Function) -> Iterator[tuple[str, int, tuple[int, ...]]]:
-    """Name, result register (of an output: its number) and argument registers, indices or value."""
+    """Name, result register (for an output its number) and argument registers, indices or value."""
     starts = [0]
     for i in range(function.n_in()):
         starts.append(starts[-1] + function.nnz_in(i))
@@ -159,9 +157,9 @@ def _exact(value: float) -> int:
 class Plan:
     """Operations with the numbers of their arguments, and the numbers of the outputs.
 
-    ``used`` are the inputs that occur, ``names`` the operations.  A step is the place of its name,
-    and the numbers of two arguments; instead of the second stands ``ONE_ARGUMENT``, or
-    ``TWO_VALUES`` where it makes two values of one argument, as ``sin_cos`` does.
+    ``used`` holds the inputs that occur, ``names`` the operations. A step is the index of its name
+    and the numbers of two arguments. In place of the second argument it has ``ONE_ARGUMENT``, or
+    ``TWO_VALUES`` if it computes two values from one argument, as ``sin_cos`` does.
     """
 
     used: tuple[int, ...]
@@ -214,7 +212,7 @@ def _two(name: str, arguments: Sequence[int]) -> tuple[int, int]:
 
 
 def _needed(nodes: Sequence[Node], outputs: Sequence[int]) -> list[int]:
-    """The nodes that outputs need, in the order they are made."""
+    """The nodes that the outputs need, in the order they are computed."""
     needed = set(outputs)
     for i in range(len(nodes) - 1, -1, -1):
         if i in needed and nodes[i][0] not in LEAVES:

@@ -1,13 +1,13 @@
 r"""Trigonometric polynomials with exact rational coefficients, in canonical form.
 
-A number is a sum of terms ``coefficient * monomial * f(angle)`` where f is 1, cos or sin.  Products
+A number is a sum of terms ``coefficient * monomial * f(angle)`` where f is 1, cos or sin. Products
 of sines and cosines become sums,
 
 .. math:: 2 \cos a \cos b = \cos(a - b) + \cos(a + b),
 
-an angle begins with a positive coefficient, and a multiple of pi / 4 or pi / 6 in it is carried
-out exactly, so that equal expressions of a robot's kinematics get equal forms.  What is no such
-polynomial (a root, a tangent, a quotient by a sum) is a symbol of its own.
+the first coefficient of an angle is positive, and multiples of pi / 4 or pi / 6 in an angle are
+evaluated exactly, so that equal expressions of a robot's kinematics get equal forms. Anything that
+is not such a polynomial (a root, a tangent, a quotient by a sum) is a symbol of its own.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from fractions import Fraction
 from typing import Literal, TypeAlias
 
 Monomial: TypeAlias = tuple[tuple[int, int], ...]
-"""Symbols with their exponents other than zero, in ascending order of symbols."""
+"""Symbols with their non-zero exponents, in ascending order of symbols."""
 Angle: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
 """A polynomial without trigonometric terms."""
 Wave: TypeAlias = tuple[int, Angle]
@@ -49,7 +49,7 @@ class Pi:
 
 @dataclass(frozen=True, slots=True)
 class Root:
-    """The square root of an integer that is no square, where small a prime."""
+    """The square root of an integer that is not a square; a prime if it is small."""
 
     radicand: int
 
@@ -62,7 +62,7 @@ class TrigonometricPolynomial:
 
     @property
     def constant(self) -> Fraction | None:
-        """The value of a rational constant."""
+        """The value if the polynomial is a rational constant, else None."""
         if not self.terms:
             return Fraction(0)
         return self.terms.get((CONSTANT, FLAT)) if len(self.terms) == 1 else None
@@ -75,7 +75,7 @@ class TrigonometricPolynomial:
 
 @dataclass(frozen=True, slots=True)
 class Opaque:
-    """A function of a polynomial that is no polynomial."""
+    """A function of a polynomial that is not itself a polynomial."""
 
     function: Function
     argument: TrigonometricPolynomial
@@ -94,7 +94,7 @@ Symbol: TypeAlias = Variable | Pi | Root | Opaque | Abbreviation
 
 @dataclass(slots=True)
 class PolynomialRing:
-    """The symbols of some polynomials, and sums, products and functions of these."""
+    """The symbols of some polynomials, and sums, products and functions of these polynomials."""
 
     symbols: list[Symbol] = field(default_factory=list[Symbol])
     _numbers: dict[object, int] = field(default_factory=dict[object, int])
@@ -112,11 +112,11 @@ class PolynomialRing:
     # --- symbols -------------------------------------------------------------------------------
 
     def symbol(self, symbol: Symbol) -> TrigonometricPolynomial:
-        """A symbol as a polynomial."""
+        """The polynomial that consists of one symbol."""
         return _sum([((CONSTANT, ((self.number(symbol), 1),)), Fraction(1))])
 
     def number(self, symbol: Symbol) -> int:
-        """The number of a symbol, a new one if it is not known yet."""
+        """The number of a symbol; an unknown symbol gets a new one."""
         match symbol:
             case Opaque(function, argument):
                 key: object = (function, argument.key)
@@ -130,7 +130,7 @@ class PolynomialRing:
         return self._numbers[key]
 
     def rational(self, value: Fraction | int) -> TrigonometricPolynomial:
-        """A rational number."""
+        """A rational number as a polynomial."""
         return _sum([((CONSTANT, FLAT), Fraction(value))])
 
     # --- ring operations -----------------------------------------------------------------------
@@ -175,7 +175,7 @@ class PolynomialRing:
             yield (found, product), value * factor * more
 
     def _wave_product(self, wave: Wave, other: Wave) -> tuple[tuple[Term, Fraction], ...]:
-        """Product to sum."""
+        """The product of two waves as a sum."""
         if (wave, other) not in self._wave_products:
             self._wave_products[wave, other] = tuple(self._product_to_sum(wave, other))
         return self._wave_products[wave, other]
@@ -186,13 +186,13 @@ class PolynomialRing:
             (kind, a), (other_kind, b) = (other_kind, b), (kind, a)
         function = COSINE if kind == other_kind else SINE
         outer = -HALF if kind == SINE else HALF
-        # sin b cos a = (sin(b + a) + sin(b - a)) / 2 for the mixed case.
+        # In the mixed case, sin b cos a = (sin(b + a) + sin(b - a)) / 2.
         for sign, factor in ((-1, HALF), (1, outer)):
             for term, value in self.wave(function, _combined(b, a, sign)):
                 yield term, value * factor
 
     def _times(self, left: Monomial, right: Monomial) -> tuple[Monomial, Fraction]:
-        """A product of monomials: roots occur once at most."""
+        """A product of monomials, in which roots occur at most once."""
         if not left or not right:
             return left or right, Fraction(1)
         known = self._products.get((left, right))
@@ -215,7 +215,7 @@ class PolynomialRing:
     # --- functions -----------------------------------------------------------------------------
 
     def inverse(self, number: TrigonometricPolynomial) -> TrigonometricPolynomial:
-        """The reciprocal: of a monomial one with negative exponents, else a symbol."""
+        """The reciprocal: for a monomial one with negative exponents, else a symbol."""
         if not number.terms:
             return self.symbol(Opaque("inv", number))
         if len(number.terms) == 1:
@@ -236,14 +236,14 @@ class PolynomialRing:
     def _primitive(
         self, number: TrigonometricPolynomial
     ) -> tuple[Fraction, TrigonometricPolynomial]:
-        """A rational factor, and the rest with coprime integers, the last positive; not of zero."""
+        """A rational factor, and the rest with coprime integers, the last positive; not for 0."""
         content = content_of(number.terms.values())
         if number.key[-1][1] < 0:
             content = -content
         return content, self.scaled(number, 1 / content)
 
     def root(self, number: TrigonometricPolynomial) -> TrigonometricPolynomial:
-        """The square root: of a rational in roots of primes, else a symbol."""
+        """The square root: for a rational as roots of primes, else a symbol."""
         value = number.constant
         if value is None or value < 0:
             return self.symbol(Opaque("sqrt", number))
@@ -254,7 +254,7 @@ class PolynomialRing:
         return found
 
     def tangent(self, number: TrigonometricPolynomial) -> TrigonometricPolynomial:
-        """The tangent, a symbol."""
+        """The tangent, as a symbol."""
         if not number.terms:
             return number
         if number.key[0][1] < 0:
@@ -305,7 +305,7 @@ class PolynomialRing:
     def _exact(
         self, function: int, rest: Angle, turn: tuple[Surd, Surd], factor: Fraction
     ) -> Iterator[tuple[Term, Fraction]]:
-        """The addition theorem with a known cosine and sine."""
+        """The addition theorem for an angle with a known cosine and sine."""
         cosine, sine = turn
         other = COSINE + SINE - function
         signed = (-sine[0] if function == COSINE else sine[0], sine[1])
@@ -317,18 +317,18 @@ class PolynomialRing:
 
 
 Surd: TypeAlias = tuple[Fraction, int]
-"""``(a, n)`` is a * sqrt(n)."""
+"""``(a, n)`` means a * sqrt(n)."""
 EXACT_TURNS: Mapping[Fraction, tuple[Surd, Surd]] = {
     Fraction(0): ((Fraction(1), 1), (Fraction(0), 1)),
     Fraction(1, 6): ((HALF, 3), (HALF, 1)),
     Fraction(1, 4): ((HALF, 2), (HALF, 2)),
     Fraction(1, 3): ((HALF, 1), (HALF, 3)),
 }
-"""By multiples of pi: the cosine and the sine."""
+"""Maps multiples of pi to their cosine and sine."""
 
 
 def content_of(values: Iterable[Fraction]) -> Fraction:
-    """The positive rational whose multiples by coprime integers these are."""
+    """The positive rational such that these values are its multiples by coprime integers."""
     numerator, denominator = 0, 1
     for value in values:
         numerator = math.gcd(numerator, value.numerator)
@@ -359,7 +359,7 @@ def _combined(left: Angle, right: Angle, sign: int) -> Angle:
 
 
 def _quarter(kind: int, quarters: int) -> tuple[int, int]:
-    """The function and sign of ``kind`` at an angle and so many quarter turns more."""
+    """The function and sign that ``kind`` becomes at an angle increased by quarter turns."""
     turn = quarters % 4
     if kind == COSINE:
         return ((COSINE, 1), (SINE, -1), (COSINE, -1), (SINE, 1))[turn]

@@ -1,1 +1,1 @@
-"""What holds of all robots of a regular set of words: where their effectors can be at all."""
+"""Lemmas about all robots of a regular set of words: where their effectors can be at all."""

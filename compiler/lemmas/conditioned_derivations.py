@@ -1,8 +1,8 @@
 """The derivations of all words of a grammar that a finite automaton accepts, as a finite graph.
 
-A node of a derivation is told apart by its nonterminal and by the states of the automaton before
-and after its part of the word: Bar-Hillel, Perles & Shamir (1961), on the productions as they are
-written, so that every derivation of every such word is one of the graph, and no other.
+A node of a derivation is identified by its nonterminal and by the states of the automaton before
+and after its part of the word: Bar-Hillel, Perles & Shamir (1961), applied to the productions as
+they are written. So the derivations in the graph are exactly the derivations of these words.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from compiler.words.finite_automaton import Dfa
 from compiler.words.grammar import Cfg, rules_by_left
 
 MOST_APPLICATIONS = 5_000
-"""Larger graphs are not made."""
+"""Larger graphs are not built."""
 
 
 class TooManyDerivations(ValueError):
@@ -24,7 +24,7 @@ class TooManyDerivations(ValueError):
 
 
 class Node(NamedTuple):
-    """A nonterminal, and the states before and after what it derives."""
+    """A nonterminal, and the states before and after the word that it derives."""
 
     nonterminal: int
     before: int
@@ -42,7 +42,7 @@ class Application:
 
 @dataclass(frozen=True, slots=True)
 class ConditionedDerivations:
-    """The applications that occur in some derivation, and the nodes that a derivation begins at."""
+    """The applications that occur in some derivation, and the nodes at which derivations begin."""
 
     roots: tuple[Node, ...]
     applications: tuple[Application, ...]
@@ -78,9 +78,9 @@ def conditioned_derivations(cfg: Cfg, dfa: Dfa) -> ConditionedDerivations:
 
 
 _Call: TypeAlias = tuple[int, int]
-"""A nonterminal and the state in which it is called."""
+"""A nonterminal and the state in which reading it begins."""
 _Part: TypeAlias = tuple[_Call, int, int, int]
-"""Of a call: a rule, how many of its symbols are read, and the state after them."""
+"""Part of a call: a rule, how many of its symbols are read, and the state after them."""
 
 
 @dataclass(slots=True)
@@ -100,7 +100,7 @@ class _Returns:
         self.live = self.dfa.live()
 
     def call(self, call: _Call) -> None:
-        """A nonterminal is read from a state on."""
+        """Begin to read a nonterminal in a state."""
         if call in self.found:
             return
         self.found[call], self.waiting[call] = set(), []
@@ -152,7 +152,7 @@ class _Returns:
     def _past(
         self, place: int, symbol: int, state: int
     ) -> Iterator[tuple[int, tuple[tuple[int, Node], ...]]]:
-        """The states after one symbol, with the node that it is, if it is a nonterminal."""
+        """The states after one symbol, with the symbol's node if it is a nonterminal."""
         if symbol < self.cfg.terminals:
             after = self.dfa.step(state, symbol)
             if self.live[after]:

@@ -1,13 +1,13 @@
 r"""Half-spaces that no effector leaves and balls that none enters, for all words of a condition.
 
-A region outside of such a half-space, or within such a ball, is reached by no robot of any
-derivation of any of the words, whatever its parameters, joints and drives:
+No robot of any derivation of any of the words reaches a region outside such a half-space, or within
+such a ball, whatever its parameters, joints and drives:
 
 .. math:: \max_p n \cdot p \le h < \min_{x \in R} n \cdot x,
    \qquad \min_p |p - c| \ge d > \max_{x \in R} |x - c|,
 
-with p over where :mod:`effector_placements` says that effectors may be.  A word whose derivations
-define no robot has none that does the task, either.
+where p ranges over the positions that :mod:`effector_placements` allows for effectors. If the
+derivations of a word define no robot, the word has no robot that does the task either.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from compiler.workspaces.polytope import Polytope, refuting_polytope
 from grammar_lang import ir
 
 PRECISION = 128
-"""Bits of all numbers that are not exact."""
+"""The bits of all numbers that are not exact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,14 +39,14 @@ class HalfSpaceBound:
     reach: Fraction
 
     def encloses(self, placements: Sequence[Placement]) -> bool:
-        """Whether all effectors keep to it."""
+        """Whether the bound holds for all effectors."""
         reach = ball(self.reach)
         return all(
             any(view.furthest(self.normal) <= reach for view in place.views) for place in placements
         )
 
     def excludes(self, region: Polytope) -> bool:
-        """Whether a bounded region is outside, its boundary included."""
+        """Whether a bounded region, including its boundary, is outside."""
         return all(_dot(self.normal, vertex) > self.reach for vertex in region.vertices)
 
 
@@ -58,7 +58,7 @@ class BallBound:
     distance: Fraction
 
     def encloses(self, placements: Sequence[Placement]) -> bool:
-        """Whether all effectors keep to it."""
+        """Whether the bound holds for all effectors."""
         distance = ball(self.distance)
         return all(
             any(view.nearest(self.centre) >= distance for view in place.views)
@@ -81,10 +81,10 @@ def _dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
 
 
 def placements_of(family: RobotFamily, condition: ir.Accept) -> tuple[Placement, ...]:
-    """Where the effectors are of all robots of the family whose words satisfy a condition.
+    """Where the effectors can be, over all robots of the family whose words satisfy a condition.
 
     Raises:
-        ValueError: that cannot be told, or takes too much.
+        ValueError: this cannot be determined, or takes too long.
     """
     language = family.language
     dfa = intersection(language.accept, accept_dfa(condition, language.srg.terminals))
@@ -92,10 +92,10 @@ def placements_of(family: RobotFamily, condition: ir.Accept) -> tuple[Placement,
 
 
 def placements_within(family: RobotFamily, dfa: Dfa) -> tuple[Placement, ...]:
-    """The same of the robots of all words that the grammar derives and an automaton accepts.
+    """Where effectors can be, over all words that the grammar derives and the automaton accepts.
 
     Raises:
-        ValueError: that cannot be told, or takes too much.
+        ValueError: this cannot be determined, or takes too long.
     """
     derivations = conditioned_derivations(family.language.srg.cfg, dfa)
     with working_precision(PRECISION):
@@ -103,13 +103,13 @@ def placements_within(family: RobotFamily, dfa: Dfa) -> tuple[Placement, ...]:
 
 
 def place_of(workspace: ir.Workspace, region: str) -> Polytope:
-    """What a region and the bounds have in common: where an effector has to be that visits it."""
+    """The intersection of a region and the bounds: an effector that visits the region is in it."""
     shapes = (workspace.region(region).shape, workspace.bounds.shape)
     one, other = (refuting_polytope(shape, workspace.dimension) for shape in shapes)
     return one.intersection(other)
 
 
 def keep_to(bound: EffectorBound, placements: Sequence[Placement]) -> bool:
-    """Whether all effectors at some placements keep to a bound: proved in ball arithmetic."""
+    """Whether all effectors at these placements satisfy a bound, proved in ball arithmetic."""
     with working_precision(PRECISION):
         return bound.encloses(placements)

@@ -1,8 +1,8 @@
-"""Where effectors can be, in all robots of a regular set of words: attributes over all derivations.
+"""Where effectors can be, over all robots of a regular set of words: attributes of all derivations.
 
-The values of an attribute at all nodes that a graph of derivations does not tell apart are
-enclosed together: the least solution of "what a rule gives is enclosed", approached from below,
-with ends that move on for ever put at infinity.  Revolute joints turn freely, prismatic ones and
+The values of an attribute at all nodes that a graph of derivations identifies are enclosed
+together. The enclosure is the least solution of "the value of a rule is enclosed", approached from
+below; ends that keep growing are set to infinity. Revolute joints turn freely, prismatic joints and
 parameters take all values of their ranges.
 
 Source: Cousot & Cousot, *Abstract interpretation* (1977); Knuth, *Semantics of context-free
@@ -39,7 +39,7 @@ from grammar_lang import ir
 from grammar_lang.elaboration.circularity import reads
 
 UPDATES = 20
-"""So often a value may grow before its ends are put at infinity."""
+"""How often a value may grow before its ends are set to infinity."""
 
 Triple: TypeAlias = tuple[Ends, Ends, Ends]
 Value: TypeAlias = Ends | Triple | Placement
@@ -48,7 +48,7 @@ Key: TypeAlias = tuple[Node | int, str]
 
 
 class NotPlaced(ValueError):
-    """An effector has no frame in the derivations, as far as is seen."""
+    """An effector may have no frame in some derivation."""
 
 
 def effector_placements(
@@ -56,7 +56,7 @@ def effector_placements(
 ) -> tuple[Placement, ...]:
     """Placements that together enclose every effector of every robot of some derivations.
 
-    ``derivations`` are those of the grammar, whose rules are its productions in their order.
+    ``derivations`` are derivations of the grammar; their rules are its productions, in order.
 
     Raises:
         NotPlaced: a frame is not defined in some derivation.
@@ -81,7 +81,7 @@ class _Placing:
             for root in self.derivations.roots:
                 self.values[root, ROOT_ATTRIBUTE] = WORLD
         self._close()
-        found: list[Placement] = []  # infinity has no hash
+        found: list[Placement] = []  # a list, as infinity has no hash
         for number, application in enumerate(self.derivations.applications):
             for emission in self._block(application).emissions:
                 if isinstance(emission, ir.Effector):
@@ -122,7 +122,7 @@ class _Placing:
                     todo.append(reader)
 
     def _grow(self, key: Key, value: Value) -> bool:
-        """Enclose one more value; whether that changes anything."""
+        """Enclose one more value; return whether that changes anything."""
         old = self.values.get(key)
         if old is None:
             self.values[key] = value
@@ -154,7 +154,7 @@ class _Placing:
 
 
 def _is_made(grammar: ir.Grammar) -> bool:
-    """Whether the frame of the start symbol comes from below; else it is the world."""
+    """Whether the frame of the start symbol is synthesized; otherwise it is the world."""
     made, blocks = ir.AttributeOf(ir.THIS, ROOT_ATTRIBUTE), grammar.semantics or {}
     return any(
         rule.target == made
@@ -166,7 +166,7 @@ def _is_made(grammar: ir.Grammar) -> bool:
 
 
 def _needed(grammar: ir.Grammar) -> set[tuple[str, str]]:
-    """The attributes that frames of effectors are made of, by owner and name."""
+    """The attributes that frames of effectors depend on, by owner and name."""
     blocks, sources = grammar.semantics or {}, dict[tuple[str, str], set[tuple[str, str]]]()
     todo: list[tuple[str, str]] = []
     for production in grammar.productions:
@@ -190,7 +190,7 @@ def _needed(grammar: ir.Grammar) -> set[tuple[str, str]]:
 
 
 def _key(number: int, application: Application, attribute: ir.AttributeOf) -> Key:
-    """Where the value of an attribute is kept that a block names."""
+    """The key of the value of an attribute that a block names."""
     if attribute.occurrence == ir.THIS:
         return application.node, attribute.name
     if attribute.occurrence == ir.LOCAL:
@@ -243,7 +243,7 @@ class _Reading:
     application: Application
 
     def value(self, expression: ir.Expr) -> Value | None:
-        """The value of an expression of any sort; None where something it reads has none yet."""
+        """The value of an expression; None if something that it reads has no value yet."""
         try:
             match expression:
                 case ir.AttributeOf():
@@ -258,14 +258,14 @@ class _Reading:
             return None
 
     def frame(self, expression: ir.Expr) -> Placement | None:
-        """The value of a frame; None as of ``value``."""
+        """The value of a frame; None as in ``value``."""
         found = self.value(expression)
         if found is not None and not isinstance(found, Placement):
             raise NotPlaced("a frame is due")
         return found
 
     def _frame(self, expression: ir.Expr) -> Placement:
-        """Runs of rigid steps come first: what they displace together is one vector."""
+        """The value of a frame; runs of rigid steps are combined first, into one displacement."""
         found: Placement | None = None
         run: Placement | None = None
         for step, rigid in self._steps(expression):
@@ -277,7 +277,7 @@ class _Reading:
         return _after(found, run)
 
     def _steps(self, expression: ir.Expr) -> Iterator[tuple[Placement, bool]]:
-        """The factors of a frame, and whether they are rigid or slide."""
+        """The factors of a frame, and whether each is rigid or slides."""
         for factor in ir.factors(expression):
             match factor:
                 case ir.World():

@@ -1,8 +1,8 @@
-"""Whether all derivations of a graph are variants of one derivation: with less, or with more.
+"""Whether all derivations of a graph are variants of one derivation, smaller or larger.
 
-A derivation is a variant of another one if it results from it by leaving out some nodes of
-removable productions and putting in any number of nodes of transparent ones.  All variants have
-poses that the other one has, too.
+A derivation is a variant of another one if it results from that one by removing some nodes of
+removable productions and inserting any number of nodes of transparent ones. The other derivation
+has all the poses that a variant has.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def are_variants(
     Args:
         derivations: the graph, whose rules are the ``productions`` by number.
         base: a derivation by the same productions.
-        productions: those of the grammar.
+        productions: the productions of the grammar.
         neutral: which of them are removable, and which transparent.
     """
     numbers = {production.label: number for number, production in enumerate(productions)}
@@ -42,7 +42,7 @@ def are_variants(
     by_node: dict[Node, list[Application]] = {root: [] for root in derivations.roots}
     for application in derivations.applications:
         by_node.setdefault(application.node, []).append(application)
-    # All pairs at first; those that some application contradicts are taken away until none is.
+    # Starts with all pairs; pairs that some application contradicts are removed until none is left.
     variants = {(node, place) for node in by_node for place in range(len(rules))}
 
     def fits(application: Application, place: int) -> bool:

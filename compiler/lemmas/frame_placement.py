@@ -1,18 +1,18 @@
 r"""Where a frame may be, for many robots at once: a set of positions that is simple to compose.
 
-The origin is a point of a box and, from there, a vector of which the length alone is known:
+The origin is a point of a box plus a vector of which only the length is known:
 
 .. math:: p = b + v, \qquad b \in B, \quad r_{low} \le |v| \le r_{high}.
 
-A revolute joint keeps the direction of its axis and leaves those across it unknown, whatever its
-range; what is displaced along known directions goes to the box, the rest to the length.  Lengths
-of sums obey the triangle inequality on both sides,
+A revolute joint keeps the direction of its axis and makes the directions across it unknown,
+whatever its range. Displacements along known directions are added to the box, all others to the
+length. Lengths of sums satisfy the triangle inequality on both sides,
 
 .. math:: \bigl| |v| - |w| \bigr| \le |v + w| \le |v| + |w| .
 
-Two such descriptions are kept.  In the first one the box moves on as long as directions are known;
-in the second it stays with the base, and all that follows is a length.  The first knows heights,
-the second does not confuse what stands before the first joint with what is behind it.
+Two such descriptions are kept. In the first one the box moves on as long as directions are known;
+in the second it stays with the base, and everything after it is a length. The first preserves
+heights; the second keeps apart what comes before the first joint and what comes after it.
 
 Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis*; Cousot & Cousot (1977) for
 joins and widening.
@@ -31,7 +31,7 @@ from compiler.expressions.evaluators.balls import ball
 from compiler.expressions.evaluators.intervals import INFINITY, INTERVALS, ZERO, Ends, outward
 
 THIN = Fraction(1, 10**6)
-"""A direction may be off by so much, and a place by so many metres, and still be called known."""
+"""The error of a direction, or of a position in metres, up to which it still counts as known."""
 
 Box: TypeAlias = tuple[Ends, Ends, Ends]
 Axes: TypeAlias = tuple[Box | None, Box | None, Box | None]
@@ -48,7 +48,7 @@ UNITS: tuple[Box, Box, Box] = (
 
 
 def total(value: Ends) -> Ends:
-    """An interval; all numbers where it is not known."""
+    """The interval, or all numbers if it is undefined."""
     return EVERYTHING if value.undefined else value
 
 
@@ -64,12 +64,12 @@ class Around:
     across: Box | None = None
 
     def joined(self, other: Around) -> Around:
-        """Both."""
+        """A description that encloses both."""
         across = _common_normal(self, other)
         return Around(_hull_of(self.box, other.box), hull(self.off, other.off), across)
 
     def widened(self, other: Around) -> Around:
-        """Both, with no end that moves on for ever."""
+        """A description that encloses both, with ends that grow set to infinity."""
         x, y, z = (widened(a, b) for a, b in zip(self.box, other.box, strict=True))
         off = widened(self.off, other.off)
         across = _common_normal(self, other)
@@ -109,11 +109,11 @@ class Placement:
 
     @property
     def views(self) -> tuple[Around, Around]:
-        """Both descriptions of the origin: each of them holds."""
+        """Both descriptions of the origin; each of them holds."""
         return self.known, self.based
 
     def joined(self, other: Placement) -> Placement:
-        """Both."""
+        """A placement that encloses both."""
         x, y, z = (
             None if a is None or b is None else _hull_of(a, b)
             for a, b in zip(self.axes, other.axes, strict=True)
@@ -122,7 +122,7 @@ class Placement:
         return Placement(known, based, (x, y, z))
 
     def widened(self, other: Placement) -> Placement:
-        """Both, with no end that moves on for ever; axes that change are unknown."""
+        """A placement that encloses both, with growing ends infinite and changing axes unknown."""
         x, y, z = (
             a if a is not None and a == b else None
             for a, b in zip(self.axes, self.joined(other).axes, strict=True)
@@ -131,7 +131,7 @@ class Placement:
         return Placement(known, based, (x, y, z))
 
     def then(self, step: Placement) -> Placement:
-        """The frame ``step``, which is placed in this one, in the world."""
+        """The world placement of the frame ``step``, which is given in this one."""
         known, unknown = _divided(self.axes, step.known.box)
         aside = self._aside(step, unknown)
         axes = self.axes
@@ -149,14 +149,14 @@ class Placement:
         )
 
     def _aside(self, step: Placement, unknown: Sequence[Ends]) -> Around:
-        """The vector that a step adds in directions that are not known, from the origin."""
+        """The vectors that a step adds in unknown directions, from the origin."""
         known = [axis for axis in self.axes if axis is not None]
         own = Around(ORIGIN, norm(unknown), known[0] if len(known) == 1 else None)
         behind = Around(ORIGIN, step.known.off, self._axis(step.known.across))
         return Around(ORIGIN, _sum(own.off, behind.off), _common_normal(own, behind))
 
     def _based(self, step: Placement) -> Around:
-        """The second description: it begins where that of the step does, unless something turns."""
+        """The second description: it begins where the step's does, unless something turns."""
         known, unknown = _divided(self.axes, step.based.box)
         if self.based.off == NOTHING and not unknown:
             return Around(_plus(self.based.box, known), step.based.off)
@@ -164,7 +164,7 @@ class Placement:
         return Around(self.based.box, _sum(self.based.off, way))
 
     def _axis(self, column: Box | None) -> Box | None:
-        """A direction of this frame in the world."""
+        """A direction of this frame, in the world."""
         if column is None:
             return None
         found, lost = ORIGIN, ZERO
@@ -190,13 +190,13 @@ def placed(box: Box, axes: Axes = UNITS) -> Placement:
 
 
 def along(axis: int, way: Ends) -> Placement:
-    """A frame some metres along an axis, 0 to 2."""
+    """A frame displaced along an axis, 0 to 2, by a length in metres."""
     x, y, z = (total(way) if i == axis else NOTHING for i in range(3))
     return placed((x, y, z))
 
 
 def turned(axis: int, angle: Ends) -> Placement:
-    """A frame that is turned about an axis, 0 to 2, by an angle (rad)."""
+    """A frame rotated about an axis, 0 to 2, by an angle (rad)."""
     sine, cosine = total(INTERVALS.sin(angle)), total(INTERVALS.cos(angle))
     first, second = (axis + 1) % 3, (axis + 2) % 3
     columns = [list(unit) for unit in UNITS]
@@ -207,7 +207,7 @@ def turned(axis: int, angle: Ends) -> Placement:
 
 
 def freely_turned(axis: int) -> Placement:
-    """A frame that is turned about an axis, 0 to 2, by any angle."""
+    """A frame rotated about an axis, 0 to 2, by any angle."""
     x, y, z = (unit if i == axis else None for i, unit in enumerate(UNITS))
     return placed(ORIGIN, (x, y, z))
 
@@ -216,19 +216,19 @@ def freely_turned(axis: int) -> Placement:
 
 
 def _common_normal(a: Around, b: Around) -> Box | None:
-    """A direction that the vectors of both are orthogonal to."""
+    """A direction to which the vectors of both are orthogonal, or None."""
     if a.off == NOTHING:
         return b.across
     return a.across if b.off == NOTHING or a.across == b.across else None
 
 
 def hull(a: Ends, b: Ends) -> Ends:
-    """The least interval with both."""
+    """The least interval that contains both."""
     return Ends(a.low if a.low <= b.low else b.low, a.high if a.high >= b.high else b.high)
 
 
 def widened(old: Ends, new: Ends) -> Ends:
-    """The old interval, with each end at infinity that the new one is beyond."""
+    """The old interval, with each end that the new one exceeds set to infinity."""
     return Ends(
         -INFINITY if new.low < old.low else old.low, INFINITY if new.high > old.high else old.high
     )
@@ -243,7 +243,7 @@ def norm(vector: Sequence[Ends]) -> Ends:
 
 
 def _sum(a: Ends, b: Ends) -> Ends:
-    """The lengths of sums of two vectors of given lengths."""
+    """The possible lengths of the sum of two vectors of given lengths."""
     low = ZERO
     for one, other in ((a, b), (b, a)):
         left = (one.low - other.high).lower()
@@ -252,7 +252,7 @@ def _sum(a: Ends, b: Ends) -> Ends:
 
 
 def _common(a: Ends, b: Ends) -> Ends:
-    """What both intervals have in common, where they have something."""
+    """The intersection of two intervals that have a common point."""
     return Ends(a.low if a.low >= b.low else b.low, a.high if a.high <= b.high else b.high)
 
 
@@ -262,7 +262,7 @@ def _size(place: Around) -> Ends:
 
 
 def _divided(axes: Axes, box: Box) -> tuple[Box, list[Ends]]:
-    """A displacement: along axes that are known, in the world, and along those that are not."""
+    """A displacement split into the world vector along known axes, and the rest."""
     known, unknown = ORIGIN, list[Ends]()
     for side, axis in zip(box, axes, strict=True):
         if side == NOTHING:

@@ -1,15 +1,15 @@
-"""Productions without which a robot has the poses that it has with them, and some others.
+"""Productions without which a robot has all the poses that it has with them, and perhaps more.
 
-Both kinds have one nonterminal on the right side, that of the left side, and terminals on one side
-of it.  Every attribute that some emission depends on is handed on.
+Both kinds have one nonterminal on the right side, the same as on the left side, and terminals on
+one side of it. They pass on every attribute that some emission depends on.
 
-- *Removable*: nothing is emitted, and frames are handed on with turns and moves about or along the
-  axes that can all be nothing at once, by coordinates and rates that may be zero and by parameters.
-  With such joints held there, the robot is the one without them.
-- *Transparent*: frames are handed on as they are, and no effector is emitted.  Bodies may be: the
-  effectors and the other bodies of the robot are where they are without.
+- *Removable*: they emit nothing and pass on frames with rotations and translations that can all
+  vanish at once, for coordinates and rates that may be zero and for suitable parameters. With these
+  joints held there, the robot is the one without them.
+- *Transparent*: they pass on frames unchanged and emit no effector. They may emit bodies: the
+  effectors and the other bodies of the robot are where they are without them.
 
-Source: the hypothesis of Theorem 1, turned round: errata, row 4.9.
+Source: the hypothesis of Theorem 1, reversed: errata, row 4.9.
 """
 
 from __future__ import annotations
@@ -28,24 +28,24 @@ from grammar_lang.ir.expressions import children
 
 Step: TypeAlias = ir.Rot | ir.Move
 EVERYTHING: Bounds = (Fraction(-(10**30)), Fraction(10**30))
-"""For a coordinate without a range."""
+"""Stands for the range of a coordinate without one."""
 
 
 @dataclass(frozen=True, slots=True)
 class NeutralProductions:
-    """By number the productions of a grammar that are removable, and those that are transparent."""
+    """The numbers of the productions that are removable, and of those that are transparent."""
 
     removable: frozenset[int]
     transparent: frozenset[int]
 
     @property
     def none(self) -> bool:
-        """Whether there are neither."""
+        """Whether there are no such productions."""
         return not (self.removable or self.transparent)
 
 
 def neutral_productions(program: ir.Program, grammar: ir.Grammar) -> NeutralProductions:
-    """What is seen to be removable or transparent; a grammar without semantics has nothing."""
+    """The productions recognised as removable or transparent; none without semantics."""
     blocks = grammar.semantics or {}
     useful = useful_attributes(grammar.productions, blocks)
     removable, transparent = set[int](), set[int]()
@@ -63,7 +63,7 @@ def neutral_productions(program: ir.Program, grammar: ir.Grammar) -> NeutralProd
 
 
 def spine(production: ir.Production) -> int | None:
-    """Where ``A -> A y`` or ``A -> x A`` has its one nonterminal; None for other productions."""
+    """The position of the one nonterminal in ``A -> A y`` or ``A -> x A``; None for others."""
     inner = [i for i, symbol in enumerate(production.right) if symbol.kind == "nonterminal"]
     if len(inner) != 1 or len(production.right) < 2:
         return None
@@ -97,7 +97,7 @@ class _Production:
         )
 
     def _handed_on(self) -> Iterator[tuple[ir.AttributeOf, ir.Expr | None]]:
-        """For each attribute that is due what it would be without the production, and its rule."""
+        """For each attribute to define, its value without the production, and its rule."""
         rules = {rule.target: rule.value for rule in self.block.rules}
         for due in self.useful.due(self.production):
             upwards = due.occurrence == ir.THIS
@@ -107,7 +107,7 @@ class _Production:
     def _vanishes(
         self, source: ir.AttributeOf, value: ir.Expr | None, uses: Mapping[ir.Expr, int]
     ) -> bool:
-        """Whether a frame is ``source`` for some coordinates and parameters."""
+        """Whether a frame equals ``source`` for some coordinates and parameters."""
         if value is None:
             return False
         factors = [f for f in ir.factors(value) if not isinstance(f, ir.World)]
@@ -123,9 +123,9 @@ class _Production:
         return True
 
     def _can_be_zero(self, run: Sequence[Step], uses: Mapping[ir.Expr, int]) -> bool:
-        """Whether turns about one axis, or moves along one, can add up to nothing.
+        """Whether rotations about one axis, or translations along one, can add up to zero.
 
-        What is used elsewhere, too, has to be zero; a sum of the others has to be.
+        Variables that are also used elsewhere must be zero; the sum of the others must be zero.
         """
         low = high = Fraction(0)
         for step in run:
@@ -143,9 +143,9 @@ class _Production:
         return low <= 0 <= high
 
     def _values(self, term: ir.Expr) -> Bounds | None:
-        """Numbers all between which a term surely takes, or a number; None: nothing is seen.
+        """Numbers between which a term takes all values, or a number; None if nothing is known.
 
-        The coordinates of a joint whose rate may not be zero are never held.
+        The coordinates of a joint whose rate may not be zero cannot be held.
         """
         match term:
             case ir.DofOf(occurrence, name):
@@ -178,9 +178,10 @@ class _Production:
 
 
 def _closed(term: ir.Expr) -> Bounds | None:
-    """A number, as if it were as far from every other one as is seen: bounds the wrong way round.
+    """Bounds of a number in reverse order, which is the safe order for sums that must reach zero.
 
-    Sums with it surely are zero where the sums of the bounds are.  None where it is not closed.
+    If a sum with such bounds contains zero, the sum of the numbers certainly can be zero. None if
+    the term is not closed.
     """
     try:
         low, high = rational_bounds(term)
@@ -190,13 +191,13 @@ def _closed(term: ir.Expr) -> Bounds | None:
 
 
 def _inner(interval: ir.Interval) -> Bounds | None:
-    """Rationals within an interval, as far apart as is seen; None if there are none."""
+    """Rationals within an interval, as far apart as known; None if there are none."""
     low, high = rational_bounds(interval.lower)[1], rational_bounds(interval.upper)[0]
     return (low, high) if low <= high else None
 
 
 def _runs(steps: Sequence[Step]) -> Iterator[list[Step]]:
-    """Neighbouring steps of one kind about or along one axis."""
+    """Runs of adjacent steps of one kind about or along one axis."""
     run: list[Step] = []
     for step in steps:
         if run and (type(run[0]), run[0].axis[-1]) != (type(step), step.axis[-1]):

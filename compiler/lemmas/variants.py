@@ -1,4 +1,4 @@
-"""Which tasks a refuted robot answers for its variants, too, and what the words of these are."""
+"""For which tasks the refutation of a robot covers its variants, and which words these have."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ NONE = NeutralProductions(frozenset(), frozenset())
 
 
 def neutral_in_task(family: RobotFamily, task: ir.Task) -> NeutralProductions:
-    """What of a family is neutral for poses in a task.
+    """The productions of a family that are neutral for poses in a task.
 
-    Nothing where the start pose is given by coordinates, of which a variant has others, or values
-    of the existing robot are kept, which are those of other symbols in a variant.
+    There are none if the start pose is given by coordinates, as a variant has others, or if values
+    of the existing robot are kept, as these belong to other symbols in a variant.
 
-    A variant has to collide with all that the refuted robot collides with.  A shape hides the
-    points and solids of its link, so where bodies bind, none is added; and nothing is removable
-    where there is a shape, for a joint less makes two links one.  Where a robot keeps apart from
-    itself, rods hide them, too, and bodies of one link need not keep apart: then what is added
-    emits nothing, and nothing is removable.
+    A variant must collide with everything that the refuted robot collides with. A shape hides the
+    points and solids of its link, so no shape is added where bodies matter. Nothing is removable
+    where there is a shape, because removing a joint makes two links one. If a robot must not touch
+    itself, rods hide points and solids, too, and bodies of one link may touch: then only
+    productions that emit nothing are added, and nothing is removable.
     """
     kept = task.origin is not None and bool(task.origin.fixed)
     if isinstance(task.start, ir.StartAt) or kept:
@@ -50,7 +50,7 @@ def holds_of_variants(
     """Whether every derivation of every word with a condition is a variant of a derivation.
 
     Raises:
-        ValueError: there are too many derivations to tell.
+        ValueError: there are too many derivations to decide this.
     """
     language = family.language
     neutral = neutral_in_task(family, task)
@@ -64,10 +64,10 @@ def holds_of_variants(
 def holds_of_weighted(
     family: RobotFamily, task: ir.Task, base: Derivation, condition: ir.Accept, most: int
 ) -> bool:
-    """Whether every derivation of every word is one with up to ``most`` weights of each module.
+    """Whether each derivation of each word is the base with up to ``most`` weights per module.
 
     Raises:
-        ValueError: there are too many derivations to tell.
+        ValueError: there are too many derivations to decide this.
     """
     kinds = weights(family, task)
     if not kinds:
@@ -87,5 +87,5 @@ def holds_of_weighted(
 
 
 def is_about_poses(boxes: str) -> bool:
-    """Whether a covering says nothing of drives or objectives, but of poses alone."""
+    """Whether a covering is only about poses, not about drives or objectives."""
     return not {"!", "$"} & {*boxes}

@@ -1,9 +1,9 @@
-"""A robot with point masses that it may carry besides, wherever a derivation may have such parts.
+"""A robot with additional point masses, wherever a derivation may have such parts.
 
-Of a robot that its drives are too weak for, a heavier one may still be able, by a counterweight;
-so nothing is concluded from one mass to another.  Instead all masses are asked about at once: the
-masses of parts that change no pose are parameters, from nothing up to all that there may be of
-them, at every frame at which the derivation may have such a part.
+If the drives of a robot are too weak, a heavier robot may still do the task, thanks to a
+counterweight. So a refutation for one mass says nothing about another. Instead all masses are
+covered at once: the masses of parts that change no pose are parameters, from zero up to the largest
+possible total, at every frame at which the derivation may have such a part.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from grammar_lang import ir
 def weights(family: RobotFamily, task: ir.Task) -> Mapping[str, str]:
     """The productions that add point masses and nothing else, by label, with their one module.
 
-    None in tasks that name coordinates, kept values or loads, and where bodies have to keep clear
-    of something: a weight is a point of the body.
+    Empty in tasks that name coordinates, kept values or loads, and in tasks whose bodies must avoid
+    something: a weight is a point of the body.
     """
     plain = (
         not isinstance(task.start, ir.StartAt) and task.origin is None and not task.carries
@@ -66,14 +66,14 @@ def weighted_robot(
 ) -> RobotModel | None:
     """The robot of a derivation with up to ``most`` weights of each kind, anywhere.
 
-    Every robot of a derivation that results from ``base`` by putting in weights, of each module no
-    more than ``most``, is this one for some of its parameters.  None where that is not seen.
+    Every robot of a derivation that results from ``base`` by inserting weights, at most ``most`` of
+    each module, is this robot for some values of its parameters. None if this cannot be shown.
 
     Args:
         family: the family of the task.
         task: the task.
         base: a derivation without weights.
-        most: how many of each module.
+        most: the largest number of each module.
     """
     kinds = weights(family, task)
     owners = {production.label: production.left for production in family.grammar.productions}
@@ -92,7 +92,7 @@ def weighted_robot(
 
 
 def _with_free_masses(model: RobotModel, modules: frozenset[str], most: int) -> RobotModel | None:
-    """The model with a parameter for each mass that a module of some emits; None: not seen."""
+    """The model with a parameter for each mass that these modules emit; None if that fails."""
     table = ScalarTable()
     for node in model.scalars:
         table.add(node)
@@ -118,7 +118,7 @@ def _with_free_masses(model: RobotModel, modules: frozenset[str], most: int) -> 
 
 
 def _largest(model: RobotModel, body: Body) -> Fraction | None:
-    """The largest mass of a body in kg, which is not negative; None where it is not seen."""
+    """The largest mass of a body in kg, if it is known and not negative; else None."""
     if not isinstance(body, PointBody):
         return None
     bounds: Sequence[Fraction] | None = None

@@ -2,14 +2,14 @@ r"""Positive definiteness of M from the velocities of the bodies, without their 
 
 .. math:: v'Mv = \sum_b m_b |J_b v|^2 + (W_b v)' I_b (W_b v)
 
-Where no term is negative, v'Mv = 0 puts every body of positive mass at rest: its points, and what
-of its rotation has inertia.  So M is positive definite where the matrix A of those velocities has
-full column rank, however the masses and lengths are.
+If no term is negative, v'Mv = 0 means that every body of positive mass is at rest: its points, and
+the components of its rotation that have inertia. So M is positive definite where the matrix A of
+these velocities has full column rank, whatever the masses and lengths.
 
-The rates are shown to be zero group by group.  A group of joints needs only bodies that no other
-joints move but those of the groups before; what the joints before the first of the group do turns
-and shifts these bodies as a whole, and does not matter.  So a chain whose every joint carries a
-body of its own is proved joint by joint, and its coordinates drop out.
+The rates are shown to be zero group by group. A group of joints needs only bodies that are moved by
+no other joints than those of the group and of earlier groups. The joints before the first of the
+group rotate and translate these bodies as a whole, which does not matter. So a chain in which every
+joint carries a body of its own is proved joint by joint, and its coordinates drop out.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ from compiler.time_limits.time_limit import check_time
 
 SHARPEST = 1e-3
 UNBOUNDED = 1e30
-"""Stands for an infinite radius where enclosures are compared."""
+"""Stands for an infinite radius when enclosures are compared."""
 
 
 @dataclass(frozen=True, slots=True)
 class Velocities:
-    """Rows J of one body: v'Mv = 0 implies J v = 0 where all of ``positive`` are above zero."""
+    """Rows J of one body: v'Mv = 0 implies J v = 0 if all of ``positive`` are above zero."""
 
     body: int
     rows: ca.SX
@@ -51,7 +51,7 @@ class Velocities:
 class BodyMotions:
     """The velocities of all bodies.
 
-    ``variables`` are q then theta.  Where none of ``weights`` is negative, no term of v'Mv is.
+    ``variables`` are q then theta. If no entry of ``weights`` is negative, no term of v'Mv is.
     """
 
     model: RobotModel
@@ -62,7 +62,7 @@ class BodyMotions:
     weights: tuple[ca.SX, ...]
 
     def moved_by(self, body: int) -> tuple[int, ...]:
-        """The degrees of freedom before a body."""
+        """The degrees of freedom that move a body."""
         steps = self.model.steps(self.model.bodies[body].frame)
         return tuple(sorted({step.dof for step in steps if isinstance(step, Joint)}))
 
@@ -104,7 +104,8 @@ def _of_body(
 
     match body:
         case RodBody(frame, axis, _, length, density, _):
-            # Mass above zero means a length other than zero: both ends at rest, so the direction.
+            # A mass above zero implies a non-zero length: both ends are at rest, so the direction
+            # is.
             mass = literal(density) * literal(length)
             rows = ca.vertcat(rates(at.origins[frame]), rates(at.axis(frame, axis)))
             return [Velocities(number, rows, (mass,))], [mass]
@@ -138,7 +139,7 @@ def _spin(at: Kinematics, frame: int, constants: SymbolicEvaluator, q: ca.SX) ->
 def _rotation(
     number: int, spin: ca.SX, moments: Sequence[ca.SX]
 ) -> tuple[list[Velocities], list[ca.SX]]:
-    """The rows of a rotation, and what must not be negative: all principal minors."""
+    """The rows of a rotation, and the terms that must not be negative: all principal minors."""
     if len(moments) == 1:
         return [Velocities(number, spin[2, :], (moments[0],))], [moments[0]]
     xx, yy, zz, xy, xz, yz = moments
@@ -163,7 +164,7 @@ class RestProof:
 class RestTest:
     """Whether the rates of a group of joints are zero when its bodies are at rest.
 
-    ``rows`` times the rates of the group are the velocities of the bodies.  Row i counts where the
+    ``rows`` times the rates of the group are the velocities of the bodies. Row i counts if the
     expressions ``needs[i]`` of ``signs`` are above zero; the first ``weights`` of these must not be
     negative.
     """
@@ -197,7 +198,7 @@ class RestTest:
             self._slopes = None
 
     def proof(self, box: Box, budget: int) -> RestProof:
-        """Examine a box and its parts, at most so many, until one resists."""
+        """Examine a box and its parts, at most ``budget``, until one cannot be proved."""
         waiting, boxes = [box], 0
         while waiting:
             part = waiting.pop()
@@ -217,8 +218,8 @@ class RestTest:
     def inverse(self, box: Box) -> Array | None:
         """An approximate left inverse L (c, r) of the r rows on a box; None if there is none.
 
-        Columns of L are zero for rows that do not count there.  Rows that are known sharply weigh
-        more.
+        Columns of L are zero for rows that do not count there. Rows with sharp enclosures get more
+        weight.
         """
         table, signs = self._enclosed([hull(side) for side in box])
         centre = self._at([middle(side) for side in box])
@@ -237,8 +238,8 @@ class RestTest:
     def holds(self, box: Box, left: Array) -> bool:
         """Whether L A is regular on the box, with L = ``left`` (c, r), by either of two enclosures.
 
-        L is zero for the rows that do not count there.
-        Those are L A(X), and the mean value form L A(c) + sum_i L dA/dx_i(X) (x_i - c_i).
+        L is zero for the rows that do not count there. The enclosures are L A(X), and the mean
+        value form L A(c) + sum_i L dA/dx_i(X) (x_i - c_i).
         """
         sides = [hull(side) for side in box]
         before = arb_mat([[arb(float(item)) for item in row] for row in left])
@@ -255,7 +256,7 @@ class RestTest:
             return True
         if self._slopes is None or not all(sides[i].finite for i in self.active):
             return False
-        # The centres have to be within what the slopes are enclosed over: a ball has its own.
+        # The centres must be within the intervals of the slopes: a ball has its own centre.
         balls = {i: sides[i].ball() for i in self.active}
         wide, point = list(sides), list(sides)
         for i, whole in balls.items():
@@ -272,10 +273,9 @@ class RestTest:
         return _regular(total)
 
     def divided(self, box: Box, left: Array | None) -> list[Box] | None:
-        """Two parts, cut at the variable that blurs the enclosures most; unlimited ones first.
+        """Two parts, cut at the variable that widens enclosures most; unlimited variables first.
 
-        ``left`` is what ``inverse`` gives, (c, r) or None.  The answer is None where no variable
-        can be cut.
+        ``left`` is the result of ``inverse``, (c, r) or None. None if no variable can be cut.
         """
         cuts = {i: pair for i in self.active if (pair := halves(box[i])) is not None}
         if not cuts:
@@ -284,7 +284,7 @@ class RestTest:
         return [(*box[:i], half, *box[i + 1 :]) for half in cuts[i]]
 
     def _blur(self, box: Box, known: int, left: Array | None) -> float:
-        """How wide ``L A`` is, or all enclosures without L, if one variable is known."""
+        """The width of ``L A``, or of all enclosures without L, if one variable were known."""
         sides = [hull(side) for side in box]
         if not sides[known].finite:
             return -1.0
@@ -304,7 +304,7 @@ class RestTest:
         return table, found[height * columns :]
 
     def _at(self, point: Sequence[float]) -> Array:
-        """The rows in floating point, to choose an inverse."""
+        """The rows in floating point, for choosing an inverse."""
         constants = [float(constant.low) for constant in self._constants]
         return np.asarray(self._numeric(ca.DM(list(point)), ca.DM(constants)).full())
 
@@ -316,8 +316,8 @@ def _radius(entry: Ends) -> float:
 def _regular(matrix: arb_mat) -> bool:
     """Whether every matrix within the balls is regular.
 
-    Proved by a positive vector d with ``m_ii d_i > sum_j |m_ij| d_j`` for all rows i: the matrix
-    with its columns scaled by d is strictly diagonally dominant.
+    It is proved by a positive vector d with ``m_ii d_i > sum_j |m_ij| d_j`` for all rows i: the
+    matrix with its columns scaled by d is strictly diagonally dominant.
     """
     n = int(matrix.nrows())
     sizes = np.array([[float(matrix[i, j].abs_upper()) for j in range(n)] for i in range(n)])
@@ -333,7 +333,7 @@ def _regular(matrix: arb_mat) -> bool:
 
 
 def rest_test(motions: BodyMotions, group: Sequence[int], bodies: Sequence[int]) -> RestTest:
-    """The test for a group of degrees of freedom and bodies that only these and known ones move."""
+    """The test for a group of degrees of freedom, and bodies moved only by these and known ones."""
     signs, needs = list(motions.weights), list[tuple[int, ...]]()
     blocks = [ca.SX(0, len(group))]
     for velocity in motions.velocities:
@@ -353,7 +353,8 @@ def rest_test(motions: BodyMotions, group: Sequence[int], bodies: Sequence[int])
 def still_joints(model: RobotModel, group: Sequence[int], bodies: Sequence[int]) -> list[int]:
     """Joints that move these bodies as a whole, no later than the first joint of the group.
 
-    Their coordinates change no distance and no angle between velocities, so they may be zero.
+    Their coordinates change no distance and no angle between velocities, so they may be set to
+    zero.
     """
     chains = [model.chain(model.bodies[body].frame) for body in bodies]
     used = Counter(

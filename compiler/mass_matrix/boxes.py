@@ -1,4 +1,4 @@
-"""Boxes of joint coordinates and parameters: their enclosures, their halves, their natural values.
+"""Boxes of joint coordinates and parameters: their enclosures, halves and natural values.
 
 A side is a range, which may be unlimited, or a finite set.
 """
@@ -20,19 +20,19 @@ from grammar_lang import ir
 FARTHEST, FINEST = 2.0**20, 2.0**-20
 
 Side: TypeAlias = tuple[Ends, ...]
-"""One interval for a range, one for each element of a finite set."""
+"""One interval for a range, or one for each element of a finite set."""
 Box: TypeAlias = tuple[Side, ...]
 Domain: TypeAlias = ir.Interval | ir.Choices | None
 
 
 def domains(model: RobotModel) -> list[tuple[Domain, bool]]:
-    """Of all coordinates, then of all parameters; whether it is of an angle."""
+    """The domains of all coordinates, then of all parameters, and whether each is of an angle."""
     joints = [(dof.range, dof.kind == "revolute") for dof in model.dofs]
     return [*joints, *((parameter.domain, False) for parameter in model.parameters)]
 
 
 def robot_box(model: RobotModel) -> Box:
-    """All coordinates, then all parameters; an unlimited angle takes one turn."""
+    """All coordinates, then all parameters; an unlimited angle has one full turn."""
     return tuple(_side(domain, angle=angle) for domain, angle in domains(model))
 
 
@@ -56,7 +56,7 @@ def hull(side: Side) -> Ends:
 
 
 def middle(side: Side) -> float:
-    """A number near the middle of a side; of an unlimited one, farther out as it lies so."""
+    """A number near the middle of a side; for an unlimited side 0, or twice its finite end."""
     part = side[(len(side) - 1) // 2]
     if part.finite:
         return float((part.low + part.high).mid()) / 2
@@ -68,7 +68,7 @@ def middle(side: Side) -> float:
 
 
 def halves(side: Side) -> tuple[Side, Side] | None:
-    """Two sides that cover it; None for a single value, and for what is very small or far away."""
+    """Two sides that cover it; None for a single value, and for a very small or distant side."""
     if len(side) > 1:
         cut = len(side) // 2
         return side[:cut], side[cut:]
@@ -83,14 +83,14 @@ def halves(side: Side) -> tuple[Side, Side] | None:
 
 
 def side_text(side: Side) -> str:
-    """A side for people, in SI units."""
+    """A side as text, in SI units."""
     if len(side) > 1:
         return "{" + ", ".join(f"{float(part.low):.9g}" for part in side) + "}"
     return f"[{float(side[0].low):.9g}, {float(side[0].high):.9g}]"
 
 
 def natural_values(domain: Domain, *, angle: bool) -> tuple[PiLinear, ...]:
-    """Zero, right angles, the ends and the centre, as far as they surely are in a domain."""
+    """Zero, right angles, the ends and the centre, as far as they are certainly in a domain."""
     if isinstance(domain, ir.Choices):
         return tuple(value for choice in domain.values if (value := _exact(choice)) is not None)
     found = [PiLinear(Fraction(0))]

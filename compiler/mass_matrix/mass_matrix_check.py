@@ -1,9 +1,9 @@
 """Whether the mass matrix of a robot is positive definite for all poses and parameters.
 
-M is proved by the velocities of the bodies, group of joints by group.  Where that leaves joints, a
-vector v with v'Mv <= 0 is looked for: first one that M annihilates identically, then one at the
-natural points of the box (zero, right angles, ends, centres), where v'Mv is calculated exactly.
-Floating point chooses v and proves nothing.
+M is proved positive definite from the velocities of the bodies, one group of joints after another.
+If joints remain, a vector v with v'Mv <= 0 is searched for: first one that M annihilates
+identically, then one at the natural points of the box (zero, right angles, ends, centres), where
+v'Mv is computed exactly. Floating point chooses v and proves nothing.
 """
 
 from __future__ import annotations
@@ -48,20 +48,20 @@ from compiler.robots.robot import RobotModel
 
 PRECISION = 128
 BOXES = 4096
-"""Boxes examined unless told otherwise."""
+"""The default number of boxes examined."""
 FEW, SHARE = 32, 8
-"""A group of joints may use so many boxes at first, and later one part in so many of the budget."""
+"""The boxes that a group may use at first; later it may use 1 / ``SHARE`` of the budget."""
 POINTS = 400
-"""The most natural points that are tried."""
+"""The number of natural points that are tried."""
 SCATTERED = 5
-"""Points at which M has to annihilate a vector before that is tried as an identity."""
+"""Points at which M must annihilate a vector before it is tried as an identity."""
 SINGULAR = 1e-9
 DENOMINATOR = 1000
 
 
 @dataclass(frozen=True, slots=True)
 class Witness:
-    """``v'Mv <= 0`` at a point of the box; ``identically``: v'Mv = 0 at all of them."""
+    """A witness of ``v'Mv <= 0`` at a point of the box; ``identically``: v'Mv = 0 at all points."""
 
     vector: tuple[Fraction, ...]
     point: tuple[PiLinear, ...] = ()
@@ -72,9 +72,9 @@ class Witness:
 class Definiteness:
     """Whether M is positive definite over a box (v'Mv > 0 for all v other than zero).
 
-    M is symmetric by construction: a sum of m J'J and W'IW with I symmetric.  ``groups`` of joints
-    were proved; ``left`` is a part of the box that resisted.  Coordinates and sides are in the
-    order of ``names``.
+    M is symmetric by construction: a sum of m J'J and W'IW with I symmetric. ``groups`` of joints
+    were proved; ``left`` is a part of the box that could not be proved. Coordinates and sides are
+    in the order of ``names``.
     """
 
     status: Literal["proved", "fails", "undecided"]
@@ -113,7 +113,8 @@ def mass_matrix_check(model: RobotModel, *, budget: int = BOXES) -> Definiteness
         budget: the most boxes to examine.
     """
     with working_precision(PRECISION):
-        # M is the sum of what bodies and rotors add: a rotor at rest leaves its joint no rate.
+        # M is the sum of the contributions of bodies and rotors: a rotor at rest implies a zero
+        # rate.
         turning = (i for i, d in enumerate(model.dofs) if d.inertia and closed_ball(d.inertia) > 0)
         known = frozenset(turning)
         return _Check(model, body_motions(model), robot_box(model), budget, known).run()
@@ -121,7 +122,7 @@ def mass_matrix_check(model: RobotModel, *, budget: int = BOXES) -> Definiteness
 
 @dataclass(slots=True)
 class _Check:
-    """One check; ``known`` are the joints whose rates are zero, ``boxes`` were examined."""
+    """One check; the rates of the joints ``known`` are zero, ``boxes`` were examined."""
 
     model: RobotModel
     motions: BodyMotions
@@ -147,7 +148,7 @@ class _Check:
         return Definiteness("undecided", self.boxes, self.groups, names, left=self.left)
 
     def prove(self, share: int) -> list[int]:
-        """Groups of joints one after the other, small ones first; the joints that are left."""
+        """Prove groups of joints one by one, small ones first; return the remaining joints."""
         moved = [self.motions.moved_by(body) for body in range(len(self.model.bodies))]
         while rest := [i for i in range(len(self.model.dofs)) if i not in self.known]:
             groups = {tuple(i for i in dofs if i not in self.known) for dofs in (*moved, rest)}
@@ -157,7 +158,7 @@ class _Check:
         return rest
 
     def proved(self, group: Sequence[int], share: int) -> bool:
-        """Whether the rates of a group are zero with those known, if all bodies are at rest."""
+        """Whether the rates of a group are zero, given the known ones, with all bodies at rest."""
         allowed = min(share, self.budget - self.boxes)
         if allowed <= 0:
             self.left = self.left or self.box
@@ -179,7 +180,7 @@ class _Check:
 
 
 class SingularSearch:
-    """Looks for a witness against M in the rows and columns of some joints, over a box."""
+    """Searches for a witness against M in the rows and columns of some joints, over a box."""
 
     def __init__(
         self, model: RobotModel, motions: BodyMotions, box: Box, rest: Sequence[int]
@@ -188,7 +189,7 @@ class SingularSearch:
         self.model, self.box, self.rest = model, box, list(rest)
         z, k = motions.variables, ca.SX.sym("k", len(graph.constants))
         matrix = ca.densify(graph.mass_matrix(z[:n], z[n:], k))[self.rest, self.rest]
-        # The joints that move all bodies as a whole change no entry of M.
+        # Joints that move all bodies as a whole change no entry of M.
         still = still_joints(model, range(n), range(len(model.bodies))) if model.bodies else []
         if still:
             matrix = ca.substitute(matrix, z[still], ca.SX.zeros(len(still)))
@@ -200,7 +201,7 @@ class SingularSearch:
         self.constants = graph.constants
 
     def witness(self) -> Witness | None:
-        """One for all points of the box, else one at a natural point; None where none is found."""
+        """A witness for all points of the box, else one at a natural point; None if not found."""
         if self.values.uses("sign"):
             return None
         points = list(self.scattered())
@@ -219,7 +220,7 @@ class SingularSearch:
         return None
 
     def vector(self, point: Sequence[PiLinear]) -> tuple[Fraction, ...] | None:
-        """A vector v with v'Mv <= 0 at a point, exactly zero or a negative ball; None if none."""
+        """A vector v with v'Mv <= 0 at a point, exactly zero or a negative ball, or None."""
         matrix = self.at([float(value.ball()) for value in point])
         if not np.all(np.isfinite(matrix)) or not _doubtful(matrix):
             return None
@@ -238,7 +239,7 @@ class SingularSearch:
     def exact(
         self, ring: PolynomialRing, inputs: Sequence[TrigonometricPolynomial]
     ) -> list[TrigonometricPolynomial] | None:
-        """The entries of M, column by column, as polynomials; None where they get too long."""
+        """The entries of M, column by column, as polynomials; None if they get too long."""
         constants = [
             ring.rational(c.value) if isinstance(c, Constant) else ring.symbol(Pi())
             for c in self.constants
@@ -249,19 +250,19 @@ class SingularSearch:
             return None
 
     def at(self, point: Sequence[float]) -> Array:
-        """M in the rows and columns of those r joints, (r, r), in floating point."""
+        """M in the rows and columns of the r joints, (r, r), in floating point."""
         constants = [float(constant_ball(constant)) for constant in self.constants]
         return np.asarray(self.numeric(ca.DM(list(point)), ca.DM(constants)).full())
 
     def whole(self, vector: Sequence[Fraction]) -> tuple[Fraction, ...]:
-        """The vector with zeros for the joints that are not looked at."""
+        """The vector with zeros inserted for the joints that are not examined."""
         found = [Fraction(0)] * len(self.model.dofs)
         for i, item in zip(self.rest, vector, strict=True):
             found[i] = item
         return tuple(found)
 
     def scattered(self) -> Iterator[list[float]]:
-        """A few points of no particular kind, the same on every call."""
+        """A few arbitrary points, the same on every call."""
         rng = np.random.default_rng(0)
         for _ in range(SCATTERED):
             parts = [side[int(rng.integers(len(side)))] for side in self.box]
@@ -271,7 +272,7 @@ class SingularSearch:
             ]
 
     def natural_points(self) -> Iterator[tuple[PiLinear, ...]]:
-        """The first natural value of every side, and points that differ in one or two of them."""
+        """The first natural values of all sides, and points that differ from them in one or two."""
         options = [natural_values(domain, angle=angle) for domain, angle in domains(self.model)]
         if not all(options):
             return
@@ -288,7 +289,7 @@ class SingularSearch:
 def _form(
     ring: PolynomialRing, entries: Sequence[TrigonometricPolynomial], vector: Sequence[Fraction]
 ) -> TrigonometricPolynomial:
-    """v'Mv; zero, without terms, wherever M v is."""
+    """v'Mv; it has no terms, and is thus zero, if M v is zero."""
     total, n = ring.rational(0), len(vector)
     for i, j in product(range(n), repeat=2):
         if vector[i] and vector[j]:
@@ -304,7 +305,7 @@ def _number(ring: PolynomialRing, value: PiLinear) -> TrigonometricPolynomial:
 def _doubtful(matrix: Array) -> bool:
     """Whether a matrix is not clearly positive definite in floating point."""
     diagonal = np.diag(matrix)
-    # Not only relative to itself: where it is exactly zero it may be rounded to above zero.
+    # An absolute test as well: an exact zero may be rounded to a positive number.
     if not np.all(diagonal > SINGULAR):
         return True
     scale = 1 / np.sqrt(diagonal)
@@ -322,7 +323,7 @@ def _lowest(matrix: Array) -> Iterator[tuple[Fraction, ...]]:
 def null_vectors(matrices: Sequence[Array]) -> list[tuple[Fraction, ...]]:
     """Short integer vectors that all matrices (n, n) seem to annihilate, in floating point."""
     n = len(matrices[0])
-    # What is exactly zero may be rounded to a little more, which is not to be scaled up.
+    # An exact zero may be rounded to a small number, which must not be scaled up.
     sizes = [max(float(np.abs(matrix).max()), SINGULAR) for matrix in matrices]
     stacked = np.vstack([matrix / size for matrix, size in zip(matrices, sizes, strict=True)])
     _, singular, rows = np.linalg.svd(stacked)
@@ -338,7 +339,7 @@ def null_vectors(matrices: Sequence[Array]) -> list[tuple[Fraction, ...]]:
 
 
 def _integral(vector: Sequence[Fraction]) -> tuple[Fraction, ...]:
-    """The multiple with coprime integer entries, the first other than zero positive."""
+    """The multiple with coprime integer entries whose first non-zero entry is positive."""
     scale = lcm(*(item.denominator for item in vector))
     whole = [int(item * scale) for item in vector]
     common = gcd(*whole) * (1 if next(item for item in whole if item) > 0 else -1)

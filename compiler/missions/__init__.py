@@ -1,1 +1,1 @@
-"""Missions: boxes of parameters, what it takes to rebuild a robot, and the cheapest chains."""
+"""Missions: boxes of parameters, the changes from robot to robot, and the cheapest chains."""

@@ -1,8 +1,8 @@
 """The cheapest chains of robots through the tasks of a mission: a shortest path through layers.
 
-Every layer has the robots that are left for a task; a step from one to one of the next layer costs
-what rebuilding it takes.  Costs of words are computed for all pairs at once; where both robots are
-known in their parameters, too, the pair is looked at on its own.
+Every layer has the robots that remain for a task; a step from one robot to a robot of the next
+layer costs what rebuilding it costs. Costs of words are computed for all pairs at once; a pair of
+robots whose parameters are both known is computed separately.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from compiler.missions.robot_changes import Built, Free, cost_of_changes
 from grammar_lang import ir
 
 Ints: TypeAlias = npt.NDArray[Any]
-"""Whole numbers of 64 bits, or objects where those are too few."""
+"""Integers of 64 bits, or objects if these are too small."""
 NONE = 2**61
-"""The cost of what is impossible, where costs have 64 bits."""
+"""The cost of an impossible step, if costs have 64 bits."""
 
 
 Words: TypeAlias = tuple[tuple[str, ...], ...]
@@ -31,9 +31,9 @@ Words: TypeAlias = tuple[tuple[str, ...], ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:
-    """A robot of a layer; ``narrow``: its parameters are known closer than their domains.
+    """A robot of a layer; ``narrow``: its parameters are known more closely than their domains.
 
-    ``rank`` orders chains of equal cost, small ones first.
+    ``rank`` orders chains of equal cost, smaller ones first.
     """
 
     robot: Built
@@ -42,13 +42,13 @@ class Link:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Its modules by name."""
+        """The names of its modules."""
         return tuple(module.name for module in self.robot)
 
 
 @dataclass(slots=True)
 class ChainCosts:
-    """What steps cost; ``existing`` is the robot that there is before the first task, if any."""
+    """The costs of steps; ``existing`` is the robot that exists before the first task, if any."""
 
     prices: ir.Prices
     free: Free
@@ -66,11 +66,11 @@ class ChainCosts:
         self.scale = lcm(*(p.denominator for p in (prices.add, prices.remove, prices.change)))
 
     def whole(self, cost: Fraction) -> int:
-        """A cost as a whole number."""
+        """A cost as an integer."""
         return int(cost * self.scale)
 
     def most(self, layers: Sequence[Sequence[Link]]) -> int:
-        """What no chain costs more than, as a whole number."""
+        """An upper bound of the cost of any chain, as an integer."""
         given = 0 if self.existing is None else len(self.existing.robot)
         longest = [max(len(link.robot) for link in layer) for layer in layers]
         prices = self.prices
@@ -115,7 +115,7 @@ def word_costs(
     *,
     wide: bool = False,
 ) -> Ints:
-    """What it costs to make words of words by their modules alone, (len(old), len(new)).
+    """The costs of turning words into words by their modules alone, (len(old), len(new)).
 
     ``wide``: costs may have more than 64 bits.
 
@@ -155,7 +155,7 @@ def _padded(
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Of every layer the number of a robot, and what all steps cost."""
+    """The number of a robot in every layer, and the cost of all steps."""
 
     robots: tuple[int, ...]
     cost: Fraction
@@ -166,13 +166,13 @@ def cheapest_chain(
     layers: Sequence[Sequence[Link]],
     blocked: Sequence[tuple[int, int, int]] = (),
 ) -> Chain | None:
-    """The cheapest chain, of equal ones that of the least sum of ranks; None: there is none.
+    """The cheapest chain, of equal ones that with the least sum of ranks; None if there is none.
 
     Args:
-        costs: what steps cost.
-        layers: the robots that are left for each task.
-        blocked: steps that are not taken: the number of the layer that they start from, and those
-            of the robots.
+        costs: the costs of steps.
+        layers: the robots that remain for each task.
+        blocked: steps that are not allowed: the number of the layer that they start from, and the
+            numbers of the two robots.
     """
     if not all(layers):
         return None

@@ -1,10 +1,10 @@
-"""In what modules of a robot that there is are built otherwise in the spec of its next task.
+"""The modules of an existing robot that are built differently in the spec of its next task.
 
-A module is what it declares, and what the rules of the productions that it stands in say: frames,
-bodies, shapes, effectors; of a grammar from ports, the ports, too.  Compared is what the specs come
-to, so that comments, units and the names of local values make no difference, nor do the names of
-the nonterminals of a written grammar.  What a rule does not name a module in belongs to all modules
-of its production.
+A module consists of its declaration, and of the parts of the productions in which it occurs:
+frames, bodies, shapes, effectors; for a grammar from ports, the ports, too. The meaning of the
+specs is compared, so comments, units and the names of local values make no difference, nor do the
+names of the nonterminals of a written grammar. The parts of a rule that name no module belong to
+all modules of its production.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from grammar_lang.ir.emissions import with_expressions
 from grammar_lang.ir.expressions import with_leaves
 
 Aspects: TypeAlias = dict[str, object]
-"""What a production says of a module, by what that is about, as values that can be compared."""
+"""Maps each aspect of a module to the statements of a production about it, comparable values."""
 
 
 @dataclass(frozen=True, slots=True)
 class ModuleDifference:
-    """A module, and in ``what`` it differs, in words, as ``("parameter length", "bodies")``."""
+    """A module, and ``what`` differs in it, in words, as ``("parameter length", "bodies")``."""
 
     module: str
     what: tuple[str, ...]
@@ -35,13 +35,13 @@ def module_differences(
     before: tuple[ir.Program, ir.Grammar],
     after: tuple[ir.Program, ir.Grammar],
 ) -> tuple[ModuleDifference, ...]:
-    """The modules that are built otherwise, in the order given; none where all are the same.
+    """The modules that are built differently, in the order given; empty if there are none.
 
     Args:
         modules: the names of modules of the robot; both programs have them.
-        labels: those of the productions that derive the robot.
-        before: the program that the robot was found in, and its grammar.
-        after: the program of the next task, and the grammar there.
+        labels: the labels of the productions that derive the robot.
+        before: the program in which the robot was found, and its grammar.
+        after: the program of the next task, and its grammar.
     """
     found = []
     for name in dict.fromkeys(modules):
@@ -56,7 +56,7 @@ def module_differences(
 
 
 def _declared(old: ir.Module, new: ir.Module) -> Iterator[str]:
-    """In what the declarations differ."""
+    """The differences of the declarations."""
     if old == new:
         return
     if old.role != new.role:
@@ -73,19 +73,20 @@ def _declared(old: ir.Module, new: ir.Module) -> Iterator[str]:
 
 
 def _listed(kind: str, old: Mapping[str, object], new: Mapping[str, object]) -> Iterator[str]:
-    """What was, is or has become another one."""
+    """The names that were added, removed or changed."""
     for name in {**old, **new}:
         if old.get(name) != new.get(name):
             yield f"{kind} {name}"
 
 
-# --- What productions say of them -----------------------------------------------------------------
+# --- What productions say about modules -----------------------------------------------------------
 
 
 def _built(name: str, labels: Collection[str], old: ir.Grammar, new: ir.Grammar) -> Iterator[str]:
-    """In what the productions of a robot with the module differ from the most similar ones.
+    """Differences between a robot's productions with the module and the most similar new ones.
 
-    Where the module stands in none of the new grammar, it cannot be kept, so that nothing is said.
+    If the module occurs in no production of the new grammar, it cannot be kept, and nothing is
+    reported.
     """
     theirs = [*_aspects(name, new, None)]
     for ours in _aspects(name, old, labels) if theirs else ():
@@ -97,7 +98,7 @@ def _different(old: Aspects, new: Aspects) -> list[str]:
 
 
 def _aspects(name: str, grammar: ir.Grammar, labels: Collection[str] | None) -> Iterator[Aspects]:
-    """What each production says of each occurrence of a module; those with the labels alone."""
+    """The statements of each production about each occurrence of a module, by label if given."""
     blocks = grammar.semantics or {}
     for production in grammar.productions:
         if labels is not None and production.label not in labels:
@@ -112,7 +113,7 @@ def _aspects(name: str, grammar: ir.Grammar, labels: Collection[str] | None) -> 
 def _aspects_of(
     production: ir.Production, block: ir.SemanticBlock, place: int, *, ports: bool
 ) -> Aspects:
-    """The same of one occurrence of a module, at a place of the right side."""
+    """The statements of a production about a module at a position of its right side."""
     renamed = _numbered(block)
     emitted = [
         with_expressions(each, renamed)
@@ -131,7 +132,7 @@ def _aspects_of(
         "effectors": [each for each in emitted if isinstance(each, ir.Effector)],
     }
     if ports:
-        # Nonterminals are the types of ports; that of the first module is no type.
+        # Nonterminals are the types of ports; that of the first module is not a type.
         right = [symbol.name for symbol in production.right]
         return {"ports": [production.left, *right], **own}
     right = ["" if each.kind == "nonterminal" else each.name for each in production.right]
@@ -139,7 +140,7 @@ def _aspects_of(
 
 
 def _numbered(block: ir.SemanticBlock) -> Callable[[ir.Expr], ir.Expr]:
-    """What gives local values numbers in the place of names, in the order in which they stand."""
+    """A function that replaces names of local values by numbers, in the order of definition."""
     local = [rule.target.name for rule in block.rules if rule.target.occurrence == ir.LOCAL]
     numbers = {name: str(number) for number, name in enumerate(local)}
 

@@ -1,4 +1,4 @@
-"""The robots that are left for the tasks of a mission, of which the cheapest chain is a bound."""
+"""The robots that remain for the tasks of a mission; their cheapest chain is a bound."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ Labels = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class OpenRobots:
-    """What is known of the robots of one task.
+    """The state of knowledge about the robots of one task.
 
-    ``most`` bounds their modules, None: nothing does; ``is_refuted`` tells of a structure whatever
-    its parameters are; ``trees`` are the boxes of those structures that are refuted in some.
-    ``fixed``: parameters decide on costs, as the robot that there is before has known ones.
+    ``most`` bounds their modules, None if nothing does; ``is_refuted`` says whether a structure is
+    refuted for all parameters; ``trees`` are the boxes of structures that are refuted for some
+    parameters. ``fixed``: parameters affect costs, as the robot before has known ones.
     """
 
     most: int | None
@@ -33,14 +33,14 @@ class OpenRobots:
 
 
 def fixes(task: ir.Task) -> bool:
-    """Whether a task has one value for some parameters of modules that are kept before it."""
+    """Whether a task fixes the values of some parameters of kept modules."""
     return task.origin is not None and bool(task.origin.fixed)
 
 
 def open_links(
     structures: Sequence[Derivation], modules: Collection[str], robots: OpenRobots
 ) -> list[Link]:
-    """The robots of a task that are left, each with where its parameters are."""
+    """The remaining robots of a task, each with the ranges of its parameters."""
     found: list[Link] = []
     for rank, derivation in enumerate(structures):
         count = sum(symbol in modules for symbol in derivation.word)

@@ -1,8 +1,8 @@
-"""Boxes of the parameters of a robot, halved where nothing is known of them as a whole.
+"""Boxes of the parameters of a robot, halved if nothing is known about them as a whole.
 
-A box is a tree: it is whole, or cut in two at a value of one parameter, of choices behind so many
-of them.  The two parts of an interval share their common end; once nothing is left of one of them,
-that end is not in the other any more.
+A box is a tree: it is whole, or cut in two at a value of one parameter, or after a number of its
+choices. The two parts of an interval share their common end; once one of them is completely
+refuted, the other one no longer contains that end.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ Box: TypeAlias = tuple[Domain, ...]
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Where a box is cut: at a value of an interval, or behind so many of some choices."""
+    """The place of a cut: a value of an interval, or a number of choices."""
 
     parameter: int
     at: Fraction | int
 
 
 def whole_box(model: RobotModel) -> Box:
-    """All parameters of a robot."""
+    """The box of all parameters of a robot."""
     return tuple(parameter.domain for parameter in model.parameters)
 
 
@@ -72,7 +72,7 @@ def _with(box: Box, place: int, domain: Domain) -> Box:
 
 
 def box_key(box: Box) -> str:
-    """A text of a box, the same in every run."""
+    """A text for a box, the same in every run."""
     return ";".join(
         ",".join(map(str, (domain.lower, domain.upper)))
         if isinstance(domain, ir.Interval)
@@ -83,7 +83,7 @@ def box_key(box: Box) -> str:
 
 @dataclass(slots=True, eq=False)
 class BoxTree:
-    """A box of the parameters of one structure; ``refuted``: no robot with parameters in it."""
+    """A box of the parameters of one structure; ``refuted``: no robot in it does the task."""
 
     box: Box
     cut: Cut | None = None
@@ -92,14 +92,14 @@ class BoxTree:
     parent: BoxTree | None = field(default=None, repr=False)
 
     def split(self, cut: Cut) -> tuple[BoxTree, BoxTree]:
-        """Cut a leaf in two; ValueError as of ``parts``."""
+        """Cut a leaf in two; raises ValueError as :func:`parts` does."""
         low, high = (BoxTree(each, parent=self) for each in parts(self.box, cut))
         self.cut, self.parts = cut, (low, high)
         return low, high
 
     @property
     def is_refuted(self) -> bool:
-        """Whether nothing of it is left."""
+        """Whether all of it is refuted."""
         if self.parts is None:
             return self.refuted
         return all(part.is_refuted for part in self.parts)
@@ -113,11 +113,11 @@ class BoxTree:
                 yield from part.leaves()
 
     def open_leaves(self) -> list[BoxTree]:
-        """The leaves of which something is left."""
+        """The leaves that are not refuted."""
         return [leaf for leaf in self.leaves() if not leaf.refuted]
 
     def ranges(self) -> tuple[Ranges, ...]:
-        """Where the values of a leaf are: its sides without ends that others refute."""
+        """The ranges of the values of a leaf: its sides without ends that other leaves refute."""
         found = list(map(ranges_of, self.box))
         node = self
         while node.parent is not None:
@@ -133,7 +133,7 @@ class BoxTree:
 
 
 def _opened(range_: Range, at: Fraction, *, high: bool) -> Range:
-    """A range without an end, where that is the one meant."""
+    """A range without its end at ``at``, if it has one there."""
     if high and range_.high == at:
         return replace(range_, high_open=True)
     if not high and range_.low == at:
@@ -142,7 +142,7 @@ def _opened(range_: Range, at: Fraction, *, high: bool) -> Range:
 
 
 def choices_halved(box: Box) -> Cut | None:
-    """Where to halve the longest list of choices of a box; None: no parameter has any choice."""
+    """The cut that halves the longest list of choices of a box; None if there is no choice."""
     counts = [len(d.values) if isinstance(d, ir.Choices) else 0 for d in box]
     most = max(counts, default=0)
     return None if most < 2 else Cut(counts.index(most), (most + 1) // 2)

@@ -1,6 +1,7 @@
 """Where the value of a parameter may be: unions of intervals with rational ends, some of them open.
 
-Of an irrational end or choice the interval is a little wider, so that what is said to be apart is.
+For an irrational end or choice the interval is slightly wider, so ranges reported as disjoint are
+disjoint.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from grammar_lang import ir
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """The values from ``low`` to ``high`` in SI units, without the ends that are open."""
+    """The values from ``low`` to ``high`` in SI units, without open ends."""
 
     low: Fraction
     high: Fraction
@@ -41,7 +42,7 @@ def ranges_of(domain: ir.Interval | ir.Choices) -> Ranges:
 
 
 def single(value: Fraction) -> Ranges:
-    """One value."""
+    """The range of one value."""
     return (Range(value, value),)
 
 

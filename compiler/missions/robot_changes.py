@@ -1,9 +1,9 @@
-"""What it takes to make a robot of another one: modules removed, added, kept and changed.
+"""The changes that turn one robot into another: modules removed, added, kept and changed.
 
-A module is kept only as what it is: one of the same name whose parameters have the same values but
-for those that may change.  Of all ways to keep modules in their order the cheapest is meant
-(Wagner & Fischer 1974, with deletions and insertions); words alone cost as in
-:mod:`compiler.robots.alignment`, where nothing says what the parameters are.
+A module can be kept only as a module of the same name with the same parameter values, except for
+those that may change. The cheapest way of keeping modules in their order is chosen (Wagner &
+Fischer 1974, with deletions and insertions). If no parameters are known, the cost is that of the
+words, as in :mod:`compiler.robots.alignment`.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ Free: TypeAlias = Collection[tuple[str, str]]
 
 @dataclass(frozen=True, slots=True)
 class BuiltModule:
-    """A module of a robot; ``values`` says where those of its parameters are that are known."""
+    """A module of a robot; ``values`` gives the ranges of those parameters that are known."""
 
     name: str
     values: Mapping[str, Ranges]
 
 
 Built: TypeAlias = tuple[BuiltModule, ...]
-"""A robot as its modules in the order of the word."""
+"""A robot as its modules in word order."""
 
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """The cheapest way from a robot to another one.
+    """The cheapest way from one robot to another.
 
-    ``kept`` holds pairs of numbers of modules, in the old robot and in the new one; ``changed`` are
-    such pairs with the name of a parameter that is to have another value.
+    ``kept`` holds pairs of numbers of modules, in the old robot and in the new one; ``changed``
+    holds such pairs with the name of a parameter that must get another value.
     """
 
     cost: Fraction
@@ -50,12 +50,12 @@ class Changes:
 def built(
     word: Sequence[str], modules: Collection[str], values: Mapping[tuple[int, str], Ranges]
 ) -> Built:
-    """A robot of a word.
+    """The robot of a word.
 
     Args:
         word: its symbols.
         modules: which of them are modules.
-        values: by the index in the word and the name of a parameter where its value is.
+        values: the ranges of parameters, by the index in the word and the name.
     """
     known: dict[int, dict[str, Ranges]] = {}
     for (symbol, name), ranges in values.items():
@@ -78,14 +78,14 @@ def built_of(
 def changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Changes:
     """The cheapest way from one robot to another.
 
-    Of several the one that keeps most modules is meant, and of these the one that keeps what comes
+    Of several it is the one that keeps most modules, and of these the one that keeps what comes
     first.
 
     Args:
         old: the existing robot.
-        new: the one there is to be.
-        prices: what changes cost.
-        free: the parameters, by the name of the module and theirs, that kept modules may change.
+        new: the robot to be built.
+        prices: the prices of changes.
+        free: the parameters, by module name and parameter name, that kept modules may change.
     """
     rest = _costs(old, new, prices, free)
     kept, removed, added = [], [], []
@@ -111,12 +111,12 @@ def changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Changes:
 
 
 def cost_of_changes(old: Built, new: Built, prices: ir.Prices, free: Free) -> Fraction:
-    """What the cheapest way from one robot to another costs."""
+    """The cost of the cheapest way from one robot to another."""
     return _costs(old, new, prices, free)[0][0][0]
 
 
 Cost: TypeAlias = tuple[Fraction, int]
-"""What changes cost, and how many modules are not kept."""
+"""The cost of changes, and the number of modules that are not kept."""
 
 
 def _plus(cost: Cost, price: Fraction, modules: int) -> Cost:
@@ -124,7 +124,7 @@ def _plus(cost: Cost, price: Fraction, modules: int) -> Cost:
 
 
 def _costs(old: Built, new: Built, prices: ir.Prices, free: Free) -> list[list[Cost]]:
-    """The least cost of making ``new[j:]`` of ``old[i:]``."""
+    """The least costs of turning ``old[i:]`` into ``new[j:]``."""
     n, m = len(old), len(new)
     rest: list[list[Cost]] = [[(Fraction(0), 0)] * (m + 1) for _ in range(n + 1)]
     for i in range(n, -1, -1):
@@ -143,7 +143,7 @@ def _costs(old: Built, new: Built, prices: ir.Prices, free: Free) -> list[list[C
 
 
 def _to_change(old: BuiltModule, new: BuiltModule, free: Free) -> list[str] | None:
-    """The parameters whose values have to change for a module to be kept; None: it cannot be."""
+    """The parameters whose values must change for a module to be kept; None if it cannot be."""
     if old.name != new.name:
         return None
     found: list[str] = []

@@ -1,26 +1,26 @@
 """Neutral parameters: values at which a module changes nothing (the hypothesis of Theorem 1).
 
-Theorem 1 says that w1 = w2 z is at least as robust as its prefix w2.  Its proof (Appendix) writes
-the best parameters of w2, with 0 for the new module z, as parameters of w1, and says that the two
-robots are then the same.  So it needs, for *every* module that may be added, values within that
-module's own range at which it adds no mass and moves no frame.  With lengths bounded below there
-are none, and the claim is false in general (row 4.9 of ``docs/explanation/errata.md``).
+Theorem 1 says that w1 = w2 z is at least as robust as its prefix w2. Its proof (Appendix) takes the
+best parameters of w2, with 0 for the new module z, as parameters of w1, and says that the two
+robots are then the same. So it needs, for *every* module that may be added, values within that
+module's own range at which it adds no mass and moves no frame. With lengths bounded below there are
+none, and the claim is false in general (row 4.9 of ``docs/explanation/errata.md``).
 
-This file decides the hypothesis module by module from the semantic rules.  A production
-``A -> A z`` changes nothing if it hands on every attribute as it received it and emits nothing:
-then the derivation without it gives the same robot (``production_change``).  What this does not
-give:
+This module decides the hypothesis module by module from the semantic rules. A production
+``A -> A z`` changes nothing if it passes on every attribute as it received it and emits nothing:
+then the derivation without it gives the same robot (``production_change``). This has limits:
 
-- A joint adds a coordinate.  The robot is the same only while the joint is held, which takes an
-  effort that the shorter robot need not have; so a module with a degree of freedom has no neutral
-  values here, and Theorem 1 is shown by this argument for no grammar in which robots grow by them.
+- A joint adds a coordinate. The robot is the same only while the joint is held, which takes an
+  effort that the shorter robot need not have. So a module with a degree of freedom has no neutral
+  values here, and this argument does not prove Theorem 1 for any grammar whose robots grow by such
+  modules.
 - An effector adds an effector; a base starts a robot and is added to none.
-- A module that comes with others, between several nonterminals or leads from one nonterminal to
-  another is not judged: there the word without it has another derivation, if any.
+- A module is not judged if it comes together with others, stands between several nonterminals, or
+  leads from one nonterminal to another: the word without it then has another derivation, if any.
 - At neutral values a link between two joints leaves them on one axis, where M is singular: the
-  longer robot is the shorter one as a mechanism, and may still be inadmissible as a model.
-- A massless body still is a point of the body for ``avoid ... with body``: one where a frame that
-  was copied begins.  The text says so.
+  longer robot is the shorter one as a mechanism, but may still be inadmissible as a model.
+- A massless body is still a point of the body for ``avoid ... with body``, at the start of a copied
+  frame. The text of the finding says so.
 """
 
 from __future__ import annotations
@@ -62,12 +62,12 @@ Status: TypeAlias = Literal["neutral", "excluded", "not shown"]
 
 @dataclass(frozen=True, slots=True)
 class NeutralParameters:
-    """What is known of a module where it occurs on the right side of a production.
+    """The finding about a module at one occurrence on the right side of a production.
 
     - ``neutral``: at ``values``, within their ranges, it changes nothing; parameters that are not
       named may have any value.
-    - ``excluded``: it would at ``values``, but the ranges contain neither these nor any others at
-      which it does; ``reason`` names one that contains none.
+    - ``excluded``: it would change nothing at ``values``, but the ranges contain neither these nor
+      any others with this property; ``reason`` names a range that contains none.
     - ``not shown``: no such values are known; ``reason`` says why.
     """
 
@@ -96,7 +96,7 @@ MASSLESS = f"{NOTHING}, only points without mass, which `avoid ... with body` se
 
 
 def neutral_parameters(program: ir.Program, grammar: ir.Grammar) -> list[NeutralParameters]:
-    """The neutral parameters of all modules of a grammar, by production and place.
+    """The neutral parameters of all modules of a grammar, by production and position.
 
     A grammar without semantics gives no findings.
     """
@@ -115,9 +115,9 @@ def neutral_parameters(program: ir.Program, grammar: ir.Grammar) -> list[Neutral
 
 
 def inlined(block: ir.SemanticBlock) -> ir.SemanticBlock:
-    """A block with its local values put in where they are read, except where that gets too large.
+    """A block with its local values inserted where they are read, unless that gets too large.
 
-    What is left of them stands for something unknown, of which nothing is concluded.
+    Local values that remain stand for unknowns, from which nothing is concluded.
     """
     rules = {rule.target: rule for rule in block.rules if rule.target.occurrence == ir.LOCAL}
     local: dict[ir.Expr, ir.Expr] = {}
@@ -141,8 +141,8 @@ def inlined(block: ir.SemanticBlock) -> ir.SemanticBlock:
 class _Roots:
     """All values of one parameter at which a necessary equation holds.
 
-    ``inside`` are such values in its domain and ``outside`` one that is not; ``none``: there surely
-    are none inside.
+    ``inside`` are such values in its domain, and ``outside`` is one that is not in it; with
+    ``none`` there are certainly no values inside.
     """
 
     inside: tuple[Value, ...]
@@ -204,7 +204,7 @@ class _Occurrence:
     def _domain(self, name: str) -> Domain:
         return next(p.domain for p in self.module.parameters if p.name == name)
 
-    # --- what rules a module out ----------------------------------------------------------------
+    # --- reasons that exclude a module ----------------------------------------------------------
 
     def _of_kind(self) -> str | None:
         """Why a module of this kind always adds something."""
@@ -240,7 +240,7 @@ class _Occurrence:
     # --- candidates and ranges ------------------------------------------------------------------
 
     def _roots(self, change: ProductionChange, equations: list[Equation]) -> dict[str, _Roots]:
-        """Parameters with an equation that only certain values fulfil."""
+        """Parameters with an equation that only certain values satisfy."""
         names = {number: name for name, number in change.parameters.items()}
         found: dict[str, _Roots] = {}
         for equation in equations:
@@ -255,7 +255,7 @@ class _Occurrence:
         return found
 
     def _candidates(self, roots: Mapping[str, _Roots]) -> Iterator[Values]:
-        """Values for some of the parameters: few before many, zero before others."""
+        """Values for some of the parameters: few parameters first, zero before other values."""
         parameters = self.module.parameters
         options = {p.name: _options(p.domain, roots.get(p.name)) for p in parameters}
         names = [parameter.name for parameter in parameters]
@@ -264,7 +264,7 @@ class _Occurrence:
                 for values in product(*(options[name] for name in chosen)):
                     yield tuple(zip(chosen, values, strict=True))
 
-    # --- what the module changes ----------------------------------------------------------------
+    # --- changes made by the module -------------------------------------------------------------
 
     def _equations(self, values: Mapping[str, Value]) -> tuple[ProductionChange, list[Equation]]:
         nonterminal = next(
@@ -275,7 +275,7 @@ class _Occurrence:
         return change, change.equations()
 
     def _change(self, values: Mapping[str, Value]) -> str | None:
-        """What the module changes at these values, as far as is seen; None if nothing."""
+        """The change that the module makes at these values, as far as is known; None if none."""
         try:
             _, equations = self._equations(values)
         except NotCopied as problem:
@@ -294,7 +294,7 @@ def _within(domain: Domain, root: Fraction | None, unit: Fraction | None) -> _Ro
 
 
 def _options(domain: Domain, roots: _Roots | None) -> tuple[Value, ...]:
-    """Values to try: those that an equation asks for, else zero, one and what the domain names."""
+    """Values to try: those that an equation requires, else zero, one and those in the domain."""
     if roots is not None:
         return roots.inside or (roots.outside,)
     found = [Fraction(0), Fraction(1), *named_values(domain)]

@@ -13,7 +13,7 @@ from grammar_lang.ir.constants import MagnitudeError, monomial
 from grammar_lang.ir.expression_text import number_text
 
 MULTIPLES = 100
-"""So many multiples are looked at in one range, from its lower end."""
+"""The most multiples that are tried in one range, from its lower end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ def value_text(value: Value) -> str:
 
 
 def exact_value(expression: ir.Expr) -> Value | None:
-    """The value of a closed scalar where it is seen to be rational or a multiple of pi."""
+    """The value of a closed scalar if recognised as rational or a multiple of pi, else None."""
     try:
         found = monomial(expression)
     except MagnitudeError:
@@ -54,13 +54,13 @@ def multiple_of_pi(factor: Fraction) -> Value:
 
 
 def named_values(domain: Domain) -> list[Value]:
-    """The elements of a finite set or the ends of a range, as far as they are seen exactly."""
+    """The elements of a finite set or the ends of a range, as far as they are recognised."""
     named = domain.values if isinstance(domain, ir.Choices) else (domain.lower, domain.upper)
     return [value for value in map(exact_value, named) if value is not None]
 
 
 def contains(domain: Domain, value: Value) -> bool | None:
-    """Whether a domain contains a value; None where its bounds are too close to tell."""
+    """Whether a domain contains a value; None if its bounds are too close to decide."""
     if isinstance(domain, ir.Choices):
         signs = [_sign(choice, value) for choice in domain.values]
         return True if 0 in signs else (None if None in signs else False)
@@ -71,7 +71,7 @@ def contains(domain: Domain, value: Value) -> bool | None:
 
 
 def multiples_within(domain: Domain, unit: Fraction) -> tuple[list[Value], bool]:
-    """The multiples of ``unit * pi`` in a domain, and whether surely there are no others."""
+    """The multiples of ``unit * pi`` in a domain, and whether there are certainly no others."""
     ends = (
         [rational_bounds(choice) for choice in domain.values]
         if isinstance(domain, ir.Choices)
@@ -104,7 +104,7 @@ def _number(expression: ir.Expr) -> str:
 
 
 def _sign(expression: ir.Expr, value: Value) -> int | None:
-    """The sign of a closed scalar minus a value; None where it is not seen."""
+    """The sign of a closed scalar minus a value; None if it cannot be decided."""
     if exact_value(expression) == value:
         return 0
     low, high = rational_bounds(expression)

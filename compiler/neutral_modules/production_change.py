@@ -1,12 +1,12 @@
-r"""What a production with one nonterminal changes, as equations in the parameters of a module.
+r"""The changes made by a production with one nonterminal, as equations in a module's parameters.
 
-For ``A -> A z`` the robot stays the same exactly if every attribute is copied unchanged and
-nothing is emitted.  A frame is copied by ``N.frame * T`` where T is the identity:
+For ``A -> A z`` the robot stays the same exactly if every attribute is copied unchanged and nothing
+is emitted. A frame is copied by ``N.frame * T`` if T is the identity:
 
 .. math:: T = \begin{pmatrix} R & t \\ 0 & 1 \end{pmatrix}, \qquad R - I = 0, \quad t = 0,
 
-entry by entry as trigonometric polynomials with exact coefficients.  What is not known (attributes,
-quotients, roots) is a symbol of its own.
+entry by entry as trigonometric polynomials with exact coefficients. Unknown quantities (attributes,
+quotients, roots) are symbols of their own.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ LARGEST_POWER = 8
 
 
 class NotCopied(ValueError):
-    """The production changes something whatever the parameters are, as far as is seen."""
+    """As far as is known, the production changes something for all parameter values."""
 
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """A polynomial that has to be zero; ``necessary``: else the robot surely is another one."""
+    """A polynomial that must be zero; ``necessary``: otherwise the robot certainly differs."""
 
     polynomial: TrigonometricPolynomial
     reason: str
@@ -46,8 +46,8 @@ class Equation:
 class ProductionChange:
     """The equations of one block, with given values for some parameters of a module.
 
-    ``nonterminal`` and ``module`` are occurrences on the right side; ``used`` are the attributes
-    of the left side that emissions of the grammar depend on.
+    ``nonterminal`` and ``module`` are occurrences on the right side; ``used`` are the attributes of
+    the left side on which emissions of the grammar depend.
     """
 
     block: ir.SemanticBlock
@@ -62,10 +62,10 @@ class ProductionChange:
     parameters: dict[str, int] = field(default_factory=dict[str, int])
 
     def equations(self) -> list[Equation]:
-        """All equations.
+        """All equations of the block.
 
         Raises:
-            NotHandedOn: there is no such equation.
+            NotCopied: there are no such equations, as something changes in any case.
             TooManyTerms: a polynomial gets too long.
         """
         found = [item for rule in self.block.rules for item in self._of_rule(rule)]
@@ -103,7 +103,7 @@ class ProductionChange:
     def _of_frame(
         self, expression: ir.Expr, source: ir.AttributeOf | None, *, necessary: bool
     ) -> Iterator[Equation]:
-        """That a frame is ``source``, or where that is None, any frame that is copied."""
+        """The equations for a frame to be ``source``, or any copied frame if that is None."""
         steps = [step for step in ir.factors(expression) if not isinstance(step, ir.World)]
         place = _origin(steps, source)
         for part in (steps[:place], steps[place + 1 :]):
@@ -112,7 +112,7 @@ class ProductionChange:
                 yield Equation(equation.polynomial, equation.reason, sure)
 
     def _identity(self, steps: Sequence[ir.Expr]) -> Iterator[Equation]:
-        """That a product of steps is the identity."""
+        """The equations for a product of steps to be the identity."""
         run, one = self.evaluator, self.evaluator.constant
         turn = [[one(int(i == j)) for j in range(3)] for i in range(3)]
         shift = [one(0) for _ in range(3)]
@@ -171,7 +171,7 @@ class ProductionChange:
     # --- emissions ------------------------------------------------------------------------------
 
     def _of_emission(self, emission: ir.Emission) -> Iterator[Equation]:
-        """No mass, no inertia, no extent, and its point on a frame that is copied."""
+        """No mass, no inertia, no extent, and the body's point is on a copied frame."""
         if isinstance(emission, ir.Effector):
             raise NotCopied("it adds an effector")
         for expression in _measures(emission):
@@ -192,7 +192,7 @@ class ProductionChange:
     # --- scalars --------------------------------------------------------------------------------
 
     def scalar(self, expression: ir.Expr) -> TrigonometricPolynomial:
-        """A scalar as a polynomial; what may be undefined somewhere is unknown."""
+        """A scalar as a polynomial; a part that may be undefined somewhere is an unknown."""
         run = self.evaluator
         match expression:
             case ir.Num(value):
@@ -262,7 +262,7 @@ def defined(expression: ir.Expr) -> bool:
 
 
 def _measures(emission: ir.Emission) -> list[ir.Expr]:
-    """What is zero where a body has neither mass nor inertia nor extent."""
+    """The scalars that are all zero if a body has neither mass nor inertia nor extent."""
     match emission:
         case ir.Rod(_, _, length, _, radius):
             return [length] if radius is None else [length, radius]
@@ -275,7 +275,7 @@ def _measures(emission: ir.Emission) -> list[ir.Expr]:
 
 
 def _origin(steps: Sequence[ir.Expr], source: ir.AttributeOf | None) -> int:
-    """Which of the factors of a frame is the one frame that it stands on."""
+    """The index of the factor of a frame that is the one frame it starts from."""
     attributes = [(i, step) for i, step in enumerate(steps) if isinstance(step, ir.AttributeOf)]
     if source is None:
         if len(attributes) != 1:
@@ -294,7 +294,7 @@ def _origin(steps: Sequence[ir.Expr], source: ir.AttributeOf | None) -> int:
 def roots_of(
     polynomial: TrigonometricPolynomial, ring: PolynomialRing
 ) -> tuple[int, Fraction | None, Fraction | None] | None:
-    """All zeros of a polynomial in one parameter, where its form is a simple one.
+    """All zeros of a polynomial in one parameter, if it has a simple form.
 
     Returns:
         (parameter, root, None) for ``a p + b`` and ``a p^k``, (parameter, None, unit) for

@@ -1,1 +1,1 @@
-"""What a task wants to be least: modules, mass, effort and sums of attributes."""
+"""The objectives that a task minimises: modules, mass, effort and sums of attributes."""

@@ -1,4 +1,4 @@
-"""Robots of a structure that have less of an objective than some amount, by their parameters."""
+"""The robots of a structure with less than some amount of an objective, by their parameters."""
 
 from __future__ import annotations
 
@@ -17,39 +17,39 @@ from compiler.robots.robot import RobotModel, RobotParameter
 from grammar_lang import ir
 
 SLICES = 64
-"""Parts of a side of a box; those at its ends that hold none of the robots are left out."""
+"""The parts of a side of a box; parts at its ends that contain no such robot are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Less:
-    """Less than ``bound`` of an objective, and at most so much of those in ``limits``."""
+    """Less than ``bound`` of an objective, and at most the given amounts of those in ``limits``."""
 
     limits: tuple[tuple[Amount, Fraction], ...]
     amount: Amount
     bound: Fraction
 
     def is_open(self, word: Sequence[str], model: RobotModel | None) -> bool:
-        """Whether some robot of a structure may have it, whatever its parameters are."""
+        """Whether some robot of a structure may satisfy this, whatever its parameters."""
         within = all(amount.of_robot(word, model) <= most for amount, most in self.limits)
         return within and self.amount.of_robot(word, model) < self.bound
 
     @property
     def text(self) -> str:
-        """What it says, the same in every run."""
+        """The condition as text, the same in every run."""
         allowed = [f"{amount.text} <= {most}" for amount, most in self.limits]
         return " and ".join([*allowed, f"{self.amount.text} < {self.bound}"])
 
 
 @dataclass(frozen=True, slots=True)
 class CheaperRobots:
-    """The robots of a structure that have any of ``less``."""
+    """The robots of a structure that satisfy any of ``less``."""
 
     word: tuple[str, ...]
     model: RobotModel
     less: tuple[Less, ...]
 
     def none_in(self, box: Sequence[Ends]) -> bool:
-        """Whether no parameters in a box make one of them.
+        """Whether no parameters in a box give such a robot.
 
         Args:
             box: intervals around the parameters of the robot, in their order.
@@ -57,9 +57,9 @@ class CheaperRobots:
         return all(self._excluded(box, each) for each in self.less)
 
     def narrowed(self, box: Sequence[Ends]) -> list[Ends]:
-        """A box in which all parameters of a box are that make one of them.
+        """A box that contains all parameters of the given box that give such a robot.
 
-        Slices at both ends of each side are left out, in parts of ``SLICES``.
+        Slices at both ends of each side, in multiples of its ``SLICES``-th part, are left out.
         """
         found = list(box)
         for i, side in enumerate(box):
@@ -68,7 +68,7 @@ class CheaperRobots:
         return found
 
     def _narrowed(self, box: list[Ends], place: int) -> Ends:
-        """The side of a box without the largest slices at its ends that hold none of them."""
+        """The side of a box without the largest slices at its ends that contain no such robot."""
         low, high = box[place].low, box[place].high
         edges = [low, *(low + (high - low) * k / SLICES for k in range(1, SLICES)), high]
 
@@ -87,7 +87,7 @@ class CheaperRobots:
         return any(self.least(amount, box) > most for amount, most in less.limits)
 
     def least(self, amount: Amount, box: Sequence[Ends]) -> Fraction:
-        """What a robot with parameters in a box has at least of an objective, in SI units."""
+        """A lower bound on an objective of a robot with parameters in a box, in SI units."""
         least = amount.of_robot(self.word, self.model)
         if amount.exact or not all(side.finite for side in box):
             return least
@@ -100,7 +100,7 @@ class CheaperRobots:
         return least
 
     def _sum(self, amount: Amount, box: Sequence[Ends]) -> Fraction:
-        """The sum over the word, of whose symbols some add a parameter."""
+        """The sum over the word, in which some symbols add a parameter."""
         varied = {name for name, value in amount.objective.amounts if value is None}
         total = amount.of_word(symbol for symbol in self.word if symbol not in varied)
         for parameter, side in zip(self.model.parameters, box, strict=True):
@@ -113,7 +113,7 @@ class CheaperRobots:
 
 
 def _value(parameter: RobotParameter, side: Ends) -> Fraction | arb:
-    """The value of a parameter in a side where that is a single rational; else a ball around it."""
+    """The value of a parameter in a side if it is a single rational; else a ball around it."""
     low, high = bounds_of(side.low), bounds_of(side.high)
     if isinstance(parameter.domain, ir.Interval) or low is None or high is None:
         return side.ball()

@@ -1,8 +1,8 @@
-"""The least that a structure can have of an objective: by its symbols, and by its robot.
+"""Lower bounds on the objectives of a structure: from its symbols, and from its robot.
 
 The weights of symbols add up to a bound that orders whole languages; the robot of a structure gives
-a sharper one.  Both hold for all values of the parameters.  No body of a proved design has a mass
-below zero, so that no part of a sum takes away from another.
+a sharper bound. Both hold for all values of the parameters. No body of a proved design has a
+negative mass, so no part of a sum reduces another.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ NONE = Fraction(0)
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """An objective in a family: ``weights`` of symbols, in SI units, those not named being 0.
+    """An objective in a family: ``weights`` of symbols, in SI units, 0 for symbols not named.
 
-    A word has at least the sum of its weights; ``exact``: every robot of it has just that.
+    A word has at least the sum of its weights; ``exact``: every robot of it has exactly that.
     """
 
     objective: ir.Objective
@@ -53,15 +53,15 @@ class Amount:
 
     @property
     def is_ordering(self) -> bool:
-        """Whether words differ in it before they are searched."""
+        """Whether words can be ordered by it before they are searched."""
         return self.objective.kind not in ("effort", "energy", "time")
 
     def of_word(self, word: Iterable[str]) -> Fraction:
-        """The least that the weights of a word say."""
+        """The lower bound from the weights of a word."""
         return sum((self.weights.get(symbol, NONE) for symbol in word), NONE)
 
     def of_robot(self, word: Sequence[str], model: RobotModel | None) -> Fraction:
-        """The least of a structure, whatever its parameters are; ``model`` is its robot, if any."""
+        """A lower bound for a structure with any parameters; ``model`` is its robot or None."""
         least = self.of_word(word)
         if model is None or self.exact or self.objective.kind != "mass":
             return least
@@ -102,14 +102,14 @@ def _range(domain: ir.Interval | ir.Choices) -> Fraction | arb:
 
 
 def mass_bounds(model: RobotModel, parameters: Sequence[ExactValue | arb]) -> Bounds | None:
-    """Bounds of the mass of all bodies but payloads, in kg; equal ones where it is rational.
+    """Bounds of the mass of all bodies except payloads, in kg; equal if it is rational.
 
     Args:
         model: the robot.
         parameters: the value of each of its parameters, or a ball around its range.
 
     Returns:
-        None where it has no finite value.
+        None if it has no finite value.
     """
     exact = _exact_mass(model, parameters)
     if exact is not None:
@@ -123,7 +123,7 @@ def mass_bounds(model: RobotModel, parameters: Sequence[ExactValue | arb]) -> Bo
 
 
 def _exact_mass(model: RobotModel, parameters: Sequence[ExactValue | arb]) -> Fraction | None:
-    """The mass of all bodies but payloads where it is seen to be rational."""
+    """The mass of all bodies except payloads if it is recognised as rational, else None."""
     known = [(value, 0) if isinstance(value, Fraction) else None for value in parameters]
     evaluator = MonomialEvaluator()
     scalars = evaluate_scalars(model.scalars, evaluator, known)
@@ -137,7 +137,7 @@ def _exact_mass(model: RobotModel, parameters: Sequence[ExactValue | arb]) -> Fr
 
 
 def _masses_of(model: RobotModel) -> Iterator[tuple[int, ...]]:
-    """The scalars of which the product is the mass of a body, of each body but payloads."""
+    """For each body except payloads, the scalars whose product is its mass."""
     for number, body in enumerate(model.bodies):
         if number in model.payloads:
             continue
@@ -157,10 +157,10 @@ def _ball(value: ExactValue | arb) -> arb:
 
 
 def _masses(program: ir.Program, grammar: ir.Grammar) -> Weights:
-    """Per module a mass that it has at least, wherever it stands.
+    """For each module a mass that it has at least, wherever it stands.
 
-    The bodies of a production are counted at the first of its modules; those of productions without
-    one, and those that attributes decide on, are not counted.
+    The bodies of a production are counted at the first of its modules. Not counted are bodies of
+    productions without a module, and bodies that depend on attributes.
     """
     found: dict[str, Fraction] = {}
     for production in grammar.productions:
@@ -175,7 +175,7 @@ def _masses(program: ir.Program, grammar: ir.Grammar) -> Weights:
 
 
 def _emitted(program: ir.Program, production: ir.Production, emission: ir.Emission) -> Fraction:
-    """The least mass of what is emitted."""
+    """The least mass of an emission."""
     match emission:
         case ir.Rod(length=length, density=density):
             factors = [length, density]

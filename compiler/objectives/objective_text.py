@@ -9,27 +9,27 @@ from compiler.expressions.exact_numbers import exact_text
 from grammar_lang import ir
 
 LONGEST = 12
-"""Numbers with more digits are rounded where people read them."""
+"""Numbers with more digits are rounded for readers."""
 UNITS = {"modules": "", "mass": "kg", "time": "s", "energy": "J", "effort": ""}
 
 
 def objective_text(objective: ir.Objective) -> str:
-    """An objective as it is written, without what it may be left by."""
+    """An objective as it is written, without its tolerance."""
     return f"sum({objective.attribute})" if objective.kind == "sum" else objective.kind
 
 
 def objective_name(objective: ir.Objective) -> str:
-    """What is least, in a sentence: an attribute by its own name."""
+    """The minimised quantity in a sentence: an attribute by its own name."""
     return objective.attribute or objective.kind
 
 
 def objective_unit(objective: ir.Objective) -> str:
-    """The SI unit of its values; "" for none."""
+    """The SI unit of its values; "" if it has none."""
     return objective.unit if objective.kind == "sum" else UNITS[objective.kind]
 
 
 def amount_text(objective: ir.Objective, value: Fraction, relation: str = "") -> str:
-    """An objective with its value, as "price 120" or "mass 2.31 kg"; a ``relation`` before it."""
+    """An objective with its value, as "price 120" or "mass 2.31 kg", joined by a ``relation``."""
     words = [objective_name(objective), relation, value_text(objective, value)]
     return " ".join(word for word in words if word)
 
@@ -45,7 +45,7 @@ def value_text(objective: ir.Objective, value: Fraction) -> str:
 
 
 def gap_text(gap: Fraction) -> str:
-    """A gap in percent, in two digits that say no less than it is."""
+    """A gap in percent, rounded up to two digits."""
     percent = 100 * gap
     digits = Context(prec=2, rounding=ROUND_CEILING)
     return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"

@@ -19,7 +19,7 @@ from grammar_lang import ir
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """What structures may have of an objective of which robots have so much at least.
+    """The largest value that structures may have of an objective whose minimum is ``least``.
 
     It is at least the ``value`` of a design.
     """
@@ -30,11 +30,11 @@ class Limit:
 
     @property
     def most(self) -> Fraction:
-        """So much they may have: what the objective says more than the least."""
+        """The largest value allowed: the least one plus the objective's tolerance."""
         return max(self.value, self.least * (1 + self.amount.objective.within))
 
     def allows(self, word: Sequence[str], candidate: Candidate) -> bool:
-        """Whether a structure may be within it."""
+        """Whether a structure may satisfy the limit."""
         return self.amount.of_robot(word, candidate.model) <= self.most
 
 
@@ -45,15 +45,16 @@ def structures_by(
     limits: Sequence[Limit],
     origin: ir.Origin | None,
 ) -> Iterator[Candidate]:
-    """The structures that may be within some limits, by the least that they have of an objective.
+    """The structures that may satisfy some limits, ordered by their least value of an objective.
 
-    Equal ones come by the weight of their words, then by length, then in the order of section 2.
+    Structures with equal values are ordered by the weight of their words, then by length, then as
+    in section 2.
 
     Args:
         amount: the objective.
         family: the robots.
-        modules: their number of modules at most; None: any.
-        limits: what they may have of other objectives.
+        modules: the largest number of modules; None means any.
+        limits: the limits for other objectives.
         origin: the existing robot of the task, if there is one.
     """
     language = _within(family.language, modules, limits)
@@ -79,9 +80,9 @@ def words_below(
     limits: Sequence[Limit],
     bound: Fraction,
 ) -> Iterator[tuple[str, ...]]:
-    """The words that weigh less than ``bound`` in an objective, and are within limits.
+    """The words that weigh less than ``bound`` in an objective, and satisfy the limits.
 
-    Arguments as above.
+    The arguments are those of :func:`structures_by`.
     """
     language = _within(family.language, modules, limits)
     for weight, word in words_by_weight(language, amount.weights, max_modules=modules):
@@ -92,7 +93,7 @@ def words_below(
 
 
 def _within(language: Language, modules: int | None, limits: Sequence[Limit]) -> Language:
-    """The words whose weights are within limits, as far as automata for that are not too large."""
+    """The words whose weights satisfy limits, as far as automata for this are not too large."""
     for limit in limits:
         if not limit.amount.weights:
             continue

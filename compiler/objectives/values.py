@@ -1,4 +1,4 @@
-"""What a robot with its parameters is worth in an objective, in bounds that contain it."""
+"""The value of a robot with its parameters in an objective, in bounds that contain it."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from compiler.robots.robot import RobotModel
 
 @dataclass(frozen=True, slots=True)
 class MotionValues:
-    """What a motion is worth.
+    """The values of a motion.
 
-    ``share`` is what inputs keep from their bounds at least, as a share, None where none has a
-    choice; ``time`` how long it takes (s); ``energy`` bounds of what drives turn over (J), None
-    where they are not known.
+    ``share`` is a lower bound of the margin of inputs to their bounds, as a share, None if no input
+    has a choice; ``time`` is its duration (s); ``energy`` bounds the energy that drives turn over
+    (J), None if unknown.
     """
 
     share: float | None
@@ -33,17 +33,17 @@ def value_bounds(
     parameters: Sequence[ParameterValue],
     motion: MotionValues,
 ) -> Bounds | None:
-    """Bounds of the value of a robot, in SI units; equal ones where it is seen to be rational.
+    """Bounds of the value of a robot, in SI units; equal if it is recognised as rational.
 
     Args:
         amount: the objective.
         word: the word of the robot.
         model: the robot.
         parameters: the values of its parameters.
-        motion: what its motion is worth.
+        motion: the values of its motion.
 
     Returns:
-        None where it has no finite value.
+        None if it has no finite value.
     """
     match amount.objective.kind:
         case "effort":
@@ -60,7 +60,7 @@ def value_bounds(
 
 
 def _sum(amount: Amount, word: Sequence[str], parameters: Sequence[ParameterValue]) -> Bounds:
-    """The sum over a word, of whose symbols some add the value of a parameter."""
+    """The sum over a word, in which some symbols add the value of a parameter."""
     values = {
         each.parameter.symbol: each.exact
         for each in parameters

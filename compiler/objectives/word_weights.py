@@ -1,6 +1,6 @@
-"""What each symbol of a word adds to an objective at least, where that is what modules add up to.
+"""The least amount that each symbol of a word adds to an objective that is a sum over modules.
 
-This needs no arithmetic but that of fractions, so that specifications are checked without any.
+This needs only fractions, so specifications are checked without any other arithmetic.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TypeAlias
 from grammar_lang import ir
 
 Weights: TypeAlias = Mapping[str, Fraction]
-"""By the names of symbols; those that are not named weigh nothing."""
+"""Maps names of symbols to weights; symbols not named weigh nothing."""
 
 
 def weights_of_modules(
@@ -20,7 +20,7 @@ def weights_of_modules(
     objective: ir.Objective,
     least: Callable[[ir.Interval | ir.Choices], Fraction],
 ) -> Weights | None:
-    """The least that each module adds to an objective; None where it is no sum over modules.
+    """The least that each module adds to an objective; None if it is not a sum over modules.
 
     Args:
         program: the program.

@@ -1,1 +1,1 @@
-"""Robots as trees of rigid links with numbers, for other tools."""
+"""Robots as trees of rigid links with numeric values, for other tools."""

@@ -1,4 +1,4 @@
-"""Rigid motions in ball arithmetic, and their common descriptions by quaternions and angles."""
+"""Rigid motions in ball arithmetic, and conversions to quaternions and angles."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from math import isfinite
 from flint import arb, arb_mat
 
 UNCERTAIN = 1e-30
-"""A ball around a number of a pose is far narrower, or the number has no definite value."""
+"""Balls around the numbers of a pose are far narrower, unless a number has no definite value."""
 
 
 def column(values: Sequence[arb | int]) -> arb_mat:
@@ -28,10 +28,10 @@ def identity() -> arb_mat:
 
 
 def nearest(value: arb) -> float:
-    """The double that stands for a ball: zero if the ball contains zero, else its middle.
+    """The double that represents a ball: zero if the ball contains zero, else its middle.
 
     Raises:
-        ValueError: the ball is too wide to stand for a number, or the number for a double.
+        ValueError: the ball is too wide to represent a number, or the number for a double.
     """
     if not value.is_finite() or not value.rad() < UNCERTAIN * (1 + abs(value.mid())):
         raise ValueError(f"no definite value: {value}")
@@ -53,30 +53,30 @@ def _zero(value: arb) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A frame in another: its axes are the columns of ``rotation`` (3, 3), ``origin`` is (3, 1)."""
+    """A frame in another: the columns of ``rotation`` (3, 3) are its axes, ``origin`` is (3, 1)."""
 
     rotation: arb_mat
     origin: arb_mat
 
     def __mul__(self, other: Pose) -> Pose:
-        """``other``, given in this frame, in the frame that this one is given in."""
+        """Express ``other``, given in this frame, in the frame that this pose is given in."""
         return Pose(self.rotation * other.rotation, self.point(other.origin))
 
     def point(self, local: arb_mat) -> arb_mat:
-        """A point of this frame in the frame that this one is given in."""
+        """A point of this frame, expressed in the frame that this pose is given in."""
         return self.origin + self.rotation * local
 
     def inverse(self) -> Pose:
-        """The other frame in this one."""
+        """The pose of the reference frame in this one; its rotation is the transpose, (3, 3)."""
         back = self.rotation.transpose()
         return Pose(back, -(back * self.origin))
 
     def moved(self, vector: arb_mat) -> Pose:
-        """After a translation along its own axes."""
+        """This pose after a translation (3, 1) along its own axes."""
         return Pose(self.rotation, self.point(vector))
 
     def turned(self, axis: int, angle: arb) -> Pose:
-        """After a rotation about its own axis 0, 1 or 2."""
+        """This pose after a rotation (3, 3) about its own axis 0, 1 or 2."""
         i, j = (axis + 1) % 3, (axis + 2) % 3
         turn = identity()
         cosine, sine = angle.cos(), angle.sin()
@@ -84,9 +84,9 @@ class Pose:
         return Pose(self.rotation * turn, self.origin)
 
     def quaternion(self) -> tuple[float, float, float, float]:
-        """The unit quaternion (w, x, y, z) of the rotation, w not negative.
+        """The unit quaternion (w, x, y, z) of the rotation, with w >= 0.
 
-        Source: Shepperd 1978, the component of largest magnitude first.
+        Source: Shepperd 1978, which computes the component of largest magnitude first.
         """
         r = self.rotation
         diagonal = [r[i, i] for i in range(3)]
@@ -108,7 +108,7 @@ class Pose:
         return (a, b, c, d) if a >= 0 else (-a, -b, -c, -d)
 
     def roll_pitch_yaw(self) -> tuple[float, float, float]:
-        """Angles (rad) about fixed x, y, z in this order, as in URDF; roll 0 if undetermined."""
+        """Angles (rad) about fixed x, y, z in this order, as in URDF; roll is 0 if undetermined."""
         r = self.rotation
         if _zero(r[0, 0]) and _zero(r[1, 0]):
             return 0.0, nearest(_angle(-r[2, 0], arb(0))), nearest(_angle(-r[0, 1], r[1, 1]))
@@ -124,7 +124,7 @@ def _skew(r: arb_mat, axis: int) -> arb:
 
 
 def _angle(y: arb, x: arb) -> arb:
-    """The angle of a vector; a component whose ball contains zero is zero, off the branch cut."""
+    """The angle of a vector; components whose balls contain zero are taken as zero."""
     return arb.atan2(arb(0) if _zero(y) else y, arb(0) if _zero(x) else x)
 
 

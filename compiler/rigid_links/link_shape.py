@@ -1,4 +1,4 @@
-"""What a robot looks like, and what it is in collisions.  No dynamics rest on it."""
+"""The visual and collision geometry of a robot. Dynamics do not depend on it."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from compiler.robots.robot import Body, Collider, PointBody, RodBody, Shape, Sol
 from grammar_lang import ir
 
 SLENDERNESS = 50
-"""The length of a rod without a radius over the radius it is drawn with."""
+"""The ratio of length to radius with which a rod without a radius is drawn."""
 STEEL = 7850
-"""Density in kg/m^3 of the ball that a point mass is drawn as."""
+"""The density in kg/m^3 of the ball that represents a point mass in drawings."""
 THINNEST = Fraction(1, 1000)
-"""No box is drawn thinner, in metres."""
+"""The least thickness of a drawn box, in metres."""
 
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """A set centred on ``pose``.
 
-    ``size`` in metres: of a cylinder or capsule radius and length (along z, that of a capsule
-    without its ends), of a sphere its radius, of a box its three sides, of a hull the coordinates
-    of its corners in ``pose``, three each.
+    ``size`` is in metres: for a cylinder or capsule the radius and the length (along z, without the
+    end caps of a capsule), for a sphere the radius, for a box the three sides, for a hull the
+    coordinates of its corners in ``pose``, three each.
     """
 
     kind: ir.ShapeKind
@@ -39,9 +39,9 @@ class Geometry:
 
 
 def body_shape(body: Body, scalars: Sequence[arb], frame: Pose) -> list[Geometry]:
-    """The look of a body whose frame has this pose, if it has any extent.
+    """The visual shape of a body whose frame has this pose; empty if it has no extent.
 
-    A solid is a box of about its inertia.
+    A solid is drawn as a box with about the same inertia.
     """
     shape = _shape(body, scalars, frame)
     return [shape] if all(size > 0 for size in shape.size) else []
@@ -69,9 +69,9 @@ def _shape(body: Body, scalars: Sequence[arb], frame: Pose) -> Geometry:
 def shape_geometry(
     each: Collider, scalars: Sequence[arb], frame: Pose, flat: Fraction
 ) -> Geometry | None:
-    """What a body or shape whose frame has this pose is in collisions; None if it has no extent.
+    """The collision geometry of a body or shape with this frame pose; None if it has no extent.
 
-    Boxes of the plane, and hulls that are flat, are ``flat`` metres thick.
+    Boxes of the plane, and flat hulls, are ``flat`` metres thick.
     """
     if isinstance(each, RodBody):
         if each.radius is None:
@@ -94,13 +94,13 @@ def shape_geometry(
 
 
 def _spread(each: Shape, scalars: Sequence[arb], flat: Fraction) -> Iterator[arb]:
-    """The coordinates of the corners of a hull, one after the other."""
+    """The coordinates of the corners of a hull, one after another."""
     corners = [tuple(scalars[i] for i in corner) for corner in each.corners]
     if all(z.is_zero() for _, _, z in corners):
         corners = [(x, y, side * ball(flat) / 2) for side in (-1, 1) for x, y, _ in corners]
     places = np.array([[float(x) for x in corner] for corner in corners])
     if np.linalg.matrix_rank(places - places[0]) < 3:
-        # What is flat all the same gets the corners of a small cube about each.
+        # Other flat hulls get the corners of a small cube about each corner.
         sides = list(product((-1, 1), repeat=3))
         thick = ball(flat) / 2
         corners = [tuple(x + s * thick for x, s in zip(corner, side, strict=True))
@@ -110,7 +110,7 @@ def _spread(each: Shape, scalars: Sequence[arb], flat: Fraction) -> Iterator[arb
 
 
 def _upright(pose: Pose, axis: int) -> Pose:
-    """The pose with its z axis along what was axis 0, 1 or 2."""
+    """The pose turned so that its z axis lies along the former axis 0, 1 or 2."""
     if axis == 2:
         return pose
     quarter = arb.pi() / 2

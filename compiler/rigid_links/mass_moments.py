@@ -1,9 +1,10 @@
-r"""Mass, first and second moment of rigid bodies: what adds when bodies are joined rigidly.
+r"""Mass, first and second moment of rigid bodies: these add when bodies are joined rigidly.
 
 .. math:: m = \int dm, \quad h = \int x\,dm, \quad S = \int x x^T dm, \quad J = tr(S) 1 - S
 
-Sources: Wensing, Kim & Slotine 2018 (a body is physical if and only if its S is not negative);
-Jacobi 1846 (principal axes by rotations that make one pair of entries after the other zero).
+Sources: Wensing, Kim & Slotine 2018 (a body is physical if and only if its S is positive
+semidefinite); Jacobi 1846 (principal axes by successive rotations, each of which makes one pair of
+entries zero).
 """
 
 from __future__ import annotations
@@ -19,14 +20,14 @@ from compiler.rigid_links.ball_pose import Pose, column, doubles, identity, near
 from compiler.robots.robot import Body, PointBody, RodBody, SolidBody
 
 BLEND = Fraction(1, 100)
-"""Of the moments of a planar link that its motion does not depend on, so much is isotropic."""
+"""The isotropic fraction of those moments of a planar link that its motion does not depend on."""
 RELATIVE = Fraction(1, 10**14)
-"""Moments below this part of their sum are too small for eigenvalues in doubles."""
+"""Moments below this fraction of their sum are too small for eigenvalues in doubles."""
 
 
 @dataclass(frozen=True, slots=True)
 class Inertial:
-    """Mass, centre of mass, and (xx, yy, zz, xy, xz, yz) of the inertia tensor about it."""
+    """Mass, centre of mass, and the inertia tensor (xx, yy, zz, xy, xz, yz) about it."""
 
     mass: float
     com: tuple[float, float, float]
@@ -35,7 +36,7 @@ class Inertial:
 
 @dataclass(frozen=True, slots=True)
 class MassMoments:
-    """Mass, first moment (3, 1) and second moment (3, 3) about the origin of some frame."""
+    """Mass, first moment (3, 1) and second moment (3, 3) about the origin of a frame."""
 
     mass: arb
     first: arb_mat
@@ -52,12 +53,12 @@ class MassMoments:
         )
 
     def times(self, factor: arb) -> MassMoments:
-        """The moments of bodies that are so many times as dense."""
+        """The moments after multiplying all densities by ``factor``."""
         return MassMoments(self.mass * factor, self.first * factor, self.second * factor)
 
     @property
     def massless(self) -> bool:
-        """Whether there is nothing at all, neither mass nor moments of it."""
+        """Whether the mass and all moments are zero."""
         rests = [self.mass, *self.first.entries(), *self.second.entries()]
         return all(bool(item == 0) for item in rests)
 
@@ -73,17 +74,20 @@ class MassMoments:
 
 
 def none() -> MassMoments:
-    """No mass."""
+    """The moments of no mass."""
     return MassMoments(arb(0), column([0, 0, 0]), identity() * 0)
 
 
 def about(mass: arb, com: arb_mat, central: arb_mat) -> MassMoments:
-    """The moments of a mass with a centre and a second moment about it."""
+    """The moments of a mass with a given centre and second moment about that centre."""
     return MassMoments(mass, com * mass, central + com * com.transpose() * mass)
 
 
 def body_moments(body: Body, scalars: Sequence[arb], frame: Pose) -> MassMoments:
-    """The moments of a body whose frame has this pose; a solid in the plane is a thin plate."""
+    """The mass, first moment (3, 1) and second moment (3, 3) of a body whose frame has this pose.
+
+    A solid in the plane is a thin plate.
+    """
     match body:
         case RodBody(_, axis, sign, length, density, _):
             extent, mass = scalars[length], scalars[density] * scalars[length]
@@ -110,17 +114,17 @@ def _second_moment(inertia: Sequence[arb]) -> arb_mat:
 
 
 def token(least: Fraction, place: arb_mat) -> MassMoments:
-    """What a frame without mass is given where every body must have some: twice ``least``.
+    """The moments given to a massless frame where every body must have mass: twice ``least``.
 
-    ``place`` (3, 1) is where its centre of mass is.
+    ``place`` (3, 1) is the position of its centre of mass.
     """
     return about(ball(least), place, identity() * ball(least))
 
 
 def inertial(moments: MassMoments, dimension: int, least: Fraction) -> Inertial:
-    """The numbers of a link as simulators want them: all principal moments at least ``least``.
+    """The numbers of a link as simulators need them: all principal moments at least ``least``.
 
-    What lacks mass gets a ``token``; ``legal`` says what else is changed.
+    A link without mass gets a ``token``; ``legal`` describes all other changes.
 
     Raises:
         ValueError: no body has these moments, or they have no definite values.
@@ -135,12 +139,12 @@ def inertial(moments: MassMoments, dimension: int, least: Fraction) -> Inertial:
 
 
 def legal(moments: MassMoments, dimension: int, least: Fraction) -> MassMoments:
-    """The moments with the least change after which simulators take them.
+    """The moments, changed as little as simulators require.
 
-    All principal moments of inertia are then at least ``least`` and keep the triangle inequality,
-    both with a margin of ``RELATIVE`` of their sum.  In space only those that fail are raised; in
-    the plane the moment about z is raised if it is too small, and only those that no planar motion
-    depends on are changed otherwise.
+    Afterwards all principal moments of inertia are at least ``least`` and satisfy the triangle
+    inequality, both with a margin of ``RELATIVE`` times their sum. In space only moments that
+    violate this are raised. In the plane the moment about z is raised if it is too small; otherwise
+    only moments that affect no planar motion are changed.
     """
     central = moments.central
     changed = _plate(central, least) if dimension == 2 else _thickened(central, least)
@@ -148,13 +152,13 @@ def legal(moments: MassMoments, dimension: int, least: Fraction) -> MassMoments:
 
 
 def _margin(moments: MassMoments, least: Fraction) -> arb:
-    """What rounding and tokens may have taken from a second moment."""
+    """The amount by which rounding and tokens may have reduced a second moment."""
     relative, absolute = ball(RELATIVE) * _trace(moments.central), ball(least) / 2
     return relative if relative > absolute else absolute
 
 
 def _plate(central: arb_mat, least: Fraction) -> arb_mat:
-    """Moments of a thick plate with the same moment of inertia about z."""
+    """The moments of a thick plate with the same moment of inertia about z."""
     total = central[0, 0] + central[1, 1]
     if not total > ball(least):
         return identity() * (ball(least) / 2)
@@ -168,7 +172,7 @@ def _plate(central: arb_mat, least: Fraction) -> arb_mat:
 
 
 def _thickened(central: arb_mat, least: Fraction) -> arb_mat:
-    """A second moment whose moments of inertia are large enough and keep the inequality."""
+    """A second moment whose moments of inertia are large enough and satisfy the inequality."""
     trace = _trace(central)
     moments, axes = principal_axes(identity() * trace - central)
     relative, absolute = ball(RELATIVE) * trace * 2, ball(least)
@@ -184,7 +188,7 @@ def _thickened(central: arb_mat, least: Fraction) -> arb_mat:
 
 
 def _larger(value: arb, other: arb) -> arb:
-    """The one of two numbers, or the first where they cannot be told apart."""
+    """The larger of two numbers, or the first if their order is not certain."""
     return other if other > value else value
 
 
@@ -209,14 +213,14 @@ def _rounded(moments: MassMoments) -> Inertial:
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 MOST_SWEEPS = 50
-"""Convergence is quadratic: far fewer are needed at any precision."""
+"""Convergence is quadratic: far fewer sweeps are needed at any precision."""
 
 
 def principal_axes(tensor: arb_mat) -> tuple[list[arb], list[arb_mat]]:
-    """Three moments, and as many axes (3, 1), orthonormal, both to nearly the working precision.
+    """Three moments and three orthonormal axes (3, 1), both to nearly the working precision.
 
-    Shape (3, 3), symmetric.  A moment is that of the exact tensor about its axis.  A tensor that is
-    diagonal has the axes of the frame, exactly.
+    ``tensor`` is symmetric, shape (3, 3). Each moment is that of the exact tensor about its axis.
+    If the tensor is diagonal, the axes are exactly those of the frame.
     """
     work, turned = _middle(tensor), identity()
     size = sum((abs(item) for item in work.entries()), arb(0))
@@ -235,7 +239,7 @@ def principal_axes(tensor: arb_mat) -> tuple[list[arb], list[arb_mat]]:
 
 
 def _rotation(work: arb_mat, i: int, j: int) -> arb_mat:
-    """The rotation by the smaller angle after which the entry (i, j) is zero."""
+    """The rotation by the smaller angle that makes the entry (i, j) zero."""
     half = (work[j, j] - work[i, i]) / 2
     size = abs(half) + (half**2 + work[i, j] ** 2).sqrt()
     tangent = work[i, j] / size if half >= 0 else -work[i, j] / size
@@ -247,5 +251,5 @@ def _rotation(work: arb_mat, i: int, j: int) -> arb_mat:
 
 
 def _middle(matrix: arb_mat) -> arb_mat:
-    """Without the radii, which would only grow."""
+    """The matrix without its radii, which would only grow."""
     return arb_mat([[matrix[i, j].mid() for j in range(3)] for i in range(3)])

@@ -1,7 +1,7 @@
 """A robot with fixed parameters as a tree of rigid links: a base, and one for each moved frame.
 
-A degree of freedom moves one frame, or several: then it is coupled, as by gears.
-All numbers are balls; they are rounded once, where they are written.
+A degree of freedom that moves several frames is coupled, as by gears. All numbers are balls; they
+are rounded once, when they are written.
 """
 
 from __future__ import annotations
@@ -23,24 +23,25 @@ from compiler.robots.robot import WORLD, Joint, Offset, RobotDof, RobotModel, Sh
 from grammar_lang import ir
 
 PRECISION = 256
-"""Bits of the balls: far more than doubles have, for robots of any length."""
+"""Bits of the balls: far more than doubles have, enough for robots of any length."""
 
 FLAT = Fraction(1, 100)
-"""How thick a box of the plane is in space, in metres."""
+"""The thickness in space of a box in the plane, in metres."""
 
 Limits = tuple[float, float] | None
 
 
 class RigidTreeError(ValueError):
-    """A robot that is no tree of rigid links, or none with one joint per degree of freedom."""
+    """The robot is not a tree of rigid links, or not one with one joint per degree of freedom."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkJoint:
     """The joint that carries a link: at ``origin`` in the link ``parent``.
 
-    The frame of the link carried is that of the joint; it turns about, or slides along, ``sign``
-    times axis 0, 1 or 2 of it.  ``range`` and ``rate`` are rad and rad/s, or m and m/s.
+    The frame of the carried link is the frame of the joint. The link rotates about, or slides
+    along, ``sign`` times axis 0, 1 or 2 of this frame. ``range`` and ``rate`` are in rad and rad/s,
+    or in m and m/s.
     """
 
     dof: int
@@ -57,7 +58,7 @@ class LinkJoint:
 class RigidLink:
     """All bodies that no joint separates, in the frame of the link; the base has no joint.
 
-    ``looks`` are what is drawn of it, ``collisions`` what collides and has an extent.
+    ``looks`` are the visual geometries, ``collisions`` the collision geometries with an extent.
     """
 
     joint: LinkJoint | None
@@ -68,7 +69,7 @@ class RigidLink:
 
 @dataclass(frozen=True, slots=True)
 class LinkFrame:
-    """A frame that is fixed in a link."""
+    """A frame that is fixed to a link."""
 
     link: int
     pose: Pose
@@ -76,9 +77,9 @@ class LinkFrame:
 
 @dataclass(frozen=True, slots=True)
 class RigidTree:
-    """The links, the base (fixed in the world) first, parents before children; effectors.
+    """The links, base (fixed in the world) first, parents before children; and the effectors.
 
-    Pairs of links that collide and may be ``touching`` are named where others may not.
+    ``touching`` names the pairs of colliding links that may touch, if others may not.
     """
 
     dimension: Literal[2, 3]
@@ -88,17 +89,17 @@ class RigidTree:
 
     @property
     def coupled(self) -> int | None:
-        """The first degree of freedom that moves several links, if one does."""
+        """The first degree of freedom that moves several links, or None."""
         dofs = [joint.dof for _, joint in self.carried()]
         return next((one for one, other in pairwise(dofs) if one == other), None)
 
     def carried(self) -> tuple[tuple[int, LinkJoint], ...]:
-        """The links that joints carry, with these, by the numbers of the degrees of freedom."""
+        """The links that joints carry, with their joints, in the order of degrees of freedom."""
         found = [(i, link.joint) for i, link in enumerate(self.links) if link.joint is not None]
         return tuple(sorted(found, key=lambda item: item[1].dof))
 
     def children(self) -> list[list[int]]:
-        """For every link those that its joints carry."""
+        """For every link the links that its joints carry."""
         found: list[list[int]] = [[] for _ in self.links]
         for number, link in enumerate(self.links):
             if link.joint is not None:
@@ -106,7 +107,7 @@ class RigidTree:
         return found
 
     def tools(self) -> list[list[int]]:
-        """For every link the numbers of the effectors fixed in it."""
+        """For every link the numbers of the effectors fixed to it."""
         found: list[list[int]] = [[] for _ in self.links]
         for number, frame in enumerate(self.effectors):
             found[frame.link].append(number)
@@ -118,8 +119,8 @@ def rigid_tree(
 ) -> RigidTree:
     """The tree of a robot whose parameters have these values (SI).
 
-    Masses and moments of inertia of each body are times its factor: 1, and 0 of what is taken up
-    and put down, where none are given.
+    The masses and moments of inertia of each body are multiplied by its factor. If no factors are
+    given, it is 0 for loads that are picked up and put down, and 1 for all other bodies.
 
     Raises:
         RigidTreeError: a degree of freedom moves nothing, or a length or angle has no value.

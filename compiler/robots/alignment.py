@@ -1,9 +1,9 @@
-"""Which modules of a word are kept in another one, and which are removed and added.
+"""The modules of a word that are kept in another word, and those that are removed and added.
 
 An alignment matches equal symbols of two words in order (Needleman & Wunsch 1970, with deletions
-and insertions only).  Its cost counts, the first that differs deciding: the modules that are not
-matched; the edges that are not; the runs of symbols that are not, which are the places where the
-robot is opened.  The cost of modules and edges is a metric on words.
+and insertions only). Its cost counts, in lexicographic order, unmatched modules, unmatched edges,
+and runs of unmatched symbols, which are the places where the robot is opened. The cost of modules
+and edges is a metric on words.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ class Alignment:
     """The modules of two words, by their indices in them.
 
     ``kept`` holds pairs of indices, in the old word and in the new one; ``edges`` is the number of
-    edges of either word that are not matched.
+    unmatched edges of both words.
     """
 
     kept: tuple[tuple[int, int], ...]
@@ -38,7 +38,7 @@ def alignment(
 
     Args:
         old: the symbols of the old word.
-        new: those of the new one.
+        new: the symbols of the new word.
         modules: which symbols are modules; all others are edges.
     """
     matched = _matched(old, new, modules)
@@ -77,7 +77,7 @@ def _matched(
 def _weight(
     old: Sequence[Hashable], new: Sequence[Hashable], symbol: Hashable, modules: Container[Hashable]
 ) -> int:
-    """The cost of a symbol that is not matched; a run costs 1."""
+    """The cost of an unmatched symbol, where a run costs 1."""
     base = len(old) + len(new) + 1
     return base * base if symbol in modules else base
 

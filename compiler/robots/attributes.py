@@ -1,4 +1,4 @@
-"""Attribute evaluation: the semantic rules of a derivation, applied (FRG, Definition 6).
+"""Attribute evaluation: applies the semantic rules along a derivation (FRG, Definition 6).
 
 The plans of the grammar are carried out over the derivation with an explicit stack, so that it may
 be as deep as memory allows; see :mod:`compiler.robots.evaluation_order`.
@@ -54,10 +54,10 @@ def evaluate(
 ) -> RobotModel:
     """The robot of a derivation, before normalisation.
 
-    Emissions are ordered by their place in the word, frames and scalars by their first use in them,
-    whatever the order of evaluation.  In the plane, ``dimension`` is 2.  ``order`` is that of the
-    grammar; without it, one is made for the productions of this derivation.  Visuals are left out
-    unless it is made for them.
+    Emissions are ordered by their place in the word, frames and scalars by their first use in
+    emissions, whatever the order of evaluation. ``dimension`` is 2 in the plane. ``order`` is the
+    evaluation order of the grammar; without it, one is made for the productions of this derivation.
+    Visuals are left out unless ``order`` includes them.
 
     Raises:
         SemanticsError: the rules define no robot (a missing or circular attribute).
@@ -84,7 +84,7 @@ def evaluate(
             else:
                 bodies.append(emitted.body(node, emission))
                 owners.append(_owner(derivation, node, emission))
-    # Behind all others: no number of a frame or a scalar is another one for being seen.
+    # Visuals come after everything else, so that they change no number of a frame or a scalar.
     seen = [emitted.frame(node, visual.frame) for node in emission_order(derivation)
             for visual in semantics[derivation.nodes[node].production.label].visuals
             if order.visuals]  # fmt: skip
@@ -108,7 +108,7 @@ def evaluate(
 def _covered(
     frames: Sequence[FrameNode], bodies: Sequence[Body], shapes: Sequence[Shape]
 ) -> tuple[int, ...]:
-    """The bodies, by number, that are centres of mass of links with shapes."""
+    """The numbers of the bodies that are centres of mass of links with shapes."""
     links = links_of(frames)
     shaped = {links.of[shape.frame] for shape in shapes}
     return tuple(
@@ -119,7 +119,7 @@ def _covered(
 
 
 def _owner(derivation: Derivation, node: int, emission: ir.Emission) -> BodyOwner | None:
-    """The module that a body is that of; None where there is none, or may be several."""
+    """The module that owns a body; None if there is no owner, or there may be several."""
     current = derivation.nodes[node]
     found = ir.owners(current.production, emission)
     if len(found) != 1:
@@ -129,7 +129,7 @@ def _owner(derivation: Derivation, node: int, emission: ir.Emission) -> BodyOwne
 
 
 def _carry_out(order: EvaluationOrder, values: AttributeValues) -> None:
-    """Evaluate all useful attributes of a derivation: the visits, from the root on."""
+    """Evaluate all useful attributes of a derivation by visiting its nodes from the root on."""
     nodes = values.derivation.nodes
     root = nodes[0].production
     given = order.first(root.label)
@@ -153,7 +153,7 @@ def _carry_out(order: EvaluationOrder, values: AttributeValues) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Emitted:
-    """Turns emissions into what a robot has, once all attributes are known."""
+    """Turns emissions into parts of a robot, once all attributes are known."""
 
     values: AttributeValues
     table: FrameTable
@@ -193,7 +193,7 @@ class _Emitted:
         return Shape(frame, emission.kind, axis, sign, sizes, tuple(corners))
 
 
-# --- Values of attributes and of the expressions over them, at the nodes of one derivation --------
+# --- Values of attributes, and of expressions in them, at the nodes of one derivation -------------
 
 
 Triple: TypeAlias = tuple[int, int, int]
@@ -207,7 +207,7 @@ AXES: Mapping[str, tuple[int, int]] = {
 
 @dataclass(slots=True)
 class AttributeValues:
-    """The values known so far, by node and name, and the table of the scalars in them."""
+    """The values known so far, by node and name, and the table of scalars that they use."""
 
     derivation: Derivation
     declared: Declarations
@@ -220,17 +220,17 @@ class AttributeValues:
         self.zero = self.scalars.constant(0)
 
     def define(self, node: int, rule: ir.AttributeRule) -> None:
-        """Evaluate a rule in the block of ``node``; everything that it reads has to be known."""
+        """Evaluate a rule in the block of ``node``; everything that it reads must be known."""
         values, name = self._place(node, rule.target)
         values[name] = self.value(node, rule.value)
 
     def read(self, node: int, attribute: ir.AttributeOf) -> AttributeValue:
-        """The value of an attribute that the block of ``node`` names."""
+        """The value of an attribute that is named in the block of ``node``."""
         values, name = self._place(node, attribute)
         return values[name]
 
     def _place(self, node: int, attribute: ir.AttributeOf) -> tuple[dict[str, AttributeValue], str]:
-        """Where the value of an attribute is kept that the block of ``node`` names."""
+        """The dictionary and the key that hold an attribute named in the block of ``node``."""
         if attribute.occurrence == ir.LOCAL:
             return self.known[node], f"let {attribute.name}"
         if attribute.occurrence != ir.THIS:
@@ -238,7 +238,7 @@ class AttributeValues:
         return self.known[node], attribute.name
 
     def value(self, node: int, expression: ir.Expr) -> AttributeValue:
-        """The value of an expression of any sort in the block of ``node``."""
+        """The value of an expression of any kind in the block of ``node``."""
         match expression:
             case ir.AttributeOf():
                 return self.read(node, expression)
@@ -253,7 +253,7 @@ class AttributeValues:
         """The index in ``scalars`` of the value of an expression in the block of ``node``.
 
         Raises:
-            SemanticsError: the expression is no scalar.
+            SemanticsError: the expression is not a scalar.
         """
         match expression:
             case ir.Num(value):
@@ -279,10 +279,10 @@ class AttributeValues:
         raise SemanticsError(f"a scalar is due, found {type(expression).__name__.lower()}")
 
     def vector(self, node: int, expression: ir.Expr) -> Triple:
-        """The vector of an expression in the block of ``node``: indices in ``scalars``.
+        """The value of a vector expression in the block of ``node``: three indices in ``scalars``.
 
         Raises:
-            SemanticsError: the expression is no vector.
+            SemanticsError: the expression is not a vector.
         """
         found = self.value(node, expression)
         if not isinstance(found, tuple):
@@ -290,10 +290,10 @@ class AttributeValues:
         return found
 
     def frame(self, node: int, expression: ir.Expr) -> Frame:
-        """The frame of an expression in the block of ``node``.
+        """The value of a frame expression in the block of ``node``.
 
         Raises:
-            SemanticsError: the expression is no frame.
+            SemanticsError: the expression is not a frame.
         """
         match expression:
             case ir.Compose(left, right):

@@ -1,7 +1,8 @@
-"""Which bodies of a robot have to stay apart where a task says ``avoid self with body``.
+"""The bodies of a robot that must not touch if a task says ``avoid self with body``.
 
-Bodies may touch that are of one link, or of two that may (:mod:`compiler.robots.links`).
-A link with shapes or rods collides as these are, one without at its centres of mass.
+Bodies may touch if they are of one link, or of two links that may touch
+(:mod:`compiler.robots.links`). A link collides as its shapes and rods, or, if it has none, at its
+centres of mass.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from grammar_lang import ir
 def bodies_apart(model: RobotModel, itself: ir.AvoidSelf) -> tuple[tuple[int, int], ...]:
     """The pairs of bodies, by number, that must not touch; ``model`` has all joints of its word.
 
-    Joints that move no mass may be left out of a normal form, though they part two links.
+    A normal form may lack joints that move no mass although they separate two links.
     """
     return _pairs(model, itself, exempt=False)
 
@@ -43,7 +44,7 @@ def _pairs(model: RobotModel, itself: ir.AvoidSelf, *, exempt: bool) -> tuple[tu
 
 
 def _colliding(model: RobotModel, links: Links) -> list[int]:
-    """The numbers of what links collide as: rods and shapes, else centres of mass."""
+    """The numbers of the colliders that links collide as: rods and shapes, else centres of mass."""
     extended = (RodBody, Shape)
     shaped = {links.of[each.frame] for each in model.colliders if isinstance(each, extended)}
     return [

@@ -1,4 +1,4 @@
-"""The structures of a family as robots, in order: what a search tries and a refutation covers."""
+"""The structures of a family as robots, in the order in which they are tried or refuted."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from grammar_lang import ir
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A structure, ``number`` in order from 0, and its robot; None with the ``fault`` in words."""
+    """A structure, ``number`` in order from 0, and its robot; None if there is a ``fault``."""
 
     number: int
     derivation: Derivation
@@ -37,13 +37,13 @@ class Candidate:
 
 
 def candidates(family: RobotFamily, modules: int, origin: ir.Origin | None) -> Iterator[Candidate]:
-    """All structures of at most so many modules, lazily, in the order of section 2.
+    """All structures of at most ``modules`` modules, lazily, in the order of section 2.
 
-    With an existing robot (``origin``, Example 2) in the order of the number of modules added to
-    it or removed from it; its own word first, then the order of section 2.
+    If there is an existing robot (``origin``, Example 2), they are ordered by the number of modules
+    added to it or removed from it, its own word first, and then as in section 2.
 
     Raises:
-        InfiniteAmbiguityError: at once, where the grammar has a useful derivation A =>+ A.
+        InfiniteAmbiguityError: at once, if the grammar has a useful derivation A =>+ A.
     """
     language = family.language
     if origin is None:
@@ -55,7 +55,7 @@ def candidates(family: RobotFamily, modules: int, origin: ir.Origin | None) -> I
 def candidates_of(
     family: RobotFamily, words: Iterable[tuple[str, ...]], origin: ir.Origin | None
 ) -> Iterator[Candidate]:
-    """All structures of some words of a family, in the order of the words."""
+    """All structures of the given words of a family, in the order of the words."""
     return _robots(family, structures_of(family.language, words), origin)
 
 
@@ -71,13 +71,13 @@ def _robots(
 
 
 # --------------------------------------------------------------------------------------------------
-# The robot of a structure in a task: what the task fixes of a module that is kept is one value.
+# The robot of a structure in a task: the fixed parameters of kept modules have one value.
 
 
 def robot_in_task(
     family: RobotFamily, origin: ir.Origin | None, derivation: Derivation
 ) -> RobotModel:
-    """The robot of a derivation; every fixed parameter of a kept module has its one value only.
+    """The robot of a derivation; each fixed parameter of a kept module has only its one value.
 
     Args:
         family: the family of the task.
@@ -104,9 +104,8 @@ def robot_in_task(
 # --------------------------------------------------------------------------------------------------
 # The words of a language in the order of their distance from a word: modules added or removed.
 #
-# Each distance is the language intersected with an automaton, enumerated lazily.  Automata grow
-# with the distance; where they get large and the words are few, the rest of the words is sorted
-# instead.
+# Each distance is the language intersected with an automaton, enumerated lazily. Automata grow with
+# the distance; once they are large and few words remain, the remaining words are sorted instead.
 
 
 SMALL_AUTOMATON = 500
@@ -116,9 +115,9 @@ FEW_WORDS = 20_000
 def words_by_distance(
     language: Language, origin: tuple[str, ...], modules: int
 ) -> Iterator[tuple[str, ...]]:
-    """The words of at most so many modules, by how many are added to or removed from ``origin``.
+    """The words of at most ``modules`` modules, by how many are added to ``origin`` or removed.
 
-    ``origin`` itself comes first; words at one distance come by length, then in order of symbols.
+    ``origin`` itself comes first; words at one distance are ordered by length, then by symbols.
     """
     count = sum(symbol in language.srg.modules for symbol in origin)
     if count <= modules and language.accepts(origin):
@@ -141,7 +140,7 @@ def words_by_distance(
 
 
 def _longest(language: Language, modules: int) -> int | None:
-    """A length that no word exceeds; None where there is none, or none of use."""
+    """A length that no word exceeds; None if there is no bound, or none of use."""
     try:
         return language.longest(max_modules=modules)
     except WordsTooLongError:
@@ -149,7 +148,7 @@ def _longest(language: Language, modules: int) -> int | None:
 
 
 def _at(language: Language, origin: tuple[str, ...], distance: int, limit: int) -> Language | None:
-    """The words of a language at a distance; None where that takes more than ``limit`` states."""
+    """The words of a language at a distance; None if that takes more than ``limit`` states."""
     rules = language.srg
     try:
         level = at_distance(rules.terminals, rules.modules, origin, distance, limit)
@@ -165,7 +164,7 @@ def _distance(language: Language, origin: tuple[str, ...], word: tuple[str, ...]
 def _sorted(
     language: Language, words: list[tuple[str, ...]], origin: tuple[str, ...], least: int
 ) -> Iterator[tuple[str, ...]]:
-    """Those of some words, in order, that are at a distance of ``least`` or more, by distance."""
+    """The given words that are at a distance of at least ``least``, sorted by distance."""
     levels: dict[int, list[tuple[str, ...]]] = {}
     for word in words:
         distance = _distance(language, origin, word)
@@ -178,9 +177,9 @@ def _sorted(
 # --------------------------------------------------------------------------------------------------
 # The words at a given number of modules added to or removed from a word, as a finite automaton.
 #
-# A state is a row of the table of distances between a prefix that was read and all prefixes of the
-# word (Wagner & Fischer 1974, with deletions and insertions only), cut off above the distance asked
-# for (Schulz & Mihov 2002).  Edges are read and not counted.
+# A state is a row of the table of distances between the prefix read so far and all prefixes of the
+# word (Wagner & Fischer 1974, with deletions and insertions only), cut off above the given distance
+# (Schulz & Mihov 2002). Edges are read but not counted.
 
 
 Row: TypeAlias = tuple[int, ...]
@@ -193,10 +192,10 @@ def at_distance(
     distance: int,
     limit: int = STATE_LIMIT,
 ) -> Dfa:
-    """The words whose modules differ from those of ``word`` by so many, added or removed; minimal.
+    """The words that differ from ``word`` by ``distance`` modules, added or removed; minimal.
 
     Raises:
-        AutomatonTooLargeError: there would be more than ``limit`` states.
+        AutomatonTooLargeError: the automaton would have more than ``limit`` states.
     """
     aim = [symbol for symbol in word if symbol in modules]
     over = distance + 1
@@ -217,7 +216,7 @@ def at_distance(
 
 
 def distance_from(modules: Container[str], word: Sequence[str], other: Sequence[str]) -> int:
-    """The number of modules to be added to a word or removed from it to get those of another."""
+    """The number of modules to add to one word or remove from it to get the modules of another."""
     aim = [symbol for symbol in word if symbol in modules]
     over = len(aim) + len(other) + 1
     row = tuple(range(len(aim) + 1))

@@ -1,4 +1,4 @@
-"""Whether a robot's scalars have a value for all of its parameters."""
+"""Whether a robot's scalars have a value for all values of its parameters."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Box = tuple[arb, ...]
 
 
 def scalars_are_defined(model: RobotModel) -> bool:
-    """Whether all are shown to have a value: False says only that it was not shown.
+    """Whether all scalars are proven to have a value: False means only that it was not proven.
 
-    The parameter box is halved along its widest side where that is not seen at once.
+    The parameter box is halved along its widest side as long as this cannot be decided.
     """
     with working_precision(PRECISION):
         pending = [tuple(box) for box in product(*(_sides(p) for p in model.parameters))]
@@ -78,7 +78,7 @@ def _has_value(model: RobotModel, node: Apply, arguments: list[arb]) -> bool:
 
 
 def _never_negative(model: RobotModel, scalar: int) -> bool:
-    """Whether a scalar is seen not to be negative: a square, or a sum or product of such."""
+    """Whether a scalar is recognised as non-negative: a square, or a sum or product of such."""
     todo = [scalar]
     while todo:
         match model.scalars[todo.pop()]:

@@ -1,10 +1,10 @@
-"""How many effectors a robot of a family may have: at most one, or several.
+"""Whether a robot of a family has at most one effector or may have several.
 
 An upper bound over all derivations is the least fixpoint of a linear system (Knuth, *A
 generalization of Dijkstra's algorithm*, 1977, with a largest instead of a smallest derivation, cut
-off at two).  Where it allows several, the accept condition is taken into account: every production
-writes one mark for each effector it emits, and a word with two marks is looked for in the product
-with an automaton (:mod:`compiler.words.intersection`).
+off at two). If the bound allows several, the accept condition is taken into account: every
+production writes one mark for each effector it emits, and a word with two marks is searched for in
+the product with an automaton (:mod:`compiler.words.intersection`).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _MARK = ""  # no symbol of a grammar is empty
 def several_effectors(program: ir.Program, grammar: ir.Grammar) -> bool | None:
     """Whether some accepted derivation emits two effectors or more.
 
-    None where that is unknown: the grammar has no semantics, or too large an accept condition.
+    None if unknown: the grammar has no semantics, or its accept condition is too large.
     """
     if grammar.semantics is None:
         return None
@@ -90,7 +90,7 @@ def _marked(cfg: Cfg, emitted: tuple[int, ...]) -> Cfg:
 
 
 def _with_marks(accept: Dfa) -> Dfa:
-    """The words with several marks that are accepted without them and are not empty then.
+    """The words with several marks that are non-empty and accepted once the marks are removed.
 
     State ``6 s + 2 m + e`` means: state s, m marks so far (2: or more), and whether a symbol came.
     """

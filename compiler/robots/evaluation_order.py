@@ -1,14 +1,15 @@
-"""In which order the attributes of a grammar are evaluated, fixed once for all its derivations.
+"""The order in which the attributes of a grammar are evaluated, fixed once for all derivations.
 
 Source: K. Kennedy and S. K. Warren, "Automatic generation of efficient evaluators for attribute
-grammars", POPL 1976.  A node of a derivation is visited one or more times; each visit gives it some
-of its inherited attributes and obtains the synthesized ones that depend on no others.  What a visit
-does is a *plan*: rules to evaluate and children to visit, in order.  It depends on the production
-and on the inherited attributes given so far, and on nothing else of the derivation.
+grammars", POPL 1976. A node of a derivation is visited one or more times; each visit gives it some
+of its inherited attributes and obtains the synthesized ones that depend on no others. The work of a
+visit is a *plan*: rules to evaluate and children to visit, in order. A plan depends on the
+production and on the inherited attributes given so far, and on nothing else in the derivation.
 
-The scheme succeeds on exactly the absolutely noncircular grammars, those that the check of a file
-accepts.  As each visit of a child gives or obtains something new, a node is visited less often than
-its nonterminal has attributes, plus one, and evaluation is linear in the size of the derivation.
+The method succeeds for exactly the absolutely noncircular grammars, which are those that the check
+of a file accepts. As each visit of a child gives or obtains something new, the number of visits of
+a node is at most one more than the number of attributes of its nonterminal, and evaluation is
+linear in the size of the derivation.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ Plan: TypeAlias = tuple[EvaluationStep, ...]
 
 @dataclass(slots=True)
 class EvaluationOrder:
-    """The plans of one grammar.  Each is made when it is first asked for, and then kept.
+    """The plans of one grammar. Each plan is made when it is first asked for, and then kept.
 
-    Only what some emission needs is evaluated, and what ``visuals`` need where they are asked for.
-    Productions without a block are left out.
+    Only attributes that some emission needs are evaluated, and those that visuals need if
+    ``visuals`` is set. Productions without a block are left out.
     """
 
     productions: Sequence[ir.Production]
@@ -73,11 +74,11 @@ class EvaluationOrder:
         }
 
     def first(self, label: str) -> Given:
-        """The visits of a root with this production: one, which gives it all that it inherits."""
+        """The visits of a root with this production: one, which gives it all it inherits."""
         return (self._inherited(self._production(label).left),)
 
     def plan(self, label: str, given: Given) -> Plan:
-        """What the last of some visits does at a node with this production.
+        """The plan of the last of the ``given`` visits to a node with this production.
 
         Raises:
             SemanticsError: an attribute has no rule or depends on itself, or there is no block.
@@ -102,7 +103,7 @@ class EvaluationOrder:
     # --- plans ------------------------------------------------------------------------------------
 
     def _begin(self, label: str) -> _Progress:
-        """Nothing is evaluated and no child has been visited."""
+        """The progress before any rule is evaluated and any child is visited."""
         production = self._production(label)
         rules = self.useful.rules(production, self.blocks[label])
         defined = {rule.target for rule in rules}
@@ -116,7 +117,7 @@ class EvaluationOrder:
         )
 
     def _continue(self, production: ir.Production, before: _Progress, given: Given) -> _Progress:
-        """As much as can be done at a node that has been given some more."""
+        """The progress after doing all that the newly given attributes allow."""
         work = _Work(before)
         if given:
             work.learn(ir.AttributeOf(ir.THIS, name) for name in sorted(given[-1]))
@@ -132,9 +133,9 @@ class EvaluationOrder:
         return after
 
     def _due(self, production: ir.Production, work: _Work) -> Visit | None:
-        """The next child to visit: the first that needs no visit after it, else the first useful.
+        """The next child to visit: the first that needs no later visit, else the first useful one.
 
-        A visit before the last one has to obtain something.
+        A visit that is not the last one must obtain something.
         """
         found: Visit | None = None
         for position, given in work.children.items():
@@ -151,7 +152,7 @@ class EvaluationOrder:
         return found
 
     def _obtained(self, production: ir.Production, visit: Visit) -> Iterator[ir.AttributeOf]:
-        """What a visit makes known of its child that was not known before."""
+        """The attributes of its child that a visit makes known."""
         known: frozenset[str] = frozenset().union(*visit.given)
         before: frozenset[str] = frozenset().union(*visit.given[:-1])
         for name, needed in self._needs.get(production.right[visit.position].name, {}).items():
@@ -161,7 +162,7 @@ class EvaluationOrder:
     def _check_circle(
         self, production: ir.Production, after: _Progress, given: frozenset[str]
     ) -> None:
-        """Report what depends on no more than was given and yet could not be evaluated."""
+        """Report attributes that depend only on given attributes but could not be evaluated."""
         left = [after.rules[number].target for number in sorted(after.waiting)]
         if given != self._inherited(production.left):
             needs = self._needs.get(production.left, {})
@@ -173,10 +174,10 @@ class EvaluationOrder:
 
 @dataclass(frozen=True, slots=True)
 class _Progress:
-    """What has been done at a node after some visits, and what the last of them did (``plan``).
+    """The work done at a node after some visits, and the ``plan`` of the last one.
 
-    ``waiting`` are the numbers of ``rules`` that are still to be evaluated, ``children`` the visits
-    of each child so far.
+    ``waiting`` holds the numbers of the ``rules`` that are not evaluated yet, ``children`` the
+    visits of each child so far.
     """
 
     plan: Plan
@@ -187,7 +188,7 @@ class _Progress:
 
 
 class _Work:
-    """A plan in the making: evaluates rules, in their order, as soon as what they read is known."""
+    """A plan being made: evaluates rules, in order, once the attributes they read are known."""
 
     def __init__(self, before: _Progress) -> None:
         self.rules = before.rules
@@ -205,7 +206,7 @@ class _Work:
         heapify(self._ready)
 
     def learn(self, attributes: Iterator[ir.AttributeOf]) -> None:
-        """These attributes have their values now."""
+        """Mark these attributes as known."""
         for attribute in attributes:
             if attribute in self.known:
                 continue
@@ -216,7 +217,7 @@ class _Work:
                     heappush(self._ready, number)
 
     def evaluate(self) -> None:
-        """Evaluate every rule that can be."""
+        """Evaluate every rule that is ready."""
         while self._ready:
             number = heappop(self._ready)
             del self._missing[number]
@@ -224,7 +225,7 @@ class _Work:
             self.learn(iter((self.rules[number].target,)))
 
     def progress(self) -> _Progress:
-        """What has been done."""
+        """The work done so far."""
         return _Progress(
             tuple(self.steps),
             self.rules,
@@ -243,7 +244,7 @@ Key: TypeAlias = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class UsefulAttributes:
-    """Per nonterminal the names of its useful attributes, in order of discovery."""
+    """For each nonterminal the names of its useful attributes, in order of discovery."""
 
     synthesized: Mapping[str, tuple[str, ...]]
     inherited: Mapping[str, tuple[str, ...]]
@@ -255,7 +256,7 @@ class UsefulAttributes:
         return tuple(rule for rule in block.rules if self._defines(production, rule.target))
 
     def due(self, production: ir.Production) -> Iterator[ir.AttributeOf]:
-        """The useful attributes that the block of a production has to define."""
+        """The useful attributes that the block of a production must define."""
         for name in self.synthesized.get(production.left, ()):
             yield ir.AttributeOf(ir.THIS, name)
         for position, symbol in enumerate(production.right):
@@ -269,7 +270,7 @@ class UsefulAttributes:
 
 
 def owner(production: ir.Production, attribute: ir.AttributeOf) -> str:
-    """The nonterminal whose attribute a production names; of a local value the production."""
+    """The nonterminal whose attribute a production names; for a local value the production."""
     if attribute.occurrence == ir.THIS:
         return production.left
     if attribute.occurrence == ir.LOCAL:
@@ -278,7 +279,7 @@ def owner(production: ir.Production, attribute: ir.AttributeOf) -> str:
 
 
 def expressions(emission: ir.Emission) -> tuple[ir.Expr, ...]:
-    """The expressions that an emission is made of."""
+    """The expressions in an emission."""
     match emission:
         case ir.Rod(frame, _, length, density, radius):
             return (frame, length, density) if radius is None else (frame, length, density, radius)
@@ -300,9 +301,9 @@ def useful_attributes(
 ) -> UsefulAttributes:
     """The attributes that emissions need in some derivation; the others are never evaluated.
 
-    With ``visuals`` those count, too, that these need.
+    With ``visuals``, the attributes that visuals need are included.
 
-    An attribute that no production of its nonterminal defines for ``this`` is inherited.
+    An attribute is inherited if no production of its nonterminal defines it for ``this``.
     """
     synthesized: set[Key] = set()
     needs: dict[tuple[bool, Key], dict[Key, None]] = {}

@@ -1,4 +1,4 @@
-"""On which module each module of a derivation stands, as far as its frames tell."""
+"""The module on which each module of a derivation stands, as far as its frames determine it."""
 
 from __future__ import annotations
 
@@ -38,15 +38,16 @@ def frame_parents(
 ) -> dict[int, int | None]:
     """The module that each module stands on, by place in the word; None for the world.
 
-    A module stands on the one before it on the first frame path of its production that passes it,
-    among those that start before it on the right side, if there are any; else on the one before it
-    on the first path of another production that passes it.  One that only the body of an emission
-    mentions stands at the end of the path of that emission's frame, and nothing stands on it.
+    A module stands on the one before it on a frame path that passes it: the first path of its
+    production that starts before it on the right side; else the first path of another production;
+    else the first path of its production. A module that only the body of an emission mentions
+    stands at the end of the path of that emission's frame, and nothing stands on it.
 
-    What a path starts from is continued where it was defined; where a frame made from the world is
-    put behind another, its first module stands on the last of the other.  A base stands on the
-    world, and of what else does, everything stands on the nearest base before it in the word, or
-    the first base.  Modules that no frame passes are left out.
+    A path that starts at a frame attribute continues the path that defines it. If a frame made from
+    the world is put behind another frame, its first module stands on the last module of the other.
+    A base stands on the world. If there are bases, anything else that would stand on the world
+    stands on the nearest base before it in the word, or on the first base. Modules that no frame
+    passes are left out.
 
     Raises:
         SemanticsError: an attribute is not defined, or depends on itself.
@@ -76,7 +77,7 @@ def frame_parents(
 class _Tracing:
     """The ends of the frames of a derivation, found on demand with an explicit stack.
 
-    ``moving`` are the modules that steps mention, ``ending`` those that only bodies do.
+    ``moving`` holds the modules that steps mention, ``ending`` those that only bodies mention.
     """
 
     derivation: Derivation
@@ -113,7 +114,7 @@ class _Tracing:
             self.paths.append(known[key])
 
     def own(self) -> dict[int, int | None]:
-        """The module before each on the paths of its production, else on those of others."""
+        """The module before each module on the paths of its production, else on paths of others."""
         forward: dict[int, int | None] = {}
         foreign: dict[int, int | None] = {}
         backward: dict[int, int | None] = {}
@@ -137,7 +138,7 @@ class _Tracing:
         return {**leaves, **backward, **foreign, **forward}
 
     def put_behind(self, parents: dict[int, int | None]) -> None:
-        """Join the frames that are put behind others to those."""
+        """Let frames that are put behind other frames stand on these."""
         for number, found in enumerate(self.paths):
             for path in found.paths:
                 before: int | None = None
@@ -149,10 +150,10 @@ class _Tracing:
                     before = before if last is None else last
 
     def walk(self, node: int, path: FramePath) -> Iterator[tuple[Item, Ends]]:
-        """The items of a path in the block of a node, the world left out, with their ends.
+        """The items of a path in the block of a node, without the world, with their ends.
 
-        What is behind numbers comes module by module.  A module comes once, and no base comes
-        after another module.
+        Modules behind numbers come one by one. A module comes once, and no base comes after another
+        module.
         """
         passed: set[int] = set()
         begun = False
@@ -175,7 +176,7 @@ class _Tracing:
         return self.derivation.nodes[node].children[item.occurrence], item.name
 
     def demand(self, instance: Instance) -> Ends:
-        """The ends of a frame, finding first whatever they depend on."""
+        """The ends of a frame; first finds those of the frames that it depends on."""
         if instance in self.ends:
             return self.ends[instance]
         stack = [instance]
@@ -208,7 +209,7 @@ class _Tracing:
         return Ends(first, last)
 
     def definition(self, instance: Instance) -> tuple[int, FramePath]:
-        """The node whose block defines a frame, and its path there."""
+        """The node whose block defines a frame, and the frame's path there."""
         node, name = instance
         path = self.paths[node].defined.get(ir.AttributeOf(ir.THIS, name))
         if path is not None:
@@ -226,7 +227,7 @@ class _Tracing:
 
 
 def _root(parents: Mapping[int, int | None], module: int | None) -> int | None:
-    """The module at the bottom of all that a module stands on."""
+    """The module at the bottom of all modules that a module stands on."""
     root = module
     while module is not None:
         root, module = module, parents.get(module)
@@ -234,9 +235,9 @@ def _root(parents: Mapping[int, int | None], module: int | None) -> int | None:
 
 
 def _break_cycles(parents: dict[int, int | None]) -> None:
-    """Put a module of each cycle, that which comes first in the word, on the world.
+    """Let the module of each cycle that comes first in the word stand on the world.
 
-    Frames that lead back through a module that they come from have such cycles.
+    Cycles arise if frames lead back through a module that they come from.
     """
     seen: dict[int, int] = {}
     for start in sorted(parents):
@@ -251,7 +252,7 @@ def _break_cycles(parents: dict[int, int | None]) -> None:
 
 
 def _grounded(parents: Mapping[int, int | None], bases: Sequence[int]) -> dict[int, int | None]:
-    """Put what stands on the world onto bases, where there are any."""
+    """Let modules that stand on the world stand on bases, if there are any."""
     found = dict(sorted(parents.items()))
     ground = frozenset(bases)
     for module, parent in found.items():
@@ -260,14 +261,14 @@ def _grounded(parents: Mapping[int, int | None], bases: Sequence[int]) -> dict[i
     return found
 
 
-# --- Of which modules of a derivation the numbers in its frames are made --------------------------
+# --- The modules of a derivation that determine the numbers in its frames -------------------------
 
 
 @dataclass(slots=True)
 class DerivedNumbers:
     """Follows scalar attributes through a derivation to the modules behind them.
 
-    ``above`` is per node its parent and where it stands on the right side of that.
+    ``above`` holds, for each node, its parent and its position on the parent's right side.
     """
 
     derivation: Derivation
@@ -285,7 +286,7 @@ class DerivedNumbers:
                     self.above[node.children[index]] = (number, index)
 
     def places(self, node: int, modules: int | Behind) -> tuple[int, ...]:
-        """Modules of the block of a node by place, in the order of the word."""
+        """The places, in word order, of modules that are named in the block of a node."""
         if isinstance(modules, int):
             return (self.derivation.nodes[node].children[modules],)
         if (node, modules) not in self._known:
@@ -309,7 +310,7 @@ class DerivedNumbers:
         return found
 
     def _definition(self, node: int, each: ir.AttributeOf) -> tuple[int, ir.AttributeOf]:
-        """The node whose block defines an attribute, and what it is called there."""
+        """The node whose block defines an attribute, and the attribute's name there."""
         if each.occurrence != ir.THIS:
             child = self.derivation.nodes[node].children[each.occurrence]
             return child, ir.AttributeOf(ir.THIS, each.name)
@@ -317,11 +318,11 @@ class DerivedNumbers:
         return (max(parent, 0), ir.AttributeOf(position, each.name))
 
 
-# --- Which attributes of a grammar are frames: those that are made as frames, and their copies ----
+# --- Which attributes of a grammar are frames: those defined as frames, and copies of these -------
 
 
 def frame_attributes(grammar: ir.Grammar) -> frozenset[Attribute]:
-    """The attributes that are frames; ``frame`` is one where the start symbol inherits it."""
+    """The attributes that are frames; ``frame`` is one if the start symbol inherits it."""
     found: set[Attribute] = set()
     copies: dict[Attribute, list[Attribute]] = {}
     synthesized: set[Attribute] = set()

@@ -1,17 +1,17 @@
-"""Through which modules the frames of a production lead: read off its semantic rules.
+"""The modules that the frames of a production pass, read off its semantic rules.
 
-A frame expression is a product: what it starts from (the world, or a frame attribute) and steps.
-Its *path* has, from the start outwards, the modules that it passes.
+A frame expression is a product: a start (the world, or a frame attribute) and steps. Its *path*
+lists, from the start outwards, the modules that it passes.
 
 - A step passes the modules that it mentions: by a degree of freedom, a parameter or a constant.
-  Definitions in the same block are put in for what they define; behind a number that comes from
-  another block stand the modules that it is made of (``Behind``), known in a derivation only.
-- A module that nothing mentions has both ends in one place as far as the rules tell; it is
-  *still*.  It is passed where the word puts it: after the start or passed module that is the
-  nearest before it on the right side, by every path that goes on from there to something after
-  it.  Where only later occurrences lead to it (the frames run against the word) that is the first
-  of them.  A module in brackets is not passed on the way to what is outside of them.
-  Effectors, if there are as many modules as emissions, are passed on the way of their emission.
+  Names defined in the same block are replaced by their definitions. The modules behind a number
+  from another block (``Behind``) are known only in a derivation.
+- A module that nothing mentions has both ends in one place as far as the rules tell; it is *still*.
+  It is passed at its place in the word: after the start or the passed module that is nearest before
+  it on the right side, by every path that goes on from there to something after it. If only later
+  occurrences lead to it (the frames run against the word), it is passed after the first of them. A
+  module in brackets is not passed on the way to something outside them. Effectors, if there are as
+  many modules as emissions, are passed on the way of their emission.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ Attribute: TypeAlias = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Behind:
-    """The modules that numbers are made of: those mentioned, and those behind attributes."""
+    """The modules that determine numbers: those mentioned, and those behind attributes."""
 
     modules: tuple[int, ...]
     attributes: tuple[ir.AttributeOf, ...]
 
     @property
     def position(self) -> int:
-        """The last place on the right side; -1 where all comes from the left side."""
+        """The last position on the right side; -1 if everything comes from the left side."""
         return max((*self.modules, *(each.occurrence for each in self.attributes)), default=-1)
 
 
@@ -47,11 +47,11 @@ Rules: TypeAlias = Mapping[ir.AttributeOf, ir.AttributeRule]
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """A frame expression before still modules are put in.
+    """A frame expression before still modules are inserted.
 
-    ``target`` is what it defines, None where it is emitted.  ``limit`` is where on the right side
-    it is handed over; the end of that where it is emitted or handed to the outside.  ``body`` are
-    the modules of the other arguments of an emission.
+    ``target`` is the attribute it defines, None if it is emitted. ``limit`` is the position on the
+    right side to which it is passed; the length of that side if it is emitted or passed to the
+    outside. ``body`` holds the modules of the other arguments of an emission.
     """
 
     target: ir.AttributeOf | None
@@ -64,8 +64,8 @@ class Draft:
 class ProductionDrafts:
     """The frame expressions of a production.
 
-    ``numbers`` are the modules behind each scalar or vector that it defines, ``tips`` the emitted
-    frames of its effectors.
+    ``numbers`` maps each scalar or vector that it defines to the modules behind it, ``tips`` maps
+    its effectors to their emitted frames.
     """
 
     production: ir.Production
@@ -91,7 +91,7 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True)
 class ProductionPaths:
-    """The frame paths of a production: of each frame it defines, and all in the block's order."""
+    """The frame paths of a production: ``defined`` by attribute, ``paths`` in the block's order."""
 
     defined: Mapping[ir.AttributeOf, FramePath]
     paths: tuple[FramePath, ...]
@@ -99,7 +99,7 @@ class ProductionPaths:
 
 
 def position(item: Item) -> int:
-    """Where an item stands on the right side; the left side and the world stand before it."""
+    """The position of an item on the right side; -1 for the left side and the world."""
     match item:
         case int():
             return item
@@ -115,7 +115,7 @@ def position(item: Item) -> int:
 
 
 def production_paths(found: ProductionDrafts, still: Sequence[int]) -> ProductionPaths:
-    """The frame paths of a production, some of whose modules are still."""
+    """The frame paths of a production with its ``still`` modules inserted."""
     filling = _Filling(found, bracket_levels([symbol.name for symbol in found.production.right]))
     ends = {module: filling.anchor(module) for module in still}
     filling.after = {module: draft.items[-1] for module, draft in ends.items() if draft is not None}
@@ -140,21 +140,21 @@ def production_paths(found: ProductionDrafts, still: Sequence[int]) -> Productio
 
 @dataclass(slots=True)
 class _Filling:
-    """Puts still modules into paths; ``after`` says behind which item each is passed."""
+    """Inserts still modules into paths; ``after`` maps each to the item it is passed after."""
 
     found: ProductionDrafts
     levels: Sequence[tuple[int, ...]]
     after: dict[int, Item] = field(default_factory=dict[int, Item])
 
     def anchor(self, module: int) -> Draft | None:
-        """The beginning of a draft, up to that after which a still module is passed."""
+        """The start of a draft, up to the item after which a still module is passed."""
         tip = self.found.tips.get(module)
         own, _ = self._anchors(module, [] if tip is None else [tip])
         forward, backward = self._anchors(module, self.found.drafts)
         return own or forward or backward
 
     def _anchors(self, module: int, drafts: Sequence[Draft]) -> tuple[Draft | None, Draft | None]:
-        """The same among some drafts: along the word, and against it."""
+        """The anchor among the given drafts, along the word and against it."""
         best: tuple[tuple[bool, int, int], Draft] | None = None
         backward: Draft | None = None
         for draft in drafts:
@@ -175,7 +175,7 @@ class _Filling:
         return None if best is None else best[1], backward
 
     def path(self, items: Sequence[Item], limit: int) -> FramePath:
-        """The items with the still modules that are passed between them."""
+        """The items, with the still modules that are passed between them."""
         limits = (*map(position, items[1:]), limit)
         result: list[Item] = []
         for item, bound in zip(items, limits, strict=True):
@@ -207,7 +207,7 @@ def production_drafts(
 ) -> ProductionDrafts:
     """The frame expressions of a production.
 
-    ``frames`` are the attributes that are frames, ``effectors`` the modules of that role.
+    ``frames`` are the attributes that are frames, ``effectors`` the modules with that role.
     """
     rules = {rule.target: rule for rule in block.rules}
     drafts: list[Draft] = []
@@ -215,7 +215,7 @@ def production_drafts(
     end = len(production.right)
     for rule in block.rules:
         if rule.target.occurrence == ir.LOCAL:
-            continue  # put in where it is read
+            continue  # inserted where it is read
         if attribute(production, rule.target) in frames:
             inside = rule.target.occurrence != ir.THIS
             limit = rule.target.occurrence if inside else end
@@ -236,7 +236,7 @@ def production_drafts(
 
 
 def attribute(production: ir.Production, occurrence: ir.AttributeOf) -> Attribute:
-    """The nonterminal (of a local value: the production) and the name of an attribute."""
+    """The nonterminal (for a local value the production) and the name of an attribute."""
     return owner(production, occurrence), occurrence.name
 
 
@@ -258,7 +258,7 @@ def _items(expression: ir.Expr, rules: Rules) -> tuple[Item, ...]:
 
 
 def _factors(expression: ir.Expr, rules: Rules) -> Iterator[ir.AttributeOf | Step]:
-    """The factors of a frame expression, without the world, local definitions put in."""
+    """The factors of a frame expression without the world, with local definitions inserted."""
     todo: list[tuple[ir.Expr, frozenset[ir.AttributeOf]]] = [(expression, frozenset())]
     while todo:
         current, inside = todo.pop()
@@ -274,7 +274,7 @@ def _factors(expression: ir.Expr, rules: Rules) -> Iterator[ir.AttributeOf | Ste
 
 
 def _behind(expressions: Sequence[ir.Expr], mentions: Sequence[int], rules: Rules) -> Behind:
-    """What expressions are made of, local definitions put in; modules in the order of the word."""
+    """The modules and attributes behind expressions, with local definitions inserted."""
     modules = set(mentions)
     attributes: dict[ir.AttributeOf, None] = {}
     seen: set[ir.AttributeOf] = set()
@@ -326,7 +326,7 @@ def _body(emission: ir.Emission) -> tuple[ir.Expr, ...]:
             return ()
 
 
-# --- On which module each module of a word stands, told from the word and its brackets alone ------
+# --- The module that each module stands on, from the word and its brackets alone ------------------
 
 
 BRACKETS = {"(": ")", "[": "]", "{": "}", "<": ">"}
@@ -336,11 +336,11 @@ OPENING = {closing: opening for opening, closing in BRACKETS.items()}
 def word_neighbours(
     word: Sequence[str], modules: Container[str], bases: Container[str]
 ) -> dict[int, int | None]:
-    """The module that each module stands on, by place in the word; None where there is none.
+    """The module that each module stands on, by place in the word; None if it stands on none.
 
-    A module stands on the one before it at its level.  An opening bracket begins a level that
-    starts at the module before it, the closing one goes back to that; brackets that do not
-    balance are ignored.  A base stands on nothing.
+    A module stands on the one before it at its level. An opening bracket begins a level that starts
+    at the module before it, and the closing bracket returns to that module. Brackets that do not
+    balance are ignored. A base stands on nothing.
     """
     partners = bracket_partners(word)
     balanced = len(partners) == sum(symbol in BRACKETS or symbol in OPENING for symbol in word)
@@ -359,7 +359,7 @@ def word_neighbours(
 
 
 def bracket_partners(word: Sequence[str]) -> dict[int, int]:
-    """The bracket that each bracket belongs to, by place; nothing for those without a partner."""
+    """The place of each bracket's partner; brackets without a partner are left out."""
     partners: dict[int, int] = {}
     opened: list[int] = []
     for place, symbol in enumerate(word):
@@ -372,7 +372,7 @@ def bracket_partners(word: Sequence[str]) -> dict[int, int]:
 
 
 def bracket_levels(symbols: Sequence[str]) -> tuple[tuple[int, ...], ...]:
-    """Per symbol the places of the brackets around it; all empty where they do not balance."""
+    """For each symbol the places of the brackets around it; all empty if they do not balance."""
     partners = bracket_partners(symbols)
     if any(i not in partners for i, s in enumerate(symbols) if s in BRACKETS or s in OPENING):
         return ((),) * len(symbols)

@@ -1,4 +1,4 @@
-"""Frames and declarations while attributes are evaluated, and the table of frames of a robot."""
+"""Frames and declarations during attribute evaluation, and a robot's table of frames."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ from compiler.robots.robot import (
 )
 from grammar_lang import ir
 
-# --- The error of semantic rules that define no robot ---------------------------------------------
+# --- The error for semantic rules that define no robot --------------------------------------------
 
 
 class SemanticsError(ValueError):
     """The semantic rules do not give a robot for this derivation."""
 
 
-# --- Frames while attributes are evaluated, and the table of those that a robot has in the end ----
+# --- Frames during attribute evaluation, and the table of the frames that a robot keeps -----------
 #
 # A frame attribute is a product of steps that may be put behind any other: ``move(x, 1) * A.end``
-# is made in constant time, however long ``A.end`` is.  Only where something is emitted are the
-# steps laid out from the world and numbered.
+# takes constant time, however long ``A.end`` is. Steps are laid out from the world and numbered
+# only where something is emitted.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Product:
-    """A frame: ``right``, a step or a frame, behind ``left``; the world is None.
+    """A frame: ``right``, a step or a frame, after ``left``; None is the world.
 
-    Compared by identity: each is laid out once from wherever it starts.
+    Products are compared by identity: each is laid out once for each start.
     """
 
     left: Frame
@@ -60,7 +60,7 @@ def product(left: Frame, right: Frame) -> Frame:
 class FrameTable:
     """The frames and scalars that are emitted, in the order of their first use.
 
-    ``made`` are the scalars that were made while attributes were evaluated; steps name those.
+    ``made`` holds the scalars made during attribute evaluation; steps refer to these.
     """
 
     made: Sequence[ScalarNode]
@@ -72,7 +72,7 @@ class FrameTable:
     _kept: dict[int, int] = field(default_factory=dict[int, int])
 
     def place(self, frame: Frame) -> int:
-        """The number of a frame; equal steps from one frame lead to the same one."""
+        """The number of a frame; equal steps from one frame lead to one frame."""
         if frame is None:
             return WORLD
         current = WORLD
@@ -92,7 +92,7 @@ class FrameTable:
         return current
 
     def keep(self, scalar: int) -> int:
-        """The number of a scalar in the end; its arguments come before it."""
+        """The final number of a scalar; its arguments come before it."""
         todo = [scalar]
         while todo:
             current = todo[-1]
@@ -112,7 +112,7 @@ class FrameTable:
         return self._kept[scalar]
 
     def _step(self, parent: int, step: Step) -> int:
-        """The frame one step from another; steps that do nothing lead to itself."""
+        """The frame reached from another by a step; the same frame if the step does nothing."""
         zero = self.zero
         if isinstance(step, Offset) and step.vector == (zero, zero, zero):
             return parent
@@ -136,7 +136,7 @@ class FrameTable:
 
 
 # --------------------------------------------------------------------------------------------------
-# What the modules of a word bring into a robot: parameters, degrees of freedom, own dynamics.
+# What the modules of a word declare in a robot: parameters, degrees of freedom, own dynamics.
 
 
 @dataclass(slots=True)
@@ -178,7 +178,7 @@ class Declarations:
 
 
 def declarations(word: Sequence[str], modules: Mapping[str, ir.Module]) -> Declarations:
-    """What the modules of a word declare; edges declare nothing."""
+    """The declarations of the modules of a word; edges declare nothing."""
     found = Declarations()
     for index, symbol in enumerate(word):
         if symbol in modules:

@@ -1,7 +1,7 @@
-"""The coordinates of a robot where a task gives those of its word: ``start at``.
+"""The coordinates of a robot whose task gives the coordinates of its word: ``start at``.
 
-A task gives one value per degree of freedom of the word.  In the normal form of the robot, joints
-about one axis are one coordinate, which is their sum, and joints that move nothing are left out.
+A task gives one value for each degree of freedom of the word. In the normal form of the robot,
+joints about one axis are one coordinate, their sum, and joints that move nothing are left out.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from grammar_lang.diagnostics.wording import counted
 from grammar_lang.ir.constants import MagnitudeError, binary, evident, unary
 
 PRECISION = 256
-"""Bits for values and ends of ranges that are not compared exactly."""
+"""Bits for values and ends of ranges that cannot be compared exactly."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +31,14 @@ class JointValue:
 
 @dataclass(frozen=True, slots=True)
 class GivenStart:
-    """Where a task lets a robot start.
+    """The start that a task gives a robot.
 
-    ``values`` are the coordinates of the model, closed expressions in SI units.  ``fault`` says why
-    the robot is no candidate of the task; there are no values then.  The values ``undecided`` are
-    in the ranges of their joints or so near to an end that this is not known.
+    ``values`` are the coordinates of the model, closed expressions in SI units. ``fault`` says why
+    the robot is not a candidate of the task; ``values`` is empty then. The values in ``undecided``
+    lie in the ranges of their joints, or so close to an end that this cannot be decided.
 
-    Only joints that are merged or left out are looked at here: the range of a coordinate says
-    nothing of them, while that of any other joint is the range of its coordinate.
+    Only joints that are merged or left out are checked here, as the range of a coordinate does not
+    cover them. The range of any other joint is the range of its coordinate.
     """
 
     values: tuple[ir.Expr, ...]
@@ -72,7 +72,7 @@ def given_start(model: RobotModel, start: ir.StartAt) -> GivenStart:
 
 
 def _unfit(model: RobotModel, start: ir.StartAt) -> str:
-    """Why the values are none of the degrees of freedom of the word; empty where they are."""
+    """Why the values do not fit the degrees of freedom of the word; empty if they do."""
     joints = model.word_dofs
     if len(joints) != len(start.values):
         given, due = counted(len(start.values), "coordinate"), counted(len(joints), "degree")
@@ -85,7 +85,7 @@ def _unfit(model: RobotModel, start: ir.StartAt) -> str:
 
 
 def _hidden(model: RobotModel, start: ir.StartAt) -> Iterator[JointValue]:
-    """The values of the joints with a range that is not that of a coordinate."""
+    """The values of the joints whose range is not the range of a coordinate."""
     joints = model.word_dofs
     summands = Counter(joint.dof for joint in joints)
     for number, (joint, value) in enumerate(zip(joints, start.values, strict=True)):
@@ -98,7 +98,7 @@ def _hidden(model: RobotModel, start: ir.StartAt) -> Iterator[JointValue]:
 
 
 def _in_range(joint: JointValue) -> bool | None:
-    """Whether a value is in its closed range; None where that is not decided."""
+    """Whether a value is in its closed range; None if that is not decided."""
     ends = _at_most(joint.range.lower, joint.value), _at_most(joint.value, joint.range.upper)
     if False in ends:
         return False
@@ -106,7 +106,7 @@ def _in_range(joint: JointValue) -> bool | None:
 
 
 def _at_most(a: ir.Expr, b: ir.Expr) -> bool | None:
-    """Whether ``a <= b``: exactly for like multiples of powers of pi, else in balls."""
+    """Whether ``a <= b``: exactly for rational multiples of one power of pi, else in balls."""
     p, q = evident(a), evident(b)
     if p is not None and q is not None and (p[1] == q[1] or not p[0] or not q[0]):
         return p[0] <= q[0]  # a power of pi is positive
@@ -130,7 +130,7 @@ def _negative(value: ir.Expr) -> ir.Expr:
 
 
 def _sum(terms: Sequence[ir.Expr]) -> ir.Expr:
-    """The sum of one or more terms, in pairs so that it stays shallow; one term is as it was."""
+    """The sum of one or more terms, added in pairs to keep it shallow; one term is unchanged."""
     while len(terms) > 1:
         pairs = [terms[i : i + 2] for i in range(0, len(terms), 2)]
         terms = [pair[0] if len(pair) == 1 else _plus(*pair) for pair in pairs]

@@ -1,6 +1,6 @@
-"""The corners of a link's hull in its frame, exactly, and from its middle.
+"""The corners of a link's hull, exactly, relative to its middle.
 
-A hull is known in a robot's graph by its middle and the directions of the axes of its frame: its
+In a robot's graph a hull is given by its middle and the directions of the axes of its frame. Its
 corners are sums of these with constant weights.
 """
 
@@ -14,26 +14,26 @@ from compiler.expressions.scalars import Constant, ScalarNode
 from compiler.robots.robot import Shape
 
 Place: TypeAlias = tuple[Fraction, Fraction, Fraction]
-"""In the frame of a hull, in metres."""
+"""A point in the frame of a hull, in metres."""
 
 
 def hull_middle(shape: Shape, scalars: Sequence[ScalarNode]) -> Place:
-    """The middle of the box about a hull along the axes of its frame.
+    """The middle of the hull's bounding box along the axes of its frame.
 
-    ``scalars`` are those of the robot.
+    ``scalars`` are the scalars of the robot.
 
     Raises:
-        ValueError: a corner is no number.
+        ValueError: a corner is not a number.
     """
     x, y, z = ((min(axis) + max(axis)) / 2 for axis in zip(*_corners(shape, scalars), strict=True))
     return x, y, z
 
 
 def corners_from_middle(shape: Shape, scalars: Sequence[ScalarNode]) -> tuple[Place, ...]:
-    """What leads from the middle of a hull to each of its corners, along the axes of its frame.
+    """The vectors from the middle of a hull to each of its corners, along the axes of its frame.
 
     Raises:
-        ValueError: a corner is no number.
+        ValueError: a corner is not a number.
     """
     a, b, c = hull_middle(shape, scalars)
     return tuple((x - a, y - b, z - c) for x, y, z in _corners(shape, scalars))

@@ -1,4 +1,4 @@
-"""Joints that move nothing: neither mass nor an effector nor a body point."""
+"""Joints that move nothing: no mass, no effector and no body point."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from compiler.robots.robot import (
 def without_idle_joints(model: RobotModel) -> RobotModel:
     """The model without its idle joints, which are reported in ``removed``.
 
-    Without them others may be idle too, so the search is repeated.
+    Removing joints may make others idle, so the search is repeated.
     """
     while True:
         idle = _idle(model)
@@ -33,7 +33,7 @@ def without_idle_joints(model: RobotModel) -> RobotModel:
 
 
 def without(model: RobotModel, gone: Sequence[int]) -> RobotModel:
-    """The model with degrees of freedom fixed at zero and dropped."""
+    """Fix the given degrees of freedom at zero and remove them."""
     kept = [dof for dof in range(len(model.dofs)) if dof not in set(gone)]
     symbols = [symbol for dof in gone for symbol in model.dofs[dof].symbols]
     places = {old: new for new, old in enumerate(kept)}
@@ -51,7 +51,7 @@ def without(model: RobotModel, gone: Sequence[int]) -> RobotModel:
 
 
 def renumbered(frames: Sequence[FrameNode], places: dict[int, int]) -> tuple[FrameNode, ...]:
-    """The frames with new numbers of the degrees of freedom; the steps of the others are lost."""
+    """The frames with renumbered degrees of freedom; joints without a new number become rigid."""
 
     def step(old: Step | None) -> Step | None:
         if not isinstance(old, Joint):
@@ -73,10 +73,10 @@ def _idle(model: RobotModel) -> list[int]:
 
 
 class _Reach:
-    """What a motion of a frame moves, from the leaves of the tree inwards: one pass.
+    """What a motion of a frame moves, computed in one pass from the leaves of the tree inwards.
 
-    ``turned[frame]`` says, for each number of an axis, whether a turn about a line through the
-    frame's origin moves something behind it: a line that its axis has been turned away from, and
+    ``turned[frame]`` says, for each axis, whether a rotation about a line through the frame's
+    origin moves something behind it: for a line that the axis has been turned away from, and for
     the axis itself (*aligned*).
     """
 
@@ -108,7 +108,7 @@ class _Reach:
         return self.turned[frame][joint.axis][True]
 
     def _add_all(self, frame: int, along: int | None) -> None:
-        """Add what a turn about any line moves, but about the axis ``along``."""
+        """Add what a rotation about any line except the axis ``along`` moves."""
         for axis in range(3):
             self._add(frame, axis, away=True, aligned=axis != along)
 

@@ -1,16 +1,16 @@
 """The labelled graph of a derivation (Definition 1, Figure 1c).
 
 *Nodes* are the occurrences of modules in the word, each with an input frame (end 1) and an output
-frame (end 2).  An *edge* leads from the output end of a module to the input end of the module that
+frame (end 2). An *edge* leads from the output end of a module to the input end of the module that
 stands on it:
 
-- With semantics, a module stands on the module before it on the way that the frames take from the
-  world (``frame_paths``, ``frame_parents``).
+- If the grammar has semantics, a module stands on the module before it on the path of the frames
+  from the world (``frame_paths``, ``frame_parents``).
 - A module that no frame passes, and every module of a grammar without semantics, stands on its
   neighbour in the word; brackets make branches (``neighbours``).
 - A base stands on nothing.
 
-So the graph is a forest; it is connected if and only if one module alone stands on the world.  The
+So the graph is a forest; it is connected if and only if exactly one module stands on the world. The
 edge symbols of the word are its labels (``edge_labels``).
 """
 
@@ -57,7 +57,7 @@ class Connection:
 class LabelledGraph:
     """The (Sigma, Gamma)-labelled graph of a robot.
 
-    ``nodes`` are in the order of the word; ``edges`` in that of their upper modules.
+    ``nodes`` are in word order; ``edges`` are in the order of their upper modules.
     """
 
     word: tuple[str, ...]
@@ -95,11 +95,11 @@ def labelled_graph(
 
 # --- Which edge symbols of a word label which connection of its modules ---------------------------
 #
-# Each symbol is used once at most.  The symbols between two modules that follow each other in the
-# word label the connection of these two.  Where they are not connected, the symbols go to the
-# connection without a label that is the nearest to the later module on the way between the two; the
-# last such gap of the word chooses first.  Brackets that close a branch, and branches without
-# modules, are no labels.
+# Each symbol is used at most once. The symbols between two consecutive modules of the word label
+# the connection of these two. If they are not connected, the symbols label the unlabelled
+# connection that is nearest to the later module on the path between the two; the last such gap of
+# the word chooses first. Brackets that close a branch, and branches without modules, are not
+# labels.
 
 
 def edge_labels(
@@ -107,7 +107,7 @@ def edge_labels(
 ) -> dict[int, tuple[str, ...]]:
     """The labels of the connections, by the place of their upper modules.
 
-    ``parents`` says for the place of each module, in the order of the word, what it stands on.
+    ``parents`` maps the place of each module, in word order, to the module it stands on.
     """
     places = list(parents)
     partners = bracket_partners(word)
@@ -133,7 +133,7 @@ def edge_labels(
 def _symbols(
     word: Sequence[str], start: int, end: int, partners: Mapping[int, int]
 ) -> tuple[str, ...]:
-    """The symbols of a gap, without brackets that close and without closed branches."""
+    """The symbols of a gap, without closing brackets and closed branches."""
     found: list[str] = []
     place = start
     while place < end:
@@ -163,7 +163,7 @@ def _depths(parents: Mapping[int, int | None]) -> dict[int, int]:
 def _way(
     here: int, there: int, parents: Mapping[int, int | None], depth: Mapping[int, int]
 ) -> list[int]:
-    """The connections from a module to another, by their upper modules; none if in two trees."""
+    """The connections from one module to another, by upper module; empty if in two trees."""
     near: list[int] = []
     far: list[int] = []
     while here != there:

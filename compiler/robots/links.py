@@ -1,7 +1,7 @@
-"""The links of a robot: what no joint parts.
+"""The links of a robot: the sets of frames between which there is no joint.
 
-Two links may touch that one joint connects, or whose joints sit at one frame of a third.  Links
-without bodies are skipped, as those between the axes of a wrist are.
+Two links may touch if one joint connects them, or if their joints sit at one frame of a third link.
+Links without bodies, such as those between the axes of a wrist, are skipped.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from compiler.robots.robot import WORLD, FrameNode, Joint, Step
 
 @dataclass(frozen=True, slots=True)
 class Links:
-    """The links of a robot; a link is called by its first frame.
+    """The links of a robot, each named by its first frame.
 
-    ``of`` says per frame in which link it is.
+    ``of`` maps each frame to its link.
     """
 
     frames: Sequence[FrameNode]
     of: Sequence[int]
 
     def touching(self, carrying: set[int]) -> set[tuple[int, int]]:
-        """The pairs of links ``carrying`` bodies that may touch, the smaller number in front.
+        """The pairs of links ``carrying`` bodies that may touch, the smaller number first.
 
-        From each link the way down through links without bodies is followed, and the first one
-        that has some.
+        The path down from each link is followed through links without bodies to the first one that
+        has some.
         """
         found = set[tuple[int, int]]()
         mounted: dict[tuple[int, tuple[Step, ...]], list[tuple[int, int]]] = {}
@@ -34,7 +34,7 @@ class Links:
             above = below = link
             while below == link or (below not in carrying and below != WORLD):
                 above, below = below, self.of[self.frames[below].parent]
-                # Those on other joints at the same frame.
+                # The links on other joints at the same frame.
                 beside = mounted.setdefault((below, self._mount(above)), [])
                 found |= {(other, link) for joint, other in beside if joint != above}
                 beside.append((above, link))
@@ -43,7 +43,7 @@ class Links:
         return found
 
     def _mount(self, link: int) -> tuple[Step, ...]:
-        """Where the joint of a link is in the link below it: the rigid steps to its frame."""
+        """Where the joint of a link sits in the link below it: the rigid steps to its frame."""
         steps, frame = list[Step](), self.frames[link].parent
         while frame != self.of[frame]:
             step = self.frames[frame].step

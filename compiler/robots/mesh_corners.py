@@ -1,8 +1,8 @@
-"""The corners of a convex piece that holds a mesh: what a link with a hull collides as.
+"""The corners of a convex body that contains a mesh: a link with a hull collides as this body.
 
-A mesh of few vertices is their hull.  Of more, the planes that touch it across fixed directions
-enclose it; their polytope has few corners, and is larger than the hull of the mesh where this is
-round.
+For a mesh of few vertices it is their hull. A mesh of more vertices is enclosed by its tangent
+planes normal to fixed directions. The resulting polytope has few corners, and is larger than the
+hull where the mesh is round.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Point: TypeAlias = tuple[Fraction, ...]
 
 @lru_cache(maxsize=64)
 def mesh_corners(mesh: Mesh, scale: Fraction, dimension: int) -> tuple[Point, ...]:
-    """The corners (c, 3) of what holds a mesh, in metres; in the plane of its shadow, at z = 0."""
+    """The corners (c, 3) of a body that contains a mesh, in metres; in the plane of its shadow."""
     points = sorted({vertex[:dimension] for vertex in mesh.vertices})
     if len(points) > FEW:
         points = sorted(Polytope(enclosing_rows(points, dimension)).vertices)

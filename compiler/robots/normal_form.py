@@ -1,8 +1,8 @@
 """The normal form of a robot model: rigid steps merged, idle joints removed, coaxial joints merged.
 
-Two robots whose normal forms have equal keys are equal up to the names of their parameters, so
-only one of them has to be tried.  The converse need not hold; a missed equality costs time only.
-Every pass is linear in the number of frames.
+Two robots whose normal forms have equal keys are equal up to the names of their parameters, so only
+one of them needs to be tried. The converse need not hold; a missed equality only costs time. Every
+pass is linear in the number of frames.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from grammar_lang.ir.formula_parts import asked_poses
 def normalise(model: RobotModel) -> RobotModel:
     """The normal form of a robot.
 
-    A degree of freedom that moves neither mass nor an effector nor a body point is removed;
-    consecutive joints about one axis with nothing between them but rigid steps that commute with
-    them become one, whose range is the interval sum of theirs.  What acts on no degree of freedom
-    any more is left out.
+    A degree of freedom that moves no mass, effector or body point is removed. Consecutive joints
+    about one axis become one if only rigid steps that commute with them lie between; its range is
+    the interval sum of their ranges. Own dynamics that no longer act on a degree of freedom are
+    left out.
     """
     model = replace(model, joints=model.word_dofs)
     model = with_rigid_steps_merged(without_idle_joints(model))
@@ -52,11 +52,11 @@ def normalise(model: RobotModel) -> RobotModel:
     return with_rigid_steps_merged(replace(model, own=tuple(own for own in acting if own.torques)))
 
 
-# --- Frames that carry something, with the rigid steps between their joints merged ----------------
+# --- Frames that something uses, with the rigid steps between their joints merged -----------------
 
 
 def with_rigid_steps_merged(model: RobotModel) -> RobotModel:
-    """The model with only the frames on the way to an item, neighbouring rigid steps merged."""
+    """The model with only the frames that lead to an item, adjacent rigid steps merged."""
     table = ScalarTable()
     for node in model.scalars:
         table.add(node)
@@ -78,9 +78,9 @@ def with_rigid_steps_merged(model: RobotModel) -> RobotModel:
 
 @dataclass(slots=True)
 class _Chain:
-    """A last step behind the rest of a chain; ``frame`` is its new frame once it is needed.
+    """A step and the rest of the chain before it; ``frame`` is its new frame once it is needed.
 
-    Chains share their beginnings.  A chain without a step is the world.
+    Chains share their beginnings. A chain without a step is the world.
     """
 
     rest: _Chain | None
@@ -90,7 +90,7 @@ class _Chain:
 
 @dataclass(slots=True)
 class _Rebuilder:
-    """Rebuilds the frames that are used, each once."""
+    """Rebuilds the used frames, each once."""
 
     model: RobotModel
     table: ScalarTable
@@ -113,7 +113,7 @@ class _Rebuilder:
         return current
 
     def chain(self, old: int) -> _Chain:
-        """The chain of an old frame, from the nearest one that is known."""
+        """The chain of an old frame, continued from the nearest known one."""
         todo = []
         while old not in self.chains:
             todo.append(old)
@@ -126,7 +126,7 @@ class _Rebuilder:
         return chain
 
     def extended(self, chain: _Chain, step: Step) -> _Chain:
-        """A chain with a step behind it, merged with the last one where both are of one sort."""
+        """A chain with one more step, merged with the last step if both are of one kind."""
         last = chain.step
         if isinstance(step, Offset) and isinstance(last, Offset):
             pairs = zip(last.vector, step.vector, strict=True)
@@ -138,7 +138,7 @@ class _Rebuilder:
         return _Chain(chain, step)
 
     def behind(self, rest: _Chain | None, step: Turn | Offset) -> _Chain:
-        """A merged step behind the rest of a chain; nothing where the two have cancelled."""
+        """A merged step after the rest of a chain; only the rest if the steps have cancelled."""
         scalars = (step.angle,) if isinstance(step, Turn) else step.vector
         if rest is not None and all(self.table.rational(scalar) == 0 for scalar in scalars):
             return rest
@@ -156,10 +156,11 @@ class _Rebuilder:
 
 
 def with_coaxial_joints_merged(model: RobotModel) -> RobotModel:
-    """The model with each run of coaxial joints made one; its range is the interval sum of theirs.
+    """The model with each run of coaxial joints merged; the range is the interval sum of theirs.
 
-    A coordinate that occurs in several frames is left alone: the others do not follow.  So is one
-    that a module's own dynamics read: they are about the joint alone.
+    A coordinate that occurs in several frames is not merged, because the joints at the other frames
+    would not follow. A coordinate that a module's own dynamics read is not merged either: they
+    concern that joint alone.
     """
     followers = _followers(model)
     heads = sorted(followers.keys() - followers.values())
@@ -191,7 +192,7 @@ def with_coaxial_joints_merged(model: RobotModel) -> RobotModel:
 def _summand(
     joint: WordDof, parts: Mapping[int, tuple[int, int]], places: Mapping[int, int]
 ) -> WordDof:
-    """A degree of freedom of the word, after the merging; ``parts`` has wholes with signs."""
+    """A degree of freedom of the word after merging; ``parts`` maps dofs to wholes and signs."""
     if joint.dof is None:
         return joint
     whole, sign = parts[joint.dof]
@@ -206,7 +207,7 @@ def _joint(model: RobotModel, frame: int) -> Joint:
 
 
 def _run(first: int, followers: dict[int, int]) -> list[int]:
-    """A joint frame and those that follow it, one directly behind the other."""
+    """A joint frame and the joint frames that follow it directly."""
     run = [first]
     while run[-1] in followers:
         run.append(followers[run[-1]])
@@ -214,10 +215,10 @@ def _run(first: int, followers: dict[int, int]) -> list[int]:
 
 
 def _followers(model: RobotModel) -> dict[int, int]:
-    """For a joint frame the one that merges into it: coaxial, with nothing beside or between.
+    """Maps a joint frame to the coaxial one that merges into it: nothing is attached between.
 
-    Rigid steps that commute with the first joint's motion are nothing between: they may as well
-    stand behind both joints.
+    Rigid steps that commute with the first joint's motion do not count as between, as they could
+    equally follow both joints.
     """
     items = [item.frame for item in (*model.bodies, *model.shapes)] + list(model.effectors)
     used = _used(model, items)
@@ -264,7 +265,7 @@ def _commutes(model: RobotModel, joint: Joint, step: Step | None) -> bool:
 
 
 def _used(model: RobotModel, items: Sequence[int]) -> list[int]:
-    """The frames on the way to an item, in order."""
+    """The frames that lead to an item, in order."""
     found = [False] * len(model.frames)
     for frame in items:
         found[frame] = True
@@ -274,7 +275,7 @@ def _used(model: RobotModel, items: Sequence[int]) -> list[int]:
 
 
 def _carriers(model: RobotModel) -> list[int]:
-    """For each frame the nearest at or above it that is the world or has a step."""
+    """For each frame the nearest at or before it on its path that has a step or is the world."""
     found = [WORLD]
     for frame, node in enumerate(model.frames[WORLD + 1 :], WORLD + 1):
         found.append(found[node.parent] if node.step is None else frame)
@@ -282,7 +283,7 @@ def _carriers(model: RobotModel) -> list[int]:
 
 
 def _alone(model: RobotModel, used: Sequence[int]) -> dict[int, Joint]:
-    """The joint frames whose coordinate nothing else reads, without a drive of their own."""
+    """The joint frames without a drive whose coordinate nothing else reads."""
     read = {dof for own in model.own for dof in own.bound_dofs.values()}
     steps = {frame: s for frame in used if isinstance(s := model.frames[frame].step, Joint)}
     uses = Counter(step.dof for step in steps.values())
@@ -291,7 +292,7 @@ def _alone(model: RobotModel, used: Sequence[int]) -> dict[int, Joint]:
 
 
 def _merged(model: RobotModel, members: Sequence[Joint]) -> RobotDof:
-    """The degree of freedom that coaxial joints are together, in the first one's direction."""
+    """The degree of freedom that replaces coaxial joints, in the direction of the first one."""
     dofs = [model.dofs[member.dof] for member in members]
     signs = _signs(members)
     return RobotDof(
@@ -304,12 +305,12 @@ def _merged(model: RobotModel, members: Sequence[Joint]) -> RobotDof:
 
 
 def _signs(members: Sequence[Joint]) -> list[int]:
-    """Whether coaxial joints turn or slide as the first one does (1), or against it (-1)."""
+    """Whether each coaxial joint moves in the direction of the first one (1) or against it (-1)."""
     return [members[0].sign * member.sign for member in members]
 
 
 def _sum(intervals: Sequence[ir.Interval | None], signs: Sequence[int]) -> ir.Interval | None:
-    """The sum of intervals with signs, in pairs so that terms stay shallow; None is unlimited."""
+    """The sum of signed intervals, added in pairs to keep terms shallow; None is unlimited."""
     terms: list[ir.Interval] = []
     for interval, sign in zip(intervals, signs, strict=True):
         if interval is None:
@@ -337,8 +338,8 @@ def _plus(a: ir.Interval, b: ir.Interval) -> ir.Interval:
 class RobotFamily:
     """A grammar of a program whose derivations are robots in the plane (2) or in space (3).
 
-    ``itself`` says which of their bodies have to stay apart, ``posed`` whether it matters how the
-    frames of their effectors are turned, ``payloads`` and ``carries`` what these carry.
+    ``itself`` says which of their bodies must not touch, ``posed`` whether the orientation of their
+    effectors matters, ``payloads`` and ``carries`` what the effectors carry.
     """
 
     program: ir.Program
@@ -355,13 +356,13 @@ class RobotFamily:
         return language(self.grammar, self.program.terminals, self.program.modules)
 
     def with_condition(self, condition: ir.Accept) -> RobotFamily:
-        """The robots of the family whose words satisfy another condition, too."""
+        """The robots of the family whose words also satisfy another condition."""
         accept = ir.AllOf((self.grammar.accept, condition))
         return replace(self, grammar=replace(self.grammar, accept=accept))
 
     @cached_property
     def evaluation_order(self) -> EvaluationOrder:
-        """In which order attributes are evaluated, in all derivations of the grammar."""
+        """The order in which attributes are evaluated, for all derivations of the grammar."""
         return EvaluationOrder(self.grammar.productions, self.grammar.semantics or {})
 
     def replay(self, labels: tuple[str, ...]) -> Derivation:
@@ -369,7 +370,7 @@ class RobotFamily:
         return replay(self.grammar, labels)
 
     def built(self, derivation: Derivation) -> RobotModel:
-        """The robot of a derivation as its rules build it.
+        """The robot of a derivation as its rules build it, before normalisation.
 
         Raises:
             SemanticsError: the grammar has no semantics, or they define no robot here.
@@ -380,7 +381,7 @@ class RobotFamily:
         return with_payloads(replace(found, posed=self.posed), self.payloads, self.carries)
 
     def robot(self, derivation: Derivation) -> RobotModel:
-        """The normalised robot of a derivation; errors as of ``built``."""
+        """The normalised robot of a derivation; raises the errors of ``built``."""
         built = self.built(derivation)
         if self.itself is None:
             return normalise(built)

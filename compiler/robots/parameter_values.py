@@ -1,7 +1,8 @@
-"""A parameter of a robot with one value, exactly: what a search claims and a verifier believes.
+"""The exact value of a parameter of a robot, as a search claims it and a verifier checks it.
 
-A decimal states a rational value exactly.  No decimal is an angle of 45 degrees in radians: such a
-choice, or such an end of a range, is stated by a decimal near it, and the value is the exact one.
+A decimal states a rational value exactly. No decimal equals an angle of 45 degrees in radians: a
+choice or an end of a range with such a value is stated by a decimal near it, and the value is the
+exact one.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from grammar_lang import ir
 from grammar_lang.ir.constants import rational, to_float
 
 NEAR = Fraction(1, 10**9)
-"""How closely a decimal must state a value that no decimal is, in SI."""
+"""How closely a decimal must state a value that is not a decimal, in SI units."""
 PRECISION = 128
 
 ExactValue: TypeAlias = "Fraction | ir.Expr"
@@ -31,8 +32,8 @@ ExactValue: TypeAlias = "Fraction | ir.Expr"
 class ParameterValue:
     """A value of a parameter's domain, in SI units.
 
-    ``exact`` is that value; ``stated`` is the rational that files state it by, the same one unless
-    ``exact`` is irrational.  As a float it is the double next to ``stated``.
+    ``exact`` is that value; ``stated`` is the rational that states it in files, equal to ``exact``
+    unless that is irrational. As a float it is the double nearest to ``stated``.
     """
 
     parameter: RobotParameter
@@ -41,19 +42,19 @@ class ParameterValue:
 
     @property
     def text(self) -> str:
-        """The text that files state it by: a finite decimal where there is one, else a quotient."""
+        """The text that states it in files: a finite decimal if there is one, else a quotient."""
         return exact_text(self.stated)
 
     @property
     def ball(self) -> arb:
-        """A ball around it, in the working precision."""
+        """A ball around it at the working precision."""
         return _ball(self.exact)
 
     def __float__(self) -> float:
         return float(self.stated)
 
     def describe(self) -> dict[str, str | int | float]:
-        """The entry of ``design.json``."""
+        """Its entry in ``design.json``."""
         known = self.parameter
         return {
             "symbol": known.symbol,
@@ -65,17 +66,16 @@ class ParameterValue:
 
 
 def stated_value(parameter: RobotParameter, stated: Fraction) -> ParameterValue | None:
-    """The value of a parameter's domain that a rational states; None if it states none."""
+    """The value of a parameter's domain that a rational states; None if it states no value."""
     exact = _stated(parameter.domain, stated)
     return None if exact is None else ParameterValue(parameter, stated, exact)
 
 
 def nearest_value(parameter: RobotParameter, value: float) -> ParameterValue | None:
-    """The value of a parameter's domain that a search means by a double; None if it is not near.
+    """The value of a parameter's domain that a search means by a double; None if none is near.
 
-    Of choices it is the nearest one.  In a range it is the shortest decimal of the double, moved to
-    an end that rounding has left it beyond.  A value that is not rational is stated by the double
-    next to it.
+    Of choices it is the nearest one. In a range it is the shortest decimal of the double, moved to
+    the end if rounding has put it beyond. An irrational value is stated by the double next to it.
     """
     near, domain = shortest_decimal(value), parameter.domain
     if isinstance(domain, ir.Choices):
@@ -90,7 +90,7 @@ def nearest_value(parameter: RobotParameter, value: float) -> ParameterValue | N
 def nearest_values(
     parameters: Sequence[RobotParameter], theta: Iterable[float]
 ) -> tuple[ParameterValue, ...] | None:
-    """The values that a search means by its array theta (p,); None if one of them is not near."""
+    """The values that a search means by its array theta (p,); None if a value is not near."""
     pairs = zip(parameters, theta, strict=True)
     values = [nearest_value(parameter, value) for parameter, value in pairs]
     found = tuple(value for value in values if value is not None)
@@ -122,7 +122,7 @@ def _nearby(values: tuple[ir.Expr, ...], stated: Fraction) -> ir.Expr | None:
 
 
 def _not_above(a: ExactValue, b: ExactValue) -> bool:
-    """Whether a <= b certainly, exactly where both are rational."""
+    """Whether a <= b for certain, exactly if both are rational."""
     left, right = (item if isinstance(item, Fraction) else rational(item) for item in (a, b))
     if left is not None and right is not None:
         return left <= right

@@ -1,4 +1,4 @@
-"""A robot with the loads of a task: point masses at its effectors, always or at times."""
+"""A robot with the loads of a task: point masses at its effectors, always or at certain times."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from grammar_lang import ir
 def with_payloads(
     model: RobotModel, payloads: Sequence[ir.Payload], carries: Sequence[ir.Carry] = ()
 ) -> RobotModel:
-    """The robot with what it carries, which collides with nothing.
+    """The robot with the masses that it carries, which collide with nothing.
 
     Raises:
-        SemanticsError: it lacks an effector that carries, or has several where none is named.
+        SemanticsError: it lacks an effector that carries, or has several and none is named.
     """
     if not payloads and not carries:
         return model
@@ -43,7 +43,7 @@ def with_payloads(
 
 
 def _effector(model: RobotModel, carried: ir.Payload | ir.Carry) -> int:
-    """The effector that carries something, from 0."""
+    """The index of the effector that carries a payload or load, from 0."""
     number, count = carried.effector or 1, len(model.effectors)
     what = "payload" if isinstance(carried, ir.Payload) else "load"
     if number > count:
@@ -54,7 +54,7 @@ def _effector(model: RobotModel, carried: ir.Payload | ir.Carry) -> int:
 
 
 def loads_of(model: RobotModel) -> tuple[int, ...]:
-    """The bodies that are taken up and put down, by the number of their load."""
+    """The bodies that are picked up and put down, in the order of their loads' inputs."""
     return tuple(
         number
         for number, body in enumerate(model.bodies)

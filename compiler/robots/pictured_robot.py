@@ -1,4 +1,4 @@
-"""A robot with the frames of its visuals, which searches and proofs know nothing of."""
+"""A robot with the frames of its visuals, which searches and proofs do not use."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def visuals_of(family: RobotFamily, derivation: Derivation) -> tuple[ir.Visual, 
 def pictured_robot(family: RobotFamily, derivation: Derivation) -> RobotModel:
     """The normalised robot of a derivation with the frames of its visuals.
 
-    It has the joints that it has without them: one that moves nothing but visuals is fixed at
-    zero, and what is seen between joints that are one moves with the first of them.
+    Its joints are the same as without visuals: a joint that moves only visuals is fixed at zero,
+    and visuals between merged joints move with the first of them.
 
     Raises:
-        SemanticsError: its rules define no robot, or no frame of a visual.
+        SemanticsError: its rules define no robot, or no frame for a visual.
     """
     blocks = family.grammar.semantics or {}
     order = EvaluationOrder(family.grammar.productions, blocks, visuals=True)

@@ -1,4 +1,4 @@
-"""What has to be done to make a robot of an existing one (Example 2)."""
+"""The steps that turn an existing robot into another one (Example 2)."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from grammar_lang import ir
 
 @dataclass(frozen=True, slots=True)
 class Reconfiguration:
-    """The way from the word of an existing robot to that of another one, both included."""
+    """The sequence of words from an existing robot to another one, both included."""
 
     aligned: Alignment
     configurations: tuple[tuple[str, ...], ...]
 
     def describe(self) -> dict[str, Any]:
-        """As plain data, for ``design.json``; indices count from 0, in the old and the new word."""
+        """Plain data for ``design.json``; indices count from 0, in the old and the new word."""
         return {
             "from": list(self.configurations[0]),
             "added": len(self.aligned.added),
@@ -35,46 +35,48 @@ class Reconfiguration:
 
 
 def reconfiguration(srg: Srg, old: tuple[str, ...], new: tuple[str, ...]) -> Reconfiguration:
-    """How a robot becomes another one.
+    """How to reconfigure one robot into another.
 
     Args:
         srg: the grammar of both.
         old: the word of the existing robot.
-        new: that of the other one.
+        new: the word of the other robot.
     """
     aligned = alignment(old, new, srg.modules)
     return Reconfiguration(aligned, configurations(srg, old, new, aligned))
 
 
-# --- The configurations on the way from an existing robot to another one (Example 2) --------------
+# --- The configurations between an existing robot and another one (Example 2) ---------------------
 #
 # A configuration is a word of the SRG, whatever the accept condition: a robot that productions
-# build. On the way every module that is kept stays, each other one is removed once or added once,
-# and every step changes as few modules at a time as the grammar allows: the largest step is as
-# small as can be.
+# build. Throughout, every kept module stays, each other module is removed once or added once, and
+# each step changes as few modules at a time as the grammar allows: the largest step is as small as
+# possible.
 
 
 Word: TypeAlias = tuple[str, ...]
 State: TypeAlias = tuple[int, ...]
-"""The modules there are, in order: a module of the old word by its index, one that is added by the
-length of the old word plus its index in the new one."""
+"""The modules present, in order, by number: a module of the old word has its index there.
+
+An added module has the length of the old word plus its index in the new one.
+"""
 
 MOST_TRIALS = 5_000
-"""Configurations that are looked at; beyond, what is left to change is one step."""
+"""The number of configurations tried; beyond it, the remaining change is one step."""
 MOST_WORDS = 100
-"""Words with the same modules that are compared by their edges."""
+"""The number of words with the same modules that are compared by their edges."""
 
 
 def configurations(srg: Srg, old: Word, new: Word, aligned: Alignment) -> tuple[Word, ...]:
     """The configurations from one word of an SRG to another, both included.
 
-    Steps to be preferred, where several are as small: what is removed before what is added; the
-    last module before others that are removed, the first before others that are added.
+    Of several steps of the same size, removals come before additions; the last module is removed
+    first, and the first one is added first.
 
     Args:
         srg: the grammar.
         old: the word of the existing robot.
-        new: that of the other robot.
+        new: the word of the other robot.
         aligned: which modules are kept.
     """
     if old == new:
@@ -118,7 +120,7 @@ class _Way:
 
     @cached_property
     def places(self) -> dict[int, int]:
-        """The index in the new word of every module that is in it."""
+        """The index in the new word of every module that occurs in it."""
         added = {len(self.old) + j: j for j in self.aligned.added}
         return dict(self.aligned.kept) | added
 
@@ -131,12 +133,12 @@ class _Way:
         return tuple(sorted(self.places, key=self.places.__getitem__))
 
     def modules(self, state: State) -> Word:
-        """The modules of a state by name."""
+        """The names of the modules of a state."""
         both = (*self.old, *self.new)
         return tuple(both[module] for module in state)
 
     def states(self) -> list[State]:
-        """The states of a way whose largest step is as small as can be."""
+        """The states of a sequence whose largest step is as small as possible."""
         self.trials = 0
         for most in range(1, self.aligned.distance):
             found = self._within(most)
@@ -147,7 +149,7 @@ class _Way:
         return [self.first, self.last]
 
     def _within(self, most: int) -> list[State] | None:
-        """A way with no step of more than ``most`` modules, by depth-first search."""
+        """A sequence with no step of more than ``most`` modules, by depth-first search."""
         path = [self.first]
         choices = [self._steps(self.first, most)]
         met = {self.first}
@@ -165,7 +167,7 @@ class _Way:
         return None
 
     def _steps(self, state: State, most: int) -> Iterator[State]:
-        """The configurations that a state leads to, smaller steps first."""
+        """The configurations reachable from a state in one step, smaller steps first."""
         present = set(state)
         removable = [i for i in reversed(self.aligned.removed) if i in present]
         missing = [len(self.old) + j for j in self.aligned.added]
@@ -182,7 +184,7 @@ class _Way:
                         yield target
 
     def _with(self, state: State, come: Sequence[int]) -> list[State]:
-        """A state with modules put in; where the old robot's are to be passed, on either side."""
+        """A state with modules inserted; on either side of old modules that must be passed."""
         found = [state]
         for slot in come:
             found = [(*s[:at], slot, *s[at:]) for s in found for at in self._room(s, slot)]
@@ -204,7 +206,7 @@ class _Way:
         return self.known[modules]
 
     def word(self, before: Word, known: State, state: State) -> Word:
-        """The word of a state: that with the fewest other edges than the configuration before."""
+        """The word of a state with the fewest edges that differ from the configuration before."""
         pattern = _pattern(self.srg.terminals, self.srg.modules, self.modules(state))
         words = islice(restrict(self.srg, pattern).words(), MOST_WORDS)
         slots = set(known) | set(state)
@@ -216,7 +218,7 @@ class _Way:
         return min(words, key=edges)
 
     def _slotted(self, word: Word, state: State) -> list[str | int]:
-        """A word with its modules by their numbers."""
+        """A word with each module replaced by its number."""
         numbers = iter(state)
         return [next(numbers) if symbol in self.srg.modules else symbol for symbol in word]
 

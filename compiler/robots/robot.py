@@ -9,15 +9,15 @@ from typing import Literal, TypeAlias, TypeVar
 from compiler.expressions.scalars import ScalarNode
 from grammar_lang import ir
 
-# --- The dynamics of its own that a module brings into a robot (Definition 5) ---------------------
+# --- A module's own dynamics in a robot (Definition 5) ------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class OwnDynamics:
-    """States, declared inputs and torques of the module at word index ``symbol``.
+    """The states, declared inputs and torques of the module at word index ``symbol``.
 
-    Their expressions name the module's own things; ``parameters`` and ``dofs`` say which of the
-    robot's those are.  Coordinate, rate and input of a lost degree of freedom (None) read zero.
+    Expressions use the module's names; ``parameters`` and ``dofs`` map them to the robot's numbers.
+    The coordinate, rate and input of a removed degree of freedom (None) are zero.
     """
 
     symbol: int
@@ -30,7 +30,7 @@ class OwnDynamics:
 
     @property
     def bound_dofs(self) -> dict[str, int]:
-        """The robot's degrees of freedom by the names they have here."""
+        """The robot's degrees of freedom by the names that the module gives them."""
         return {name: dof for name, dof in self.dofs if dof is not None}
 
     @property
@@ -41,20 +41,20 @@ class OwnDynamics:
         return frozenset(numbers[leaf.name] for leaf in found if isinstance(leaf, ir.ParameterOf))
 
     def expressions(self) -> Iterator[ir.Expr]:
-        """What it is made of: derivatives, then torques."""
+        """The expressions in it: derivatives, then torques."""
         yield from (state.derivative for state in self.states)
         yield from (torque.value for torque in self.torques)
 
     def renumbered(self, places: Mapping[int, int]) -> OwnDynamics:
-        """The same after the robot's degrees of freedom got new numbers; the others are lost.
+        """These dynamics after the robot's degrees of freedom got new numbers.
 
-        What then acts on no degree of freedom is left out.
+        What acts only on degrees of freedom without a new number is removed.
         """
         dofs = tuple((name, None if dof is None else places.get(dof)) for name, dof in self.dofs)
         return replace(self, dofs=dofs).acting()
 
     def acting(self) -> OwnDynamics:
-        """Without the states and inputs that no torque depends on, and the torques on lost dofs."""
+        """Leave out torques on removed dofs, and states and inputs that no torque depends on."""
         bound = self.bound_dofs
         torques = tuple(torque for torque in self.torques if torque.dof in bound)
         read: set[ir.Expr] = set()
@@ -80,9 +80,9 @@ def own_dynamics(
     parameters: Mapping[tuple[int, str], int],
     dofs: Mapping[tuple[int, str], int],
 ) -> OwnDynamics | None:
-    """The dynamics of the module at a word index; None if it has none.
+    """The own dynamics of the module at a word index; None if it has none.
 
-    ``parameters`` and ``dofs`` number the robot's by word index and name.
+    ``parameters`` and ``dofs`` map word index and name to the robot's numbers.
     """
     if not (module.states or module.inputs or module.torques):
         return None
@@ -98,7 +98,7 @@ def own_dynamics(
 
 
 # --------------------------------------------------------------------------------------------------
-# The robot model: what an attribute grammar's evaluation on a derivation yields (FRG, Def. 6).
+# The robot model: the result of evaluating an attribute grammar on a derivation (FRG, Def. 6).
 
 
 WORLD = 0
@@ -108,7 +108,7 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """Rigid rotation by a scalar angle (rad) about axis 0, 1 or 2 of the local frame."""
+    """A rotation by a scalar angle (rad) about axis 0, 1 or 2 of the local frame."""
 
     axis: int
     angle: int
@@ -116,7 +116,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Offset:
-    """Rigid translation by three scalars (m) in the local frame."""
+    """A translation by three scalars (m) in the local frame."""
 
     vector: tuple[int, int, int]
 
@@ -143,10 +143,10 @@ class FrameNode:
 
 @dataclass(frozen=True, slots=True)
 class RobotDof:
-    """A degree of freedom of the joints at the word indices ``symbols``, merged into one.
+    """A degree of freedom, into which the joints at the word indices ``symbols`` are merged.
 
-    ``effort`` bounds its free input, ``inertia`` is its rotor's as the joint feels it, ``accel``
-    bounds its acceleration, ``coulomb`` is its dry friction, ``gear`` its ratio; all closed.
+    ``effort`` bounds its free input, ``inertia`` is the rotor's as the joint feels it, ``accel``
+    bounds its acceleration, ``coulomb`` is its dry friction, ``gear`` its gear ratio; all closed.
     """
 
     symbols: tuple[int, ...]
@@ -162,12 +162,12 @@ class RobotDof:
 
     @property
     def amounts(self) -> tuple[ir.Expr | None, ...]:
-        """What of its drive acts on its motion."""
+        """The quantities of its drive that affect its motion."""
         return self.effort, self.inertia, self.accel, self.coulomb
 
     @property
     def is_driven(self) -> bool:
-        """Whether it has a drive of its own, or limits of one; such joints are not merged."""
+        """Whether it has a drive of its own, or limits of a drive; such joints are not merged."""
         return any(each is not None for each in (*self.amounts, self.gear))
 
 
@@ -175,8 +175,8 @@ class RobotDof:
 class WordDof:
     """A degree of freedom of the word, and where it is in the model.
 
-    It is the coordinate ``dof`` of the model, or with others a summand of it, with ``sign`` (1 or
-    -1).  A ``dof`` of None says that it moves nothing and was removed.
+    It is the coordinate ``dof`` of the model, or one summand of it, with ``sign`` (1 or -1). If
+    ``dof`` is None, it moves nothing and was removed.
     """
 
     kind: ir.DofKind
@@ -203,7 +203,7 @@ class RobotParameter:
 
 @dataclass(frozen=True, slots=True)
 class BodyOwner:
-    """The module, at word index ``symbol``, that a body is that of."""
+    """The module, at word index ``symbol``, that owns a body."""
 
     symbol: int
     module: str
@@ -223,7 +223,7 @@ class RodBody:
 
 @dataclass(frozen=True, slots=True)
 class PointBody:
-    """A point mass; with a ``load`` it is there at times: an input of the robot, by number."""
+    """A point mass; with a ``load`` (the number of an input) it is present only while that is 1."""
 
     frame: int
     mass: int
@@ -232,7 +232,7 @@ class PointBody:
 
 @dataclass(frozen=True, slots=True)
 class SolidBody:
-    """A rigid body with inertia about its com: one scalar in the plane, six in space."""
+    """A rigid body with inertia about its centre of mass: one scalar in the plane, six in space."""
 
     frame: int
     mass: int
@@ -245,10 +245,10 @@ Body: TypeAlias = RodBody | PointBody | SolidBody
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What a link is in collisions: a massless convex set, in ``sizes`` as ``ir.Shape`` has them.
+    """The shape of a link in collisions: a massless convex set; ``sizes`` are as in ``ir.Shape``.
 
-    Those with an axis lead from the frame's origin along ``sign`` times it.  A hull is that of
-    ``corners``, three scalars each.
+    A shape with an axis extends from the frame's origin along ``sign`` times that axis. A hull is
+    the convex hull of ``corners``, three scalars each.
     """
 
     frame: int
@@ -265,11 +265,11 @@ class Shape:
 
     @property
     def length(self) -> int | None:
-        """The scalar of how far it leads along its axis."""
+        """The scalar that says how far it extends along its axis."""
         return self.sizes[0] if self.kind in {"capsule", "cylinder"} else None
 
     def across(self, dimension: int) -> tuple[int, ...]:
-        """The axes along which it extends beside its origin or its line, in so many dimensions."""
+        """The axes along which it extends about its origin or its line, in that many dimensions."""
         if self.kind in {"box", "hull"}:
             return tuple(range(dimension))
         return tuple(i for i in range(dimension) if self.kind == "cylinder" and i != self.axis)
@@ -297,7 +297,7 @@ def scalars_of_body(body: Body) -> tuple[int, ...]:
 
 
 def amounts_of(body: Body) -> tuple[int, ...]:
-    """The scalars of a body that no real body has below zero."""
+    """The scalars of a body that are not negative for any real body."""
     match body:
         case RodBody(_, _, _, length, density, radius):
             return (length, density) if radius is None else (length, density, radius)
@@ -311,14 +311,14 @@ def amounts_of(body: Body) -> tuple[int, ...]:
 class RobotModel:
     """A robot.
 
-    ``frames`` are in topological order, frame 0 is the world.  ``effectors`` holds frames, in
-    word order.  ``removed`` holds the word indices of joints that move nothing, ``own`` the
-    dynamics of their own that modules have, in word order.  ``joints`` holds the degrees of freedom
-    of the word, in word order, once they may be others than ``dofs``.  ``owners`` says whose a body
-    is, where that is known, ``shape_owners`` whose a shape.  ``covered`` bodies do not collide:
-    their links do as shapes.  Pairs that have to stay ``apart`` are numbers of ``colliders``.  Of
-    ``posed`` robots the turn of effectors matters.  ``payloads`` are numbers of bodies.  ``seen``
-    are the frames of visuals, where these were asked for: no frame is kept or joined for them.
+    ``frames`` are in topological order, frame 0 is the world. ``effectors`` are frames, in word
+    order. ``removed`` holds the word indices of joints that move nothing, ``own`` the modules' own
+    dynamics, in word order, ``joints`` the degrees of freedom of the word, in word order, once they
+    may differ from ``dofs``. ``owners`` are the owners of bodies where known, ``shape_owners``
+    those of shapes. Shapes collide instead of ``covered`` bodies. ``apart`` holds pairs of numbers
+    of ``colliders`` that must not touch. If ``posed``, the orientation of effectors matters.
+    ``payloads`` are numbers of bodies. ``seen`` are the frames of visuals, if these were asked for:
+    no frame is kept or merged for them.
     """
 
     dimension: Literal[2, 3]
@@ -342,17 +342,17 @@ class RobotModel:
 
     @property
     def colliders(self) -> tuple[Collider, ...]:
-        """What collides: the bodies that are not covered, then the shapes."""
+        """Everything that can collide: the bodies that are not covered, then the shapes."""
         return (*self._uncovered(self.bodies), *self.shapes)
 
     @property
     def collider_owners(self) -> tuple[BodyOwner | None, ...]:
-        """Whose each of the ``colliders`` is, where that is known; none where nothing is."""
+        """The owner of each of the ``colliders`` where it is known; empty if no owner is known."""
         return (*self._uncovered(self.owners), *self.shape_owners)
 
     @property
     def collider_names(self) -> tuple[str, ...]:
-        """What each of the ``colliders`` is called: bodies and shapes are numbered from 1."""
+        """The names of the ``colliders``: bodies and shapes are numbered from 1."""
         bodies = [f"body {number}" for number in range(1, len(self.bodies) + 1)]
         shapes = [f"shape {number}" for number in range(1, len(self.shapes) + 1)]
         return (*self._uncovered(bodies), *shapes)
@@ -362,9 +362,9 @@ class RobotModel:
 
     @property
     def periodic(self) -> tuple[bool, ...]:
-        """Per degree of freedom, whether a whole turn of it gives the same robot.
+        """For each degree of freedom, whether a full turn of it gives the same robot.
 
-        It is revolute and has no range, and no module's own dynamics read its coordinate.
+        True if it is revolute without a range and no module's own dynamics read its coordinate.
         """
         read = {
             own.bound_dofs.get(leaf.name)
@@ -380,7 +380,7 @@ class RobotModel:
 
     @property
     def word_dofs(self) -> tuple[WordDof, ...]:
-        """The degrees of freedom of the word, in word order and then as their module has them."""
+        """The degrees of freedom of the word, in word order and in the order of their module."""
         own = (WordDof(dof.kind, dof.range, i) for i, dof in enumerate(self.dofs))
         return tuple(own) if self.joints is None else self.joints
 

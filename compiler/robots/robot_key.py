@@ -1,4 +1,4 @@
-"""A text of a robot in normal form: equal texts, equal robots."""
+"""A text for a robot in normal form: robots with equal texts are equal."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ from grammar_lang import ir
 def robot_key(model: RobotModel) -> str:
     """A text that is equal for two normal forms only if they are the same robot.
 
-    Parameters that are used are numbered in word order, so that equal robots built from
-    different occurrences compare equal.
+    Used parameters are numbered in word order, so that equal robots built from different
+    occurrences of modules have equal texts.
     """
     used = _used_scalars(model)
     read = {node.index for i in used if isinstance(node := model.scalars[i], ParameterLeaf)}
@@ -65,7 +65,7 @@ def robot_key(model: RobotModel) -> str:
 
 
 class _KeyEvaluator(Evaluator[str]):
-    """Values are texts: operations with the texts of their arguments behind them."""
+    """Values are texts: an operation followed by the texts of its arguments."""
 
     def constant(self, value: Fraction | int) -> str:
         return str(value)
@@ -108,10 +108,11 @@ class _KeyEvaluator(Evaluator[str]):
 
 
 def robot_key_in_task(model: RobotModel, task: ir.Task) -> str:
-    """The key of a robot together with the start that a task gives it, and whose its bodies are.
+    """The key of a robot together with the start that a task gives it and the owners of its bodies.
 
-    Words of one normal form may start at different coordinates: they are different robots then.
-    So they are where the masses of some modules are uncertain, and others are equal to them.
+    Words with one normal form may start at different coordinates; they are different robots then.
+    They also differ if the masses of some modules are uncertain and equal bodies belong to other
+    modules.
     """
     key = robot_key(model)
     if isinstance(task.start, ir.StartAt):
@@ -122,14 +123,14 @@ def robot_key_in_task(model: RobotModel, task: ir.Task) -> str:
 
 
 def _owners_text(model: RobotModel, modules: set[str]) -> str:
-    """Which bodies have an owner among some modules, and which of them the same one."""
+    """Which bodies are owned by one of the given modules, and which of them share an owner."""
     own = [owner if owner and owner.module in modules else None for owner in model.owners]
     order = {owner: number for number, owner in enumerate(dict.fromkeys(filter(None, own)))}
     return f"owners {[owner and (owner.module, order[owner]) for owner in own]}"
 
 
 def _own_text(own: OwnDynamics, names: Mapping[int, str]) -> str:
-    """The dynamics of a module's own with the parameters by their names in the key."""
+    """A module's own dynamics, with the parameters under their names in the key."""
     parameters = [(name, names.get(index)) for name, index in own.parameters]
     return f"own {own.states} {own.inputs} {own.torques} {parameters} {own.dofs}"
 
@@ -151,7 +152,7 @@ def _frame_text(model: RobotModel, frame: FrameNode, texts: list[str]) -> str:
 
 
 def _used_scalars(model: RobotModel) -> set[int]:
-    """The scalars that frames and bodies use, directly or not."""
+    """The scalars that frames and bodies use, directly or indirectly."""
     used = {i for frame in model.frames for i in scalars_of_step(frame.step)}
     used |= {i for body in model.bodies for i in scalars_of_body(body)}
     used |= {i for shape in model.shapes for i in _of_shape(shape)}
@@ -184,11 +185,11 @@ def _shape_text(shape: Shape, texts: list[str]) -> str:
     return f"{shape.kind} {shape.frame} {shape.axis} {shape.sign} {sizes}"
 
 
-# --- Whether two normalised robots are different beyond doubt -------------------------------------
+# --- Whether two normalised robots certainly differ -----------------------------------------------
 #
-# ``robot_key`` compares expressions as they are written, so ``a + (b + c)`` is not ``(a + b) + c``
-# to it.  Here expressions are compared by their values at sample points of the parameter box, in
-# ball arithmetic: where two balls are disjoint the expressions differ, and only then.
+# ``robot_key`` compares expressions as they are written, so to it ``a + (b + c)`` and
+# ``(a + b) + c`` differ. Here expressions are compared by their values at sample points of the
+# parameter box, in ball arithmetic: they are reported as different only if two balls are disjoint.
 
 
 SAMPLES = (3, 7)
@@ -197,10 +198,10 @@ Naming: TypeAlias = Callable[[RobotModel, tuple[int, ...]], list[int]]
 
 
 def provably_different(first: RobotModel, second: RobotModel) -> bool:
-    """Whether two normal forms are shown to differ, however their parameters are matched.
+    """Whether two normal forms are proven to differ, however their parameters are matched.
 
-    Parameters are matched in the order of the word, and in the order in which the robots use them.
-    False does not say that the robots are equal.
+    Parameters are matched in word order, and in the order in which the robots use them. False does
+    not mean that the robots are equal.
     """
     if _skeleton(first) != _skeleton(second) or _limits_differ(first, second):
         return True
@@ -208,7 +209,7 @@ def provably_different(first: RobotModel, second: RobotModel) -> bool:
     return all(_values_differ(first, second, naming) for naming in namings)
 
 
-# --- what holds no expression ----------------------------------------------------------------
+# --- parts without expressions -----------------------------------------------------------------
 
 
 def _skeleton(model: RobotModel) -> tuple[object, ...]:
@@ -251,7 +252,7 @@ def _bare_body(body: Body) -> Body:
 
 
 def _limits_differ(first: RobotModel, second: RobotModel) -> bool:
-    """Whether some degree of freedom has another limit or another rotor."""
+    """Whether some degree of freedom has a different limit or rotor."""
     pairs = zip(first.dofs, second.dofs, strict=True)
     return any(
         not a.overlaps(b) for x, y in pairs for a, b in zip(_limits(x), _limits(y), strict=True)
@@ -280,7 +281,7 @@ def _scalars(model: RobotModel) -> tuple[int, ...]:
 
 
 def _by_use(model: RobotModel, scalars: tuple[int, ...]) -> list[int]:
-    """The parameters that the scalars depend on, in the order in which they are met."""
+    """The parameters that the scalars depend on, in the order of their first use."""
     found: dict[int, None] = {}
     seen: set[int] = set()
     todo = list(reversed(scalars))
@@ -320,7 +321,7 @@ def _values_differ(first: RobotModel, second: RobotModel, naming: Naming) -> boo
 
 
 def _point(parameters: tuple[RobotParameter, ...], used: list[int], sample: int) -> list[arb]:
-    """A point of the parameter box that depends on the places of the parameters in ``used``."""
+    """A point of the parameter box that depends on the positions of the parameters in ``used``."""
     point = [arb(0)] * len(parameters)
     for place, index in enumerate(used):
         match parameters[index].domain:

@@ -1,4 +1,4 @@
-"""What the state and input vectors of a robot hold, and what bounds the inputs in a task."""
+"""The entries of a robot's state and input vectors, and the bounds of the inputs in a task."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from compiler.robots.payloads import loads_of
 from compiler.robots.robot import OwnDynamics, RobotModel
 from grammar_lang import ir
 
-# --- What the state and input vectors of a robot hold, entry by entry -----------------------------
+# --- The entries of the state and input vectors of a robot ---------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +29,9 @@ class RobotState:
 class RobotInput:
     """An input of the module at word index ``symbol``.
 
-    A free input (``u`` of the language) drives the degree of freedom ``dof`` and is bounded by the
-    task (``domain`` None); a declared one has its own bounds.  A load is of no module: 1 where its
-    effector carries it, else 0.
+    A free input (``u`` in the language) drives the degree of freedom ``dof`` and is bounded by the
+    task (``domain`` is None); a declared input has its own bounds. A load belongs to no module: it
+    is 1 while its effector carries it, else 0.
     """
 
     symbol: int
@@ -43,12 +43,12 @@ class RobotInput:
 
     @property
     def is_load(self) -> bool:
-        """Whether it says that something is carried."""
+        """Whether it is a load, which says that something is carried."""
         return self.dof is None and self.module is None
 
 
 def robot_states(model: RobotModel) -> tuple[RobotState, ...]:
-    """The modules' own states in the order of the word: the entries of x behind all rates."""
+    """The modules' own states in word order: the entries of x after all rates."""
     return tuple(
         RobotState(own.symbol, own.module, state.name, state.unit, state.initial)
         for own in model.own
@@ -57,9 +57,9 @@ def robot_states(model: RobotModel) -> tuple[RobotState, ...]:
 
 
 def robot_inputs(model: RobotModel) -> tuple[RobotInput, ...]:
-    """The entries of u in the order of the word, of one module free inputs first; then the loads.
+    """The entries of u in word order, within a module free inputs first; then the loads.
 
-    A degree of freedom has a free input unless its module's own dynamics do without.
+    A degree of freedom has a free input unless its module's own dynamics do not use it.
     """
     found: list[tuple[int, int, RobotInput]] = []
     without = {dof for own in model.own for dof in _without_free_input(own)}
@@ -83,14 +83,14 @@ def robot_inputs(model: RobotModel) -> tuple[RobotInput, ...]:
 
 
 def _without_free_input(own: OwnDynamics) -> set[int]:
-    """The degrees of freedom with a torque of their own whose input is read nowhere."""
+    """The degrees of freedom with an own torque whose free input nothing reads."""
     found = (leaf for expression in own.expressions() for leaf in ir.leaves(expression))
     read = {leaf.name for leaf in found if isinstance(leaf, ir.EffortOf)}
     bound = own.bound_dofs
     return {bound[torque.dof] for torque in own.torques if torque.dof not in read}
 
 
-# --- What bounds the inputs of a robot in a task, exactly (C.3 of the paper, Theta and U) ---------
+# --- Exact bounds of the inputs of a robot in a task (C.3 of the paper, Theta and U) --------------
 
 
 EFFORT_UNITS: dict[ir.DofKind, str] = {"revolute": "N*m", "prismatic": "N"}
@@ -98,7 +98,7 @@ EFFORT_UNITS: dict[ir.DofKind, str] = {"revolute": "N*m", "prismatic": "N"}
 
 @dataclass(frozen=True, slots=True)
 class InputBound:
-    """Inputs, by their places in u, that share one bound in SI.
+    """Inputs, by their positions in u, that share one bound in SI units.
 
     Each of them lies in [lower, upper]; with ``norm2`` their Euclidean norm is at most ``upper``.
     ``effort`` says that they are free inputs, bounded by the task.
@@ -114,16 +114,16 @@ class InputBound:
 
     @property
     def widest_margin(self) -> Fraction:
-        """The margin of inputs in the middle of their bounds."""
+        """The margin of inputs at the middle of their bounds."""
         return self.upper if self.norm2 else (self.upper - self.lower) / 2
 
     def margin(self, row: Sequence[Fraction]) -> Fraction:
-        """The distance of one step's inputs (m,) from the bound; not for a norm."""
+        """The distance of one step's inputs (m,) from the bound; not defined for a norm."""
         return min(min(row[i] - self.lower, self.upper - row[i]) for i in self.inputs)
 
 
 def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
-    """The bounds of all inputs: the task's efforts in its order, the joints', declared inputs'.
+    """The bounds of all inputs: the task's efforts, in order, then joints', then declared inputs'.
 
     An irrational bound is replaced by a rational one just inside it.
     """
@@ -156,7 +156,7 @@ def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
 
 
 def family_unit(program: ir.Program, task: ir.Task) -> str:
-    """The SI unit of all inputs that robots of a task may have; "" where there are several."""
+    """The SI unit of all inputs that robots of a task may have; "" if there are several."""
     symbols = (
         symbol.name
         for production in program.grammars[task.grammar].productions
@@ -170,9 +170,10 @@ def family_unit(program: ir.Program, task: ir.Task) -> str:
 
 
 def _shared(model: RobotModel, inputs: Sequence[RobotInput], effort: ir.Effort) -> tuple[int, ...]:
-    """The free inputs that a bound of the task is about.
+    """The free inputs that a bound of the task covers.
 
-    Where it is one for each input, those with a bound of their own have the smaller of both.
+    If the bound applies to each input separately, inputs with their own bound get the smaller of
+    both.
     """
     found = []
     for place, item in enumerate(inputs):
@@ -183,12 +184,12 @@ def _shared(model: RobotModel, inputs: Sequence[RobotInput], effort: ir.Effort) 
 
 
 def unbounded_kinds(model: RobotModel, task: ir.Task) -> list[ir.DofKind]:
-    """The kinds of joint with a free input that neither the task nor the joint bounds."""
+    """The kinds of joints with a free input that neither the task nor the joint bounds."""
     dofs = (model.dofs[item.dof] for item in robot_inputs(model) if item.dof is not None)
     free = {dof.kind for dof in dofs if dof.effort is None}
     return sorted(free - {effort.kind for effort in task.effort})
 
 
 def dry_friction(model: RobotModel) -> dict[int, ir.Expr]:
-    """The size of the effort of dry friction (closed, SI), by the number of the joint."""
+    """The magnitude of dry friction (closed, SI units), by the number of the joint."""
     return {i: d.coulomb for i, d in enumerate(model.dofs) if d.coulomb is not None}

@@ -1,1 +1,1 @@
-"""What tasks say: formulas, their monitors, necessary conditions, and plans as clauses."""
+"""Tasks: formulas, their monitors, necessary conditions, and plans as clauses."""

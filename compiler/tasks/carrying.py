@@ -1,4 +1,4 @@
-"""What `carry` asks of the samples of a motion, and at which of them loads are there."""
+"""The demands of `carry` on the samples of a motion, and the samples at which loads are present."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from grammar_lang import ir
 
 
 def carried_on_samples(task: ir.Task) -> list[SampledFormula]:
-    """Per load: the effector is in the one region at a sample, and in the other at a later one."""
+    """For each load: the effector is in one region at a sample, and in the other at a later one."""
     return [_carried(number, carry) for number, carry in enumerate(task.carries)]
 
 
@@ -33,9 +33,9 @@ def _carried(number: int, carry: ir.Carry) -> SampledFormula:
 
 
 def carried_samples(obligations: Iterable[Obligation], count: int) -> list[tuple[int, int]]:
-    """Per load of ``count`` the samples at which a plan takes it up and puts it down.
+    """For each of ``count`` loads the samples at which a plan picks it up and puts it down.
 
-    A load that a plan says nothing of is there at no step: (0, 0).
+    A load that the plan does not mention is never present: (0, 0).
     """
     found = [[0, 0] for _ in range(count)]
     for each in obligations:
@@ -46,19 +46,19 @@ def carried_samples(obligations: Iterable[Obligation], count: int) -> list[tuple
 
 
 def load_inputs(samples: Sequence[tuple[int, int]], steps: int) -> Array:
-    """The inputs that say which loads are there, 1 or 0, step by step, (steps, loads)."""
+    """The inputs that say which loads are present, 1 or 0 for each step, (steps, loads)."""
     step = np.arange(steps)
     columns = [(step >= first) & (step < last) for first, last in samples]
     return np.array(columns, dtype=float).reshape(len(columns), steps).T
 
 
-# --- Of a motion that is given --------------------------------------------------------------------
+# --- For a given motion ---------------------------------------------------------------------------
 
 
 def transfer_of(column: Sequence[Fraction]) -> tuple[int, int] | None:
-    """The samples at which a load is taken up and put down whose input has these values (k,).
+    """The samples at which the load with these input values (k,) is picked up and put down.
 
-    None where the input is not 1 in some steps that follow each other, and else 0.
+    None unless the input is 1 in consecutive steps and 0 in all others.
     """
     there = [step for step, value in enumerate(column) if value == 1]
     if not there or any(value not in (0, 1) for value in column):

@@ -1,7 +1,7 @@
-"""Paths of one effector that visit some cells are forbidden, by clauses that grow with the paths.
+"""Clauses that forbid paths of one effector that visit certain cells; they grow with the paths.
 
-Other cells may lie between.  In turn: a ladder of literals per cell but the last, "this one and
-those before it were visited in turn by position p", which only ever become true.
+Other cells may lie between. If order matters, each cell except the last has a ladder of literals,
+"this cell and those before it were visited in order by position p"; once true, they stay true.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from compiler.tasks.places import Places
 
 @dataclass(slots=True)
 class _Sequence:
-    """Cells, and per cell but the last the literals by position."""
+    """Cells, and for each cell except the last its literals by position."""
 
     cells: tuple[int, ...]
     ladders: list[list[int]] = field(default_factory=list[list[int]])
 
 
 class CellSequences:
-    """What paths of an effector must not visit.
+    """The forbidden visits of paths of an effector.
 
     Args:
-        clauses: what the clauses are added to.
-        who: what the effector is called.
+        clauses: the clauses to which new ones are added.
+        who: the name of the effector.
     """
 
     def __init__(self, clauses: Clauses, who: str) -> None:
@@ -36,9 +36,9 @@ class CellSequences:
         self._visited: dict[int, int] = {}
 
     def forbid(self, cells: Sequence[int], places: Places, *, ordered: bool) -> None:
-        """No path visits all these cells; ``ordered``: none in turn.  ``places`` are there already.
+        """Forbid paths that visit all these cells (``ordered``: in order); ``places`` exist by now.
 
-        No cell at all forbids every path.
+        An empty list of cells forbids every path.
         """
         if ordered or len(cells) < 2:
             made = _Sequence(tuple(cells), [[] for _ in cells[1:]])
@@ -54,19 +54,19 @@ class CellSequences:
         self._clauses.clause([-self._visited[cell] for cell in cells])
 
     def extend(self, new: Places) -> None:
-        """Paths may be at new places."""
+        """Account for the new places that paths may visit."""
         for sequence in self._sequences:
             self._in_turn(sequence, new)
         self._visits(new, tuple(self._visited))
 
     def _visits(self, places: Places, cells: Sequence[int]) -> None:
-        """Who is at a place visits its cell."""
+        """An effector at a place visits the cell of that place."""
         for cell in cells:
             for variable in places.variables[places.cells == cell].tolist():
                 self._clauses.clause([-variable, self._visited[cell]])
 
     def _in_turn(self, sequence: _Sequence, places: Places) -> None:
-        """Who is at a place of the next cell of a sequence has visited that one in turn, too."""
+        """At a place of the next cell of a sequence, that cell has been visited in order, too."""
         last = len(sequence.cells) - 1
         for stage, cell in enumerate(sequence.cells):
             at = places.cells == cell
@@ -82,7 +82,7 @@ class CellSequences:
                 self._clauses.clause(clause)
 
     def _rung(self, sequence: _Sequence, stage: int, position: int) -> int:
-        """The literal that the first cells of a sequence were visited in turn by a position."""
+        """The literal that the first cells of a sequence were visited in order by a position."""
         ladder = sequence.ladders[stage]
         while len(ladder) <= position:
             ladder.append(

@@ -1,4 +1,4 @@
-"""How far the cells are for an effector, and how many changes of cell a formula needs at least."""
+"""Distances of cells for an effector, and the least number of changes of cell for a formula."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from compiler.tasks.sampled_formula import (
 from compiler.tasks.specification import PlannedEffector, PlanningProblem
 
 # --------------------------------------------------------------------------------------------------
-# What every word that satisfies a sampled formula does: where it is always, begins and ends.
+# What every word that satisfies a sampled formula does: where it always is, begins and ends.
 
 
 @dataclass(slots=True)
 class FormulaConditions:
-    """Literals, by the samples at which they hold: all, the first, or the last."""
+    """Literals that hold at all samples, at the first sample, or at the last."""
 
     always: list[Literal] = field(default_factory=list)
     first: list[Literal] = field(default_factory=list)
@@ -40,7 +40,7 @@ class FormulaConditions:
 
 
 def formula_demands(formula: SampledFormula | None) -> FormulaConditions:
-    """Necessary for the formula to hold at sample 0, not sufficient."""
+    """Conditions that are necessary for the formula to hold at sample 0, not sufficient."""
     found = FormulaConditions()
     if formula is None:
         return found
@@ -68,15 +68,15 @@ def _conjuncts(formula: SampledFormula) -> Iterator[SampledFormula]:
 
 
 # --------------------------------------------------------------------------------------------------
-# How many changes of cell an effector needs at least for a formula to hold, from every cell.
+# The least number of changes of cell that an effector needs for a formula to hold, for every cell.
 #
-# Times and other effectors are left out, so that the numbers are lower bounds; they are exact for
-# visits one after the other.
+# Times and other effectors are ignored, so the numbers are lower bounds; they are exact for visits
+# one after the other.
 
 
 Mask: TypeAlias = NDArray[np.bool_]
 NEAR = 4
-"""Windows of so few samples bound the changes until they end."""
+"""Windows of at most this many samples bound the changes until they end."""
 
 
 def formula_distances(
@@ -85,11 +85,11 @@ def formula_distances(
     allowed: Mask,
     inside: Callable[[Literal], Mask | None],
 ) -> Ints:
-    """Per cell a lower bound, ``UNREACHABLE`` where the formula cannot hold; shape (n,).
+    """For each cell a lower bound, ``UNREACHABLE`` if the formula cannot hold; shape (n,).
 
     Args:
-        formula: what is to hold.
-        neighbours: per cell its neighbours.
+        formula: the formula that must hold.
+        neighbours: the neighbours of each cell.
         allowed: the cells that may be entered.
         inside: where a literal holds; None for one about another effector.
     """
@@ -129,7 +129,7 @@ def _bounds(
 
 
 def _within(goal: Ints, neighbours: Sequence[Sequence[int]], through: Mask, most: int) -> Ints:
-    """As ``_on_the_way``, with so many changes at most; from sample to sample there is one."""
+    """As ``_on_the_way``, with at most ``most`` changes; one change leads to the next sample."""
     found = goal.tolist()
     passable = np.flatnonzero(through).tolist()
     for _ in range(most):
@@ -141,7 +141,7 @@ def _within(goal: Ints, neighbours: Sequence[Sequence[int]], through: Mask, most
 
 
 def _on_the_way(goal: Ints, neighbours: Sequence[Sequence[int]], through: Mask) -> Ints:
-    """The least changes to a cell, through some cells, and from there as ``goal`` says."""
+    """The least number of changes to a cell through some cells, and from there as in ``goal``."""
     if not goal.any():
         return goal
     found, passable = goal.tolist(), through.tolist()
@@ -159,7 +159,7 @@ def _on_the_way(goal: Ints, neighbours: Sequence[Sequence[int]], through: Mask) 
 
 
 # --------------------------------------------------------------------------------------------------
-# How far the cells are for one effector of a problem, and how many changes it needs at least.
+# Distances of cells for one effector of a problem, and the least number of changes it needs.
 
 
 class EffectorDistances:
@@ -167,11 +167,11 @@ class EffectorDistances:
 
     Attributes:
         edges: the graph.
-        from_start: per cell, ``UNREACHABLE`` where there is no way; shape (n,).
-        to_end: likewise.
+        from_start: the distance of each cell, ``UNREACHABLE`` if there is no path; shape (n,).
+        to_end: the distance from each cell to an end, in the same form.
         shortest: the fewest changes from the start to an end whatever the formula says; None if
-            there is no way.
-        least: no fewer satisfy the formula; None if none do, for certain.
+            there is no path.
+        least: no fewer changes satisfy the formula; None if certainly no path does.
     """
 
     def __init__(self, problem: PlanningProblem, planned: PlannedEffector) -> None:
@@ -187,7 +187,7 @@ class EffectorDistances:
             self.least = self._least_of_formula(problem.formula, demands)
 
     def _least_of_formula(self, formula: SampledFormula, demands: FormulaConditions) -> int | None:
-        """The fewest changes from the start for the formula, and to an end."""
+        """The fewest changes from the start that satisfy the formula and lead to an end."""
         needed = formula_distances(
             formula, self._problem.neighbours, self._allowed(demands), self._where_alone
         )
@@ -202,7 +202,7 @@ class EffectorDistances:
         return self._where(demands.always) & ~_cells(count, self._planned.forbidden)
 
     def _within(self, demands: FormulaConditions) -> tuple[Ints, Ints]:
-        """Distances from the start and to the end within what is allowed."""
+        """The distances from the start and to the end within the allowed cells."""
         planned, neighbours = self._planned, self._problem.neighbours
         count = len(neighbours)
         allowed = self._allowed(demands)
@@ -216,7 +216,7 @@ class EffectorDistances:
         )
 
     def _where(self, literals: Sequence[Literal]) -> Mask:
-        """The cells in which all of the literals about this effector hold."""
+        """The cells in which all literals about this effector hold."""
         mask = np.ones(len(self._problem.neighbours), dtype=bool)
         for literal in literals:
             if literal.effector == self._planned.effector + 1:

@@ -1,14 +1,15 @@
 """Necessary conditions of temporal formulas on motions that go on for ever, as clauses.
 
-The time [0, N g] is cut into slots as in :mod:`compiler.tasks.formula_slots`.  Two slots follow,
-in both of which a subformula may hold somewhere or throughout, as in an interval:
+The time [0, N g] is cut into slots as in :mod:`compiler.tasks.formula_slots`. Two more slots
+follow. In both, as in an interval, a subformula may hold somewhere or throughout:
 
 - the *tail*, all instants after N g;
-- *late*: a subformula holds somewhere in it if it does at arbitrarily late instants (``always
-  eventually``), and throughout it if it does from some instant on (``eventually always``).
+- *late*: a subformula holds somewhere in it if it holds at arbitrarily late instants
+  (``always eventually``), and throughout it if it holds from some instant on
+  (``eventually always``).
 
-The clauses hold of every continuous motion on [0, oo), whatever comes back of it and when: a motion
-that is a prefix and a loop is one of them, and so is one whose rounds differ.
+The clauses hold for every continuous motion on [0, oo), whatever repeats in it and when. These
+include motions that are a prefix and a loop, and motions whose rounds differ.
 """
 
 from __future__ import annotations
@@ -18,15 +19,15 @@ from collections.abc import Sequence
 from compiler.tasks.formula_slots import TRUE, Node, Row, Slots
 
 COMPARED = 4
-"""With so many other windows of the same subformula, the latest, is each of them compared."""
+"""Each window is compared with at most this many other, latest windows of the same subformula."""
 
 
 class EndlessSlots(Slots):
-    """Clauses about motions on [0, oo); the last two slots are the tail, and late.
+    """Clauses about motions on [0, oo); the last two slots are the tail and late.
 
     Args:
         count: the number N of intervals before the tail, more than any finite time of a window has.
-        signatures: as bit sets over the regions.
+        signatures: bit sets over the regions.
         effectors: the effectors that move, by any numbers.
     """
 
@@ -49,7 +50,7 @@ class EndlessSlots(Slots):
 
     def _motion(self) -> list[list[int]]:
         occurs = super()._motion()
-        # What occurs again and again occurs in the tail.
+        # Anything that occurs again and again occurs in the tail.
         pairs = zip(occurs[self._late], occurs[self._tail], strict=True)
         self.clauses += [(-late, tail) for late, tail in pairs]
         return occurs
@@ -66,7 +67,7 @@ class EndlessSlots(Slots):
     # --- windows -------------------------------------------------------------------------------
 
     def eventually(self, node: Node, lower: int, upper: int) -> Node:
-        """Somewhere from ``lower`` to ``upper`` intervals later; more than N: at any later time."""
+        """Somewhere from ``lower`` to ``upper`` intervals later; more than N means at any time."""
         if lower > upper:
             return -self.true
         if lower == upper == 0:
@@ -84,7 +85,7 @@ class EndlessSlots(Slots):
         return self._known[key]
 
     def last_part(self, node: Node, duration: int) -> Node:
-        """There is none.
+        """There is no last part.
 
         Raises:
             ValueError: always.
@@ -92,7 +93,7 @@ class EndlessSlots(Slots):
         raise ValueError("a motion that goes on for ever has no last part")
 
     def _compare(self, node: Node, lower: int, upper: int) -> None:
-        """What comes within a window comes within one that contains it, also beyond N g."""
+        """What holds within a window holds within any window that contains it, also beyond N g."""
         new = lower, upper, self._known["eventually", node, lower, upper]
         known = self._windows.setdefault(node, [])
         for other in known[-COMPARED:]:
@@ -120,7 +121,7 @@ class EndlessSlots(Slots):
         return Row(tuple(some), tuple(every))
 
     def _part_of_tail(self, row: Row, *, instant: bool) -> tuple[int, int]:
-        """What holds somewhere and throughout a part of the tail."""
+        """The literals that something holds somewhere, and throughout, a part of the tail."""
         somewhere = self.variable()
         throughout = somewhere if instant else self.variable()
         self.clauses += [
@@ -165,7 +166,7 @@ class EndlessSlots(Slots):
         return Row(tuple(some), tuple(every))
 
     def _throughout(self, somewhere: int, enough: Sequence[int]) -> int:
-        """A variable for what holds throughout a slot; each of some literals suffices for it."""
+        """A variable for holding throughout a slot; each literal of ``enough`` suffices for it."""
         throughout = self.variable()
         self.clauses += [(-literal, throughout) for literal in enough]
         self.clauses.append((-throughout, somewhere))

@@ -31,7 +31,7 @@ TRUE: Final = 1
 
 
 class Clauses:
-    """Variables count from 1; 0 stands for one that does not exist, which is false."""
+    """A set of clauses. Variables count from 1; 0 stands for a missing variable, which is false."""
 
     def __init__(self) -> None:
         self.variables = TRUE
@@ -39,7 +39,7 @@ class Clauses:
         self._names: list[tuple[int, Callable[[int], str]]] = [(TRUE, lambda _: "always true")]
 
     def fresh(self, count: int, name: Callable[[int], str]) -> Ints:
-        """New variables, shape (count,); ``name(i)`` says what the i-th of them is."""
+        """New variables, shape (count,); ``name(i)`` is the name of the i-th of them."""
         first = self.variables + 1
         self.variables += count
         if count:
@@ -51,20 +51,20 @@ class Clauses:
         return int(self.fresh(1, lambda _: name)[0])
 
     def add(self, clauses: Ints) -> None:
-        """Clauses of equal length, shape (clauses, literals)."""
+        """Add clauses of equal length, shape (clauses, literals)."""
         check_time()
         if clauses.shape[0]:
             self._arrays.append(clauses)
 
     def clause(self, literals: Iterable[int]) -> None:
-        """One clause; constants in it are resolved."""
+        """Add one clause; constants in it are resolved."""
         check_time()
         found = [literal for literal in literals if literal not in (-TRUE, 0)]
         if TRUE not in found:
             self._arrays.append(np.array([found or [-TRUE]], dtype=np.int64))
 
     def implications(self, heads: Ints, owners: Ints, bodies: Ints) -> None:
-        """Per row of ``heads``, shape (rows, literals), a clause of it and its bodies.
+        """For each row of ``heads``, shape (rows, literals), add a clause of it and its bodies.
 
         ``bodies[k]`` is a literal of row ``owners[k]``; owners ascend.
         """
@@ -93,16 +93,17 @@ class Clauses:
 # --- A formula about samples as clauses -----------------------------------------------------------
 #
 # Source: Biere, Heljanko, Junttila, Latvala & Schuppan, *Linear encodings of bounded LTL model
-# checking* (2006), for finite words.  Formulas are in negation normal form, so that a variable need
-# only imply what its node asks (Plaisted & Greenbaum 1986).  Every node is encoded once per layer,
-# when something asks for it there.  A variable of a layer that does not exist is false.
+# checking* (2006), for finite words. Formulas are in negation normal form, so a variable only has
+# to imply what its node requires (Plaisted & Greenbaum 1986). Every node is encoded once per layer,
+# when something asks for it there. A variable of a layer that does not exist is false.
 
 
 @dataclass(frozen=True, slots=True)
 class Layers:
-    """Layers 0 .. ``last``, of which words use those that exist.
+    """Layers 0 .. ``last``; a word uses those that exist.
 
-    ``exists(j)`` is the literal for that; ``open_end`` tells that words may end before ``last``.
+    ``exists(j)`` is the literal that layer j exists; with ``open_end``, words may end before
+    ``last``.
     """
 
     last: int
@@ -111,20 +112,20 @@ class Layers:
 
 
 class Regions(Protocol):
-    """What gives the literals of a formula their meaning."""
+    """Gives the literals of a formula their meaning."""
 
     def ask(self, literal: Literal, layer: int, variable: int) -> None:
-        """The variable is to imply the literal at that layer."""
+        """Make the variable imply the literal at that layer."""
 
 
 class FormulaClauses:
     """The clauses of a formula that holds at layer 0.
 
     Args:
-        clauses: what the clauses are added to.
+        clauses: the clauses to which new ones are added.
         formula: the formula.
         layers: the layers of words.
-        regions: what is told of every literal and layer that matters.
+        regions: gets every literal and layer that matters.
     """
 
     def __init__(
@@ -145,7 +146,7 @@ class FormulaClauses:
         clauses.clause([self._literal(formula, 0)])
 
     def lay_out(self, last: int) -> None:
-        """Define what is asked for up to layer ``last``."""
+        """Define everything that is asked for up to layer ``last``."""
         for layer in range(self._laid_out + 1, last + 1):
             self._laid_out = layer
             for node, literal in self._always:
@@ -200,7 +201,7 @@ class FormulaClauses:
     # --- definitions -----------------------------------------------------------------------------
 
     def _bodies(self, node: SampledFormula, j: int) -> Iterator[list[int]]:
-        """What a node implies at a layer: clauses."""
+        """The clauses that a node implies at a layer."""
         match node:
             case Every(parts=parts):
                 yield from ([self._literal(part, j)] for part in parts)
@@ -228,14 +229,14 @@ class FormulaClauses:
         return range(first, min(last, self._layers.last) + 1)
 
     def _if_there(self, part: SampledFormula, j: int, later: int) -> list[int]:
-        """``part`` at a later layer, if there is such a one."""
+        """A clause: ``part`` holds at a later layer, if that layer exists."""
         if j + later > self._layers.last:
             return [TRUE]
         return [self._literal(part, j + later), -self._layers.exists(j + later)]
 
     def _absolute(self, node: SampledFormula) -> Iterator[list[int]]:
         if self._layers.open_end:
-            # Of an untimed formula: about the last position, wherever that is.
+            # An untimed formula is about the last position, wherever that is.
             literal = self._literal(node, 0)
             self._always.append((node, literal))
             for layer in range(self._laid_out + 1):
@@ -251,7 +252,7 @@ class FormulaClauses:
                 raise TypeError(node)
 
     def _at_last(self, node: SampledFormula, literal: int, layer: int) -> None:
-        """The node's part holds at a layer if that is the last that exists."""
+        """If a layer is the last that exists, the node's part holds at it."""
         if not isinstance(node, SomewhereFrom | ThroughoutFrom):
             raise TypeError(node)
         following = -TRUE if layer == self._layers.last else self._layers.exists(layer + 1)

@@ -1,15 +1,14 @@
 """Necessary conditions of temporal formulas in continuous time, as clauses.
 
-The time [0, T] is cut at the multiples of a step g that divides T and every time of the formulas,
-into instants and open intervals between them: the *slots*.  Of every subformula and slot two
-variables say whether it holds *somewhere* and *throughout* the slot, and the clauses hold of every
-motion, so that unsatisfiable clauses refute a task.  They are no sufficient conditions, as the
-order of events inside an interval is lost.  Compare the sampling of Fainekos & Pappas, *Robustness
+The time [0, T] is cut at the multiples of a step g that divides T and every time in the formulas,
+into instants and open intervals between them: the *slots*. For every subformula and slot two
+variables say whether it holds *somewhere* in the slot and *throughout* it. The clauses hold for
+every motion, so unsatisfiable clauses refute a task. They are not sufficient conditions, as the
+order of events inside an interval is lost. Compare the sampling of Fainekos & Pappas, *Robustness
 of temporal logic specifications for continuous-time signals* (2009).
 
-A motion has, for each effector and slot, the signatures
-(:mod:`compiler.tasks.necessary_conditions`) that occur there; regions are closed and motions
-continuous.
+For each effector and slot, certain signatures (:mod:`compiler.tasks.necessary_conditions`) occur in
+a motion; regions are closed and motions continuous.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from typing import TypeAlias
 
 Clause: TypeAlias = tuple[int, ...]
 Node: TypeAlias = int
-"""A subformula, from 1; negative: its negation."""
+"""A subformula, numbered from 1; a negative number is its negation."""
 
 TRUE = 1
 CLAUSE_LIMIT = 300_000
@@ -45,9 +44,9 @@ def common_step(times: Iterable[Fraction]) -> Fraction:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Per slot the literals that say that a subformula holds somewhere, and throughout.
+    """For each slot the literals that a subformula holds somewhere, and throughout.
 
-    Slot 2k is the instant ``k g``, where both are one; slot 2k + 1 is the interval after it.
+    Slot 2k is the instant ``k g``, where both are equal; slot 2k + 1 is the interval after it.
     """
 
     some: tuple[int, ...]
@@ -63,9 +62,9 @@ class Slots:
 
     Args:
         count: the number N of intervals.
-        signatures: as bit sets over the regions.
+        signatures: bit sets over the regions.
         effectors: the effectors that move, by any numbers.
-        beyond: how many slots there are after the instant N g; each is like an interval.
+        beyond: the number of slots after the instant N g; each is like an interval.
     """
 
     def __init__(
@@ -115,7 +114,7 @@ class Slots:
         self.clauses += [(variable, -literal) for literal in literals]
 
     def _motion(self) -> list[list[int]]:
-        """Per slot and signature the variable that says that it occurs there."""
+        """For each slot and signature a variable that says that the signature occurs there."""
         occurs = [[self.variable() for _ in self._signatures] for _ in range(self.last + 1)]
         self.clauses += [tuple(there) for there in occurs]
         for slot in range(0, 2 * self.count + 1, 2):
@@ -123,7 +122,7 @@ class Slots:
         return occurs
 
     def _at_most_one(self, literals: Sequence[int]) -> None:
-        """By a sequential counter (Sinz 2005)."""
+        """At most one literal is true, by a sequential counter (Sinz 2005)."""
         before = literals[0]
         for literal in literals[1:]:
             self.clauses.append((-before, -literal))
@@ -131,7 +130,7 @@ class Slots:
             self.clauses += [(-before, after), (-literal, after)]
             before = after
 
-    # --- regions and what is made of them ------------------------------------------------------
+    # --- regions and subformulas made of them --------------------------------------------------
 
     def region(self, effector: int, number: int) -> Node:
         """An effector is in a region, given by its bit."""
@@ -139,7 +138,7 @@ class Slots:
         return self._masked(effector, sum(1 << k for k, bits in bits if bits >> number & 1))
 
     def _masked(self, effector: int, mask: int) -> Node:
-        """An effector is at a point of one of some signatures (bit k: the k-th)."""
+        """An effector is at a point with one of some signatures (bit k stands for the k-th)."""
         if mask in (0, self._full):
             return self.true if mask else -self.true
         if mask & 1:
@@ -171,19 +170,19 @@ class Slots:
         return Row(tuple(some), tuple(every))
 
     def _is_closed(self, mask: int) -> bool:
-        """Whether the points are a union of intersections of regions."""
+        """Whether the points with these signatures are a union of intersections of regions."""
         chosen = [bits for k, bits in enumerate(self._signatures) if mask >> k & 1]
         others = [bits for k, bits in enumerate(self._signatures) if not mask >> k & 1]
         return not any(one & other == one for one in chosen for other in others)
 
     def _close(self, row: Row) -> None:
-        """What is closed and holds throughout an interval holds at its ends."""
+        """A closed subformula that holds throughout an interval holds at its ends."""
         for slot in range(1, 2 * self.count, 2):
             for end in (slot - 1, slot + 1):
                 self.clauses.append((-row.every[slot], row.some[end]))
 
     def free(self, key: object) -> Node:
-        """Something of which nothing is known, the same for the same key."""
+        """A subformula about which nothing is known, the same for the same key."""
         if ("free", key) not in self._known:
             slots = range(self.last + 1)
             some = tuple(self.variable() for _ in slots)
@@ -240,7 +239,7 @@ class Slots:
         return Row(tuple(some), tuple(every))
 
     def _somewhere_each(self, throughout: int, rows: Sequence[Row], slot: int) -> None:
-        """One that holds throughout suffices; where the rest holds nowhere, it is needed."""
+        """One part that holds throughout suffices; it is needed if all others hold nowhere."""
         rest_before: list[int] = [-TRUE]
         for row in rows[:-1]:
             rest_before.append(self._either(rest_before[-1], row.some[slot]))
@@ -264,9 +263,9 @@ class Slots:
     # --- temporal operators --------------------------------------------------------------------
 
     def eventually(self, node: Node, lower: int, upper: int) -> Node:
-        """Somewhere from ``lower`` to ``upper`` intervals later; beyond the end there is nothing.
+        """Somewhere from ``lower`` to ``upper`` intervals later; there is nothing beyond the end.
 
-        An ``upper`` of N or more means: to the end.
+        An ``upper`` of N or more means the end.
         """
         upper = min(upper, self.count)
         key = ("eventually", node, lower, upper)
@@ -305,7 +304,7 @@ class Slots:
         return Row(tuple(some), tuple(every))
 
     def _any(self, node: Node, first: int, final: int) -> int:
-        """A literal: the node holds somewhere in the slots from ``first`` to ``final``."""
+        """A literal that says that the node holds somewhere in the slots ``first`` to ``final``."""
         size = final - first + 1
         if size <= 0:
             return -TRUE
@@ -335,10 +334,10 @@ class Slots:
         return self._known[key]
 
     def until(self, left: Node, right: Node) -> Node:
-        """``right`` at some instant from now on, ``left`` at all instants before it."""
+        """``right`` at some instant from now on, and ``left`` at all instants before it."""
         if left not in self._masks or not self._is_closed(self._masks[left][1]):
             return self._until(left, right)
-        # A closed set is not left before something else is met: both hold then.
+        # A motion does not leave a closed set before it meets something else: both hold then.
         both = self.conjunction((left, right))
         return self.disjunction((right, self._until(left, both)))
 
@@ -362,14 +361,14 @@ class Slots:
         return Row(tuple(some), tuple(every))
 
     def _until_end(self, left: Row, right: Row, some: list[int], every: list[int]) -> None:
-        """Fill in the instant N g, and what is after it."""
+        """Fill in the instant N g, and the slots after it."""
         some[self.last] = every[self.last] = right.some[self.last]
 
     def _both(self, a: int, b: int) -> int:
         return -self._either(-a, -b)
 
     def _goes_on(self, left: tuple[int, int], right: tuple[int, int], after: int) -> int:
-        """From the beginning of an interval ``left`` holds until ``right``, there or ``after``."""
+        """From the start of an interval ``left`` holds until ``right``, inside it or after it."""
         variable = self.variable()
         self.clauses += [
             (-variable, left[0]),
@@ -383,7 +382,7 @@ class Slots:
     def _until_inside(
         self, left: tuple[int, int], right: tuple[int, int], after: int, goes_on: int
     ) -> tuple[int, int]:
-        """Somewhere in an interval, and throughout it."""
+        """The literals for an until somewhere in an interval, and throughout it."""
         somewhere, throughout = self.variable(), self.variable()
         self.clauses += [
             (-somewhere, right[0], left[0]),

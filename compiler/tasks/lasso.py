@@ -1,7 +1,7 @@
-"""Sets of instants of a motion that goes on for ever: a prefix, then a loop again and again.
+"""Sets of instants of a motion that goes on for ever: a prefix, then a loop that repeats.
 
-Such a set is ultimately periodic.  It is given by its part in [0, T), T being the end of the first
-round of the loop; the instant T is the first of the next round, and what a set says of it is
+Such a set is ultimately periodic. It is given by its part in [0, T), where T is the end of the
+first round of the loop. The instant T is the first of the next round; whether the set contains T is
 ignored.
 """
 
@@ -15,7 +15,7 @@ from compiler.tasks.time_set import BEFORE, TimeSet
 
 @dataclass(frozen=True, slots=True)
 class Lasso:
-    """All instants from 0 on; [``start``, ``end``) comes again and again.
+    """All instants from 0 on; [``start``, ``end``) repeats for ever.
 
     Raises:
         ValueError: the loop takes no time, or begins before the motion.
@@ -30,15 +30,15 @@ class Lasso:
 
     @property
     def period(self) -> Fraction:
-        """The time that a round takes."""
+        """The duration of a round."""
         return self.end - self.start
 
     def before(self, times: TimeSet, lower: Fraction, upper: Fraction | None) -> TimeSet:
         """The instants t such that the set has one in [t + lower, t + upper] (None: any later one).
 
-        What lies beyond the prefix may be moved by whole rounds, and a window that holds a round
-        beyond the prefix misses nothing; so the motion is unrolled for three times its length at
-        most.
+        Windows beyond the prefix may be moved by whole rounds, and a window that contains a round
+        beyond the prefix misses nothing. So the motion is unrolled to at most three times its
+        length.
         """
         if upper is None:
             if self._folded(times) & self._round:
@@ -51,10 +51,10 @@ class Lasso:
         return self._cut(unrolled.before(lower, lower + width))
 
     def until(self, left: TimeSet, right: TimeSet) -> TimeSet:
-        """The instants from which on ``left`` holds to just before some instant of ``right``.
+        """The instants from which on ``left`` holds until just before some instant of ``right``.
 
-        It is the least fixpoint: ``right`` has to come.  Where it comes at all, it does within a
-        round, or before the first one is over.
+        It is the least fixpoint: an instant of ``right`` must come. If one comes at all, it comes
+        within a round, or before the first round is over.
         """
         horizon = self.end + self.period
         return self._cut(self.unrolled(left, horizon).until(self.unrolled(right, horizon)))
@@ -75,9 +75,9 @@ class Lasso:
         return TimeSet(self.end, ((self.start, BEFORE), (self.end, BEFORE)))
 
     def _folded(self, times: TimeSet) -> TimeSet:
-        """What a set says of [0, end)."""
+        """The part of a set in [0, end)."""
         return times & TimeSet(self.end, ((Fraction(0), BEFORE), (self.end, BEFORE)))
 
     def _cut(self, times: TimeSet) -> TimeSet:
-        """What a set of a longer time says of [0, end)."""
+        """The part in [0, end) of a set over a longer time."""
         return self._folded(times.cut_off(self.end))

@@ -1,4 +1,4 @@
-"""When a formula holds, from when its atoms do: exact, in dense time."""
+"""The instants at which a formula holds, given when its atoms hold: exact, in dense time."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from compiler.tasks.time_set import TimeSet
 from grammar_lang import ir
 from grammar_lang.ir.formula_parts import operands
 
-# --- When a formula holds, from when its atoms do: exact, in dense time ---------------------------
+# --- The instants at which a formula holds, given when its atoms hold -----------------------------
 #
 # Source: Maler & Nickovic, *Monitoring temporal properties of continuous signals* (2004), section
 # 4, with windows cut off at the end of the trace; three values as in Kleene's strong logic.
 
 
 class AtomKey(NamedTuple):
-    """A region, an effector's number, from 1, and how its frame is turned."""
+    """A region, the number of an effector from 1, and the required orientations of its frame."""
 
     region: str
     effector: int
@@ -38,12 +38,12 @@ class Verdicts:
 
     @property
     def negated(self) -> Verdicts:
-        """The same of its negation."""
+        """The verdicts on the negated formula."""
         return Verdicts(self.may.complement, self.must.complement)
 
 
 def key(atom: ir.Atom) -> AtomKey:
-    """What an atom speaks of."""
+    """The key of an atom."""
     return AtomKey(atom.region, atom.effector, atom.poses)
 
 
@@ -53,10 +53,10 @@ def satisfied(
     """The instants of [0, ``end``] at which a formula holds.
 
     Args:
-        formula: what to monitor.
+        formula: the formula to monitor.
         signals: when each of its atoms holds.
         end: the length T of the trace, s.
-        step: how much later ``next`` is, s.
+        step: the delay of ``next``, s.
     """
     exact = {atom: Verdicts(signal, signal) for atom, signal in signals.items()}
     return monitor(formula, exact, end, step).must
@@ -70,19 +70,19 @@ def monitor(
     known: Mapping[ir.Formula, Verdicts] | None = None,
     loop: Fraction | None = None,
 ) -> Verdicts:
-    """The instants at which a formula certainly holds, and those at which it may.
+    """The instants at which a formula certainly holds, and those at which it may hold.
 
-    Whatever signals lie between what is known of the atoms, the instants at which the formula holds
-    lie between the two answers: every operator but negation is monotone.
+    For all signals between the bounds on the atoms, the instants at which the formula holds lie
+    between the two answers: every operator except negation is monotone.
 
     Args:
-        formula: what to monitor.
-        signals: what is known of its atoms.
+        formula: the formula to monitor.
+        signals: bounds on the signals of its atoms.
         end: the length T of the trace, s.
-        step: how much later ``next`` is, s.
-        known: what is known of parts, atoms excepted, beyond what follows from the atoms.
-        loop: where [loop, T) begins, which comes again and again; the answer is about [0, T) then,
-            and so is what is given.  None: the trace ends.
+        step: the delay of ``next``, s.
+        known: bounds on parts other than atoms, beyond what follows from the atoms.
+        loop: the start of [loop, T), which repeats for ever; the answer and all inputs are about
+            [0, T) then. None if the trace ends.
     """
     if isinstance(formula, ir.Atom):
         return signals[key(formula)]
@@ -95,7 +95,7 @@ def monitor(
 
 
 def _value(formula: ir.Formula, parts: list[Verdicts], time: _Time) -> Verdicts:
-    """What follows for a formula from what is known of its operands."""
+    """The verdicts that follow for a formula from those on its operands."""
     if isinstance(formula, ir.Not):
         return parts[0].negated
     if isinstance(formula, ir.Implies):
@@ -119,7 +119,7 @@ class _Time:
         return self.lasso.before(times, lower, upper)
 
     def value(self, formula: ir.Formula, parts: Sequence[TimeSet]) -> TimeSet:
-        """When a formula holds, given when its parts do (of ``implies``, the negated left one)."""
+        """When a formula holds, given when its parts do (for ``implies``, left part negated)."""
         match formula:
             case ir.And():
                 return reduce(and_, parts)
@@ -145,14 +145,14 @@ class _Time:
                 assert_never(formula)
 
 
-# --- The parts of a formula that speak of one instant only, and their value there -----------------
+# --- The parts of a formula that concern one instant only, and their value there ------------------
 
 
 _CONNECTIVES = ir.Not | ir.And | ir.Or | ir.Implies
 
 
 def boolean_parts(formula: ir.Formula) -> tuple[ir.Formula, ...]:
-    """The largest parts without operators of time, atoms excepted, from left to right."""
+    """The largest parts without temporal operators, except atoms, from left to right."""
     found: dict[ir.Formula, None] = {}
     if _timeless(formula, found):
         found[formula] = None
@@ -160,7 +160,7 @@ def boolean_parts(formula: ir.Formula) -> tuple[ir.Formula, ...]:
 
 
 def _timeless(formula: ir.Formula, found: dict[ir.Formula, None]) -> bool:
-    """Whether a formula has no operator of time; if it has, its timeless operands are found."""
+    """Whether a formula has no temporal operator; if it has, its timeless operands are recorded."""
     parts = operands(formula)
     timeless = [_timeless(part, found) for part in parts]
     if isinstance(formula, ir.Atom) or (isinstance(formula, _CONNECTIVES) and all(timeless)):
@@ -170,10 +170,10 @@ def _timeless(formula: ir.Formula, found: dict[ir.Formula, None]) -> bool:
 
 
 def boolean_value(formula: ir.Formula, values: Mapping[AtomKey, bool]) -> bool:
-    """The value of a formula without operators of time, given those of its atoms.
+    """The value of a formula without temporal operators, given the values of its atoms.
 
     Raises:
-        ValueError: it has such an operator.
+        ValueError: it has a temporal operator.
     """
     if isinstance(formula, ir.Atom):
         return values[key(formula)]
@@ -191,14 +191,14 @@ def boolean_value(formula: ir.Formula, values: Mapping[AtomKey, bool]) -> bool:
             raise ValueError("the formula speaks of several instants")
 
 
-# --- How far a motion is from breaking a formula: a lower bound, from bounds slice by slice -------
+# --- How far a motion is from violating a formula: a lower bound, from bounds piece by piece ------
 #
 # The space robustness of signal temporal logic replaces an atom by the signed distance to the
 # boundary of its region, negation by the change of sign, conjunction and ``always`` by infima,
-# disjunction and ``eventually`` by suprema.  If the two-valued monitor still accepts when an atom
-# counts as true only where it is at least r deep inside, and as false only where it is at least r
-# outside, then the robustness is at least r (by induction over the formula).  The largest such r
-# among the bounds is sought by bisection.
+# disjunction and ``eventually`` by suprema. Suppose an atom counts as true only if the point is at
+# least r deep inside, and as false only if it is at least r outside. If the two-valued monitor
+# still accepts, the robustness is at least r (by induction over the formula). Bisection finds the
+# largest such r among the bounds.
 #
 # Source: Donze & Maler, *Robust satisfaction of temporal logic over real-valued signals* (2010),
 # definition 3.
@@ -206,10 +206,11 @@ def boolean_value(formula: ir.Formula, values: Mapping[AtomKey, bool]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """What is known of an atom throughout [``first``, ``last``], in seconds and metres.
+    """Bounds for an atom throughout [``first``, ``last``], in seconds and metres.
 
     ``inside`` is a lower bound of the distance to the complement of the region, zero unless the
-    point is certainly inside; ``outside`` one of the distance to the region, likewise.
+    point is certainly inside; ``outside`` is a lower bound of the distance to the region, zero
+    unless the point is certainly outside.
     """
 
     first: Fraction
@@ -219,14 +220,14 @@ class Piece:
 
 
 Trace = Mapping[AtomKey, Sequence[Piece]]
-"""Pieces with ascending beginnings per atom; where there is none, nothing is known."""
+"""Pieces with ascending beginnings for each atom; nothing is known where there are none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Monitored:
-    """A formula over a trace of length ``end``; ``step`` is how much later ``next`` is.
+    """A formula over a trace of length ``end``; ``step`` is the delay of ``next``.
 
-    With a ``loop`` the trace goes on for ever: [loop, end) comes again and again.
+    With a ``loop`` the trace goes on for ever: [loop, end) repeats.
     """
 
     formula: ir.Formula
@@ -237,9 +238,9 @@ class Monitored:
     def holds(
         self, trace: Trace, level: float, known: Mapping[ir.Formula, Verdicts] | None = None
     ) -> bool:
-        """Whether the formula certainly holds at 0 with atoms that count from ``level`` on.
+        """Whether the formula certainly holds at 0 if atoms count only with a bound >= ``level``.
 
-        At level 0 an atom counts where it is certain at all, and ``known`` counts too.
+        At level 0 an atom counts wherever it is certain at all, and ``known`` counts too.
         """
         signals = {atom: self._verdicts(pieces, level) for atom, pieces in trace.items()}
         return 0 in monitor(self.formula, signals, self.end, self.step, known, self.loop).must
@@ -252,7 +253,7 @@ class Monitored:
         return Verdicts(must, self._where(pieces, lambda piece: counts(piece.outside)).complement)
 
     def _where(self, pieces: Sequence[Piece], chosen: Callable[[Piece], bool]) -> TimeSet:
-        """The union of some pieces; runs of neighbours are joined first, which is much faster."""
+        """The union of the chosen pieces; neighbours are joined first, which is much faster."""
         runs: list[tuple[Fraction, Fraction]] = []
         for piece in pieces:
             if not chosen(piece):
@@ -268,8 +269,8 @@ class Monitored:
     def union(self, spans: Sequence[tuple[Fraction, Fraction]]) -> TimeSet:
         """The union of closed spans of the prefix and of the loop, with ascending beginnings.
 
-        What is known at the end of the prefix is about the first round alone: where the loop
-        begins, only spans that begin there count.
+        Bounds at the end of the prefix hold for the first round only: at the beginning of the loop
+        only spans that begin there count.
         """
         found, loop = TimeSet.closed(self.end, spans), self.loop
         if loop is None or any(first == loop for first, _ in spans):
@@ -279,7 +280,7 @@ class Monitored:
     def robustness(self, trace: Trace) -> float | None:
         """The largest level at which the formula certainly holds at 0; None if it never does.
 
-        Infinite where no atom matters.
+        It is infinite if no atom matters.
         """
         levels = sorted(
             {bound for pieces in trace.values() for p in pieces for bound in _bounds(p)}

@@ -1,4 +1,4 @@
-"""What every motion does that fulfils a task: visits, avoidance, rest."""
+"""Properties of every motion that fulfils a task: visits, avoidance, rest."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import TypeAlias
 from compiler.robots.effector_counts import several_effectors
 from grammar_lang import ir
 
-# --- Where the effectors of a robot have to be at some instant, whatever the robot ----------------
+# --- Where the effectors must be at some instant, whatever the robot ------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A region in which an effector has to be at some instant.
+    """A region in which an effector must be at some instant.
 
-    ``effector`` is its number, from 1, or None for the recorded one where the task names none.
+    ``effector`` is its number, from 1, or None for the recorded one if the task names none.
     """
 
     region: str
@@ -27,7 +27,7 @@ class Stop:
 
 
 def stops(program: ir.Program, task: ir.Task) -> tuple[Stop, ...]:
-    """Where effectors have to be whatever the robot: start, target, visits of the formulas."""
+    """Where effectors must be whatever the robot: start, target, visits of the formulas."""
     found = [*_ends(task)]
     found += [Stop(p.region, p.effector, "region") for p in task_visits(task)]
     if any(stop.effector is None for stop in found) and _single(program, task):
@@ -36,12 +36,12 @@ def stops(program: ir.Program, task: ir.Task) -> tuple[Stop, ...]:
 
 
 def _single(program: ir.Program, task: ir.Task) -> bool:
-    """Whether every robot of the family is known to have one effector at most."""
+    """Whether every robot of the family is known to have at most one effector."""
     return several_effectors(program, program.grammars[task.grammar]) is False
 
 
 def _ends(task: ir.Task) -> Iterator[Stop]:
-    """Start and target; where the start has no effector of its own, the one that reaches starts."""
+    """Start and target; if the start names no effector, the one that reaches also starts."""
     reaching = None if task.reach is None else task.reach.effector
     if isinstance(task.start, ir.StartIn):
         yield Stop(task.start.region, task.start.effector or reaching, "start")
@@ -49,17 +49,17 @@ def _ends(task: ir.Task) -> Iterator[Stop]:
         yield Stop(task.reach.region, reaching, "target")
 
 
-# --- What every motion does that satisfies a formula, read off the formula alone ------------------
+# --- What every motion that satisfies a formula does, read off the formula alone ------------------
 #
-# *Necessary visits*: an effector is in a region at some instant of [0, T].  *Permanent avoidance*:
-# it is at no instant of [0, T].  Both are sound and incomplete: a formula may entail more.
-# Visits hold of motions that go on for ever, too: to leave out what comes after T demands less.
+# *Necessary visits*: an effector is in a region at some instant of [0, T]. *Permanent avoidance*:
+# it is there at no instant of [0, T]. Both are sound and incomplete: a formula may entail more.
+# Visits also hold for motions that go on for ever, as ignoring what comes after T demands less.
 # Negations are pushed inwards on the way.
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Place:
-    """A region, and the number (from 1) of the effector that is, or never is, in it."""
+    """A region, and the number (from 1) of the effector that visits or never visits it."""
 
     region: str
     effector: int
@@ -71,7 +71,7 @@ NOWHERE: Places = frozenset()
 
 
 def necessary_visits(formula: ir.Formula, horizon: Fraction, step: Fraction) -> Places:
-    """The places that are visited in [0, T] wherever a formula holds at time 0.
+    """The places that are visited in [0, T] whenever a formula holds at time 0.
 
     Args:
         formula: the formula.
@@ -82,9 +82,9 @@ def necessary_visits(formula: ir.Formula, horizon: Fraction, step: Fraction) -> 
 
 
 def permanently_avoided(formula: ir.Formula, horizon: Fraction | None) -> Places:
-    """The places that are never entered in [0, T] wherever a formula holds at time 0.
+    """The places that are never entered in [0, T] whenever a formula holds at time 0.
 
-    Without a ``horizon`` it is about motions that go on for ever.
+    Without a ``horizon``, motions go on for ever.
     """
     return _Avoided(horizon).at_first(formula)
 
@@ -92,8 +92,8 @@ def permanently_avoided(formula: ir.Formula, horizon: Fraction | None) -> Places
 def task_visits(task: ir.Task) -> tuple[Place, ...]:
     """The places that the formulas and loads of a task together make necessary, sorted.
 
-    Where a motion may end at several times, they are necessary whichever it is: what is found of
-    the shortest is found of all, as a later end leaves more of every window.
+    If a motion may end at several times, they are necessary for each of these: what holds for the
+    shortest motion holds for all, as a later end leaves more of every window.
     """
     end = task.fewest_steps * task.step
     found = (necessary_visits(clause.formula, end, task.step) for clause in task.demanded)
@@ -101,15 +101,15 @@ def task_visits(task: ir.Task) -> tuple[Place, ...]:
 
 
 def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
-    """The regions that an effector never enters, sorted: of ``avoid`` and of formulas.
+    """The regions that an effector never enters, sorted: from ``avoid`` and from formulas.
 
     Args:
         task: the task.
-        effector: its number, from 1; None for one that has no number.
+        effector: its number, from 1; None for an effector without a number.
     """
     regions = {name for a in task.avoid if a.subject == "effector" for name in a.regions}
-    # What is never entered in the longest motion is never entered in a shorter one: a window that
-    # covers the one covers the other.
+    # A place that is never entered in the longest motion is never entered in a shorter one: a
+    # window that covers the longer motion covers the shorter one.
     end = None if task.repeat else task.steps * task.step
     for clause in task.satisfy:
         found = permanently_avoided(clause.formula, end)
@@ -126,7 +126,7 @@ def _common(parts: Iterable[Places]) -> Places:
 
 
 def _pushed(formula: ir.Formula) -> ir.Formula:
-    """The same without a negation in front, as far as the operators have duals of their own."""
+    """The formula without a leading negation, as far as its operators have duals."""
     while isinstance(formula, ir.Not):
         match formula.operand:
             case ir.Not(operand=part):
@@ -154,7 +154,7 @@ class _Visits:
     step: Fraction
 
     def of(self, formula: ir.Formula, latest: Fraction) -> Places:
-        """What follows from a formula that holds at some instant, which is not after ``latest``."""
+        """The visits that follow from a formula that holds at some instant not after ``latest``."""
         pushed = _pushed(formula)
         match pushed:
             case ir.And(operands=operands):
@@ -169,7 +169,7 @@ class _Visits:
                 return self.in_time(pushed, latest)
 
     def in_time(self, formula: ir.Formula, latest: Fraction) -> Places:
-        """The same for a temporal operator."""
+        """The visits that follow from a temporal operator."""
         match formula:
             case ir.Always(operand=part, window=window):
                 return self.if_in_time(part, latest + window.lower)
@@ -181,14 +181,14 @@ class _Visits:
             case ir.Next(operand=part):
                 return self.of(part, min(latest + self.step, self.horizon))
             case ir.Until(left=left, right=right):
-                # At first it is left or right that holds, and right at some time.
+                # Left or right holds at first, and right at some time.
                 at_first = self.of(left, latest) & self.of(right, latest)
                 return at_first | self.of(right, self.horizon)
             case _:
                 raise TypeError(formula)
 
     def without(self, formula: ir.Formula, latest: Fraction) -> Places:
-        """The same where a formula does not hold that has no dual."""
+        """The visits that follow from the negation of a formula that has no dual."""
         match formula:
             case ir.Last(operand=part):
                 return self.of(ir.Not(part), self.horizon)
@@ -200,7 +200,7 @@ class _Visits:
                 return NOWHERE
 
     def if_in_time(self, formula: ir.Formula, latest: Fraction) -> Places:
-        """What follows if nothing is demanded after T: an instant after it demands nothing."""
+        """The visits if nothing is demanded after T: an instant after T demands nothing."""
         return self.of(formula, latest) if latest <= self.horizon else NOWHERE
 
 
@@ -209,11 +209,11 @@ class _Avoided:
     horizon: Fraction | None
 
     def lasts(self, duration: Fraction | None) -> bool:
-        """Whether nothing comes after so many seconds; None stands for all time."""
+        """Whether this duration covers the whole motion; None stands for all time."""
         return duration is None or (self.horizon is not None and duration >= self.horizon)
 
     def at_first(self, formula: ir.Formula) -> Places:
-        """What follows from a formula that holds at time 0."""
+        """The avoided places that follow from a formula that holds at time 0."""
         pushed = _pushed(formula)
         match pushed:
             case ir.And(operands=operands):
@@ -229,7 +229,7 @@ class _Avoided:
                 return NOWHERE
 
     def throughout(self, formula: ir.Formula) -> Places:
-        """What follows from a formula that holds at every instant of [0, T]."""
+        """The avoided places that follow from a formula that holds at every instant of [0, T]."""
         pushed = _pushed(formula)
         match pushed:
             case ir.And(operands=operands):

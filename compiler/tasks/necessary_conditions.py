@@ -1,7 +1,7 @@
-"""What a task asks of every motion whatever the robot, clause by clause, for a SAT solver.
+"""The demands of a task on every motion whatever the robot, clause by clause, for a SAT solver.
 
-The demands of ``satisfy``, ``start in``, ``reach`` and ``avoid … with effector``; of everything
-else, and of the robot itself, nothing is assumed.
+These are the demands of ``satisfy``, ``start in``, ``reach`` and ``avoid … with effector``; nothing
+is assumed about anything else, nor about the robot itself.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ Temporal: TypeAlias = ir.Until | ir.Always | ir.Eventually | ir.Next | ir.Last
 SLOT_LIMIT = 1000
 SIGNATURE_LIMIT = 64
 SOME_EFFECTOR = 0
-"""The number of the effector that is recorded where a task with several names none."""
+"""The number of the recorded effector if a task for several effectors names none."""
 
 
 @dataclass(frozen=True, slots=True)
 class NecessaryCondition:
     """A clause of a task, or a conjunct of a formula: the clauses hold if ``selector`` is true.
 
-    ``formula`` is the number of its ``satisfy`` in the task; ``text`` says what is asked.
+    ``formula`` is the number of its ``satisfy`` in the task; ``text`` states the demand.
     """
 
     selector: int
@@ -43,7 +43,7 @@ class NecessaryCondition:
 
 @dataclass(frozen=True, slots=True)
 class NecessaryConditions:
-    """The demands of a task; some motion may meet them only if the clauses are satisfiable."""
+    """The demands of a task; a motion can meet them only if the clauses are satisfiable."""
 
     clauses: tuple[Clause, ...]
     demands: tuple[NecessaryCondition, ...]
@@ -52,7 +52,7 @@ class NecessaryConditions:
     def denial(self, formula: ir.Formula) -> tuple[NecessaryCondition, tuple[Clause, ...]]:
         """The demand that a formula over the atoms of the task does not hold, and its clauses.
 
-        The clauses are those that no other call has returned.
+        Only clauses that no other call has returned are returned.
 
         Raises:
             TooManySlotsError: there would be too many of them.
@@ -61,7 +61,7 @@ class NecessaryConditions:
 
 
 def conjuncts(formula: ir.Formula) -> Iterator[ir.Formula]:
-    """The parts of a conjunction, of conjunctions in it, too, as written; else the formula."""
+    """The parts of a conjunction and of conjunctions in it, as written; else the formula itself."""
     stack = [formula]
     while stack:
         node = stack.pop()
@@ -73,7 +73,7 @@ def conjuncts(formula: ir.Formula) -> Iterator[ir.Formula]:
 
 @dataclass(frozen=True, slots=True)
 class _Grid:
-    """Where time is cut: ``count`` steps, in seconds; a motion may go on after them for ever."""
+    """The cuts in time: ``count`` steps, in seconds; a motion may go on after them for ever."""
 
     step: Fraction
     count: int
@@ -85,9 +85,9 @@ class _Grid:
 
 
 def _grid(task: ir.Task) -> _Grid | None:
-    """The horizon, cut at all times of formulas, or of a motion for ever what formulas look at.
+    """The horizon, cut at all times in formulas; if endless, as far as formulas look ahead.
 
-    None where there are too many steps.
+    None if there are too many steps.
     """
     if task.repeat:
         step = common_step(list(_named_times(task)) or [task.step])
@@ -101,7 +101,7 @@ def _grid(task: ir.Task) -> _Grid | None:
 
 
 def _named_times(task: ir.Task) -> Iterator[Fraction]:
-    """The times after which formulas look."""
+    """The times that formulas name."""
     for clause in task.demanded:
         for node in subformulas(clause.formula):
             match node:
@@ -117,7 +117,7 @@ def _named_times(task: ir.Task) -> Iterator[Fraction]:
 
 
 def _look_ahead(formula: ir.Formula, step: Fraction) -> Fraction:
-    """How far ahead a formula looks at most, windows without an end aside, in seconds."""
+    """How far ahead a formula looks at most, ignoring windows without an end, in seconds."""
     own = Fraction(0)
     match formula:
         case ir.Always(window=window) | ir.Eventually(window=window):
@@ -131,14 +131,14 @@ def _look_ahead(formula: ir.Formula, step: Fraction) -> Fraction:
 
 @dataclass(frozen=True, slots=True)
 class _Ends:
-    """The effectors that start and end in a region, by number; None where no region is named."""
+    """The numbers of the effectors that start and end in a region; None if no region is named."""
 
     start: int | None
     reach: int | None
 
 
 def _ends(program: ir.Program, task: ir.Task) -> _Ends:
-    """Who starts and who reaches; ``SOME_EFFECTOR`` where that is left open."""
+    """The effectors that start and that reach; ``SOME_EFFECTOR`` if the task leaves it open."""
     recorded = SOME_EFFECTOR if task.reach is None else task.reach.effector or SOME_EFFECTOR
     start = None
     if isinstance(task.start, ir.StartIn):
@@ -152,7 +152,7 @@ def _ends(program: ir.Program, task: ir.Task) -> _Ends:
 
 
 def _mentioned(task: ir.Task, *, avoided: bool) -> frozenset[str]:
-    """The regions of the demands, or those of all but ``avoid``."""
+    """The regions in the demands, with or without those that are only avoided."""
     names = {
         node.region
         for clause in task.demanded
@@ -174,14 +174,14 @@ def _avoids(task: ir.Task) -> Iterator[ir.Avoid]:
 
 @dataclass(frozen=True, slots=True)
 class _Regions:
-    """The regions that are looked at, numbered, and the signatures over these numbers."""
+    """The regions considered, numbered, and the signatures over these numbers."""
 
     numbers: Mapping[str, int]
     signatures: tuple[int, ...]
 
 
 def _regions(workspace: ir.Workspace, names: frozenset[str]) -> _Regions | None:
-    """None where there are too many signatures, or a shape that is wrong."""
+    """The named regions; None if there are too many signatures, or a shape is invalid."""
     bounds = polytope_of(workspace.bounds.shape, workspace.dimension)
     if not bounds.is_bounded or not bounds.has_interior:
         return None
@@ -204,7 +204,7 @@ class _Writer:
     demands: list[NecessaryCondition]
 
     def intervals(self, time: Fraction) -> int:
-        """A time in steps of the slots, one more than there are where it is beyond the end."""
+        """A time in steps, rounded up; at most one more than there are, if it is beyond the end."""
         return min(self.slots.count + 1, -(-time // self.step))
 
     def atom(self, region: str, effector: int) -> Node:
@@ -217,7 +217,7 @@ class _Writer:
                 there = self.atom(region, effector)
                 if not poses:
                     return there
-                # Nothing is known of how it is turned.
+                # Nothing is known about the orientation.
                 return slots.conjunction([there, slots.free((effector, poses))])
             case ir.Not(operand=operand):
                 return -self.node(operand)
@@ -259,7 +259,7 @@ class _Writer:
     def demand(
         self, literals: Iterable[int], span: Span, text: str, formula: int | None = None
     ) -> None:
-        """All the literals, if a new selector is true."""
+        """Demand all the literals, provided that a new selector is true."""
         selector = self.slots.variable()
         self.slots.clauses += [(-selector, literal) for literal in literals]
         self.demands.append(NecessaryCondition(selector, span, text, formula))
@@ -292,12 +292,11 @@ class _Writer:
 
 
 def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditions | None:
-    """The demands of a task; None where they are too large to be looked at.
+    """The demands of a task; None if they are too large.
 
-    None also of a motion for ever with a last part, which is reported where it is read, and where a
-    motion may end at several times.
-    Where the demands are too large with the regions that are only avoided, they are given without
-    these.
+    Also None for an endless motion with a last part, which is reported where it is read, and if a
+    motion may end at several times. If the demands are too large with the regions that are only
+    avoided, they are given without these regions.
     """
     if task.at_most and not task.repeat:
         return None
@@ -338,13 +337,13 @@ def _demands(
 # --------------------------------------------------------------------------------------------------
 # Which sets of regions a point of the workspace can be in: the cells of an arrangement, by name.
 #
-# A *signature* is a set of closed regions that contain some point of the bounds that is in none of
-# the others.  Exact for sets with interior, as long as they are few; what cannot be excluded is
-# kept, so that an absent signature is impossible for certain.
+# A *signature* is a set of closed regions such that some point of the bounds is in these and in no
+# others. The result is exact for sets with interior, as long as there are few; sets that cannot be
+# excluded are kept, so an absent signature is certainly impossible.
 
 
 COVERING_LIMIT = 8
-"""A cell that more regions than these cut is not looked at for being covered by them together."""
+"""If more regions than this cut a cell, it is not checked whether they cover it together."""
 
 
 def region_signatures(
@@ -358,7 +357,7 @@ def region_signatures(
         limit: the greatest number of signatures.
 
     Returns:
-        The signatures, a superset of those that occur; None where there are more than ``limit``.
+        The signatures, a superset of those that occur; None if there are more than ``limit``.
     """
     inside = [bounds.intersection(region) for region in regions]
     cells: list[tuple[Polytope, int]] = [(bounds, 0)]

@@ -1,7 +1,7 @@
 """Maps as regions: every map of a workspace becomes obstacles named ``yard.1``, ``yard.2``, ….
 
-All that follows the checks knows regions only.  An ``avoid`` of the map avoids all its pieces, and
-where a formula names it, it says that the effector is in one of them.
+Everything after the checks deals with regions only. An ``avoid`` of the map avoids all its pieces,
+and a formula that names it says that the effector is in one of them.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from grammar_lang.diagnostics.diagnostic import Code
 from grammar_lang.ir.formula_parts import atoms, with_atoms
 
 PIECE_LIMIT = 5_000
-"""So many pieces may a map have within the bounds."""
+"""The most pieces that a map may have within the bounds."""
 
 
 @lru_cache(maxsize=8)
 def pieces_of(found: ir.ObstacleMap) -> Pieces:
-    """All pieces of a map.  The last few maps are remembered, so that each is decoded once.
+    """All pieces of a map. The last few maps are cached, so that each is decoded once.
 
     Raises:
-        MapFault: it cannot be used.
+        MapFault: the map cannot be used.
     """
     if found.scene is not None:
         from compiler.workspaces.mesh_scene import scene_pieces
@@ -46,12 +46,12 @@ def pieces_of(found: ir.ObstacleMap) -> Pieces:
 
 @lru_cache(maxsize=8)
 def pieces_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polygon, ...]:
-    """The pieces of a map that meet the bounds, whole, those that only touch them included.
+    """The whole pieces of a map that meet the bounds, including those that only touch them.
 
-    An effector may be in a region at the very edge of the bounds, as formulas can say.
+    An effector may be in a region at the very edge of the bounds, and formulas can say so.
 
     Raises:
-        MapFault: the map cannot be used, or there are more than ``PIECE_LIMIT``.
+        MapFault: the map cannot be used, or there are more than ``PIECE_LIMIT`` pieces.
     """
     area = polytope_of(bounds.shape, 2)
     every = pieces_of(found).polygons
@@ -67,7 +67,7 @@ def pieces_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polygon, ..
 def objects_within(
     found: ir.ObstacleMap, bounds: ir.Region, *, touching: bool
 ) -> tuple[Polytope, ...]:
-    """The pieces of a mesh that meet the bounds, whole; with ``touching`` those, too, that touch.
+    """The whole pieces of a mesh that meet the bounds; with ``touching`` also those that touch.
 
     Raises:
         MapFault: the mesh cannot be used.
@@ -80,7 +80,7 @@ def objects_within(
 
 
 def _meets(area: Polytope, piece: Polytope, *, touching: bool) -> bool:
-    """Whether a piece meets the bounds, or, unless ``touching`` counts, their interior."""
+    """Whether a piece meets the bounds or, if ``touching`` does not count, their interior."""
     heights = [
         [value(row, corner.ray) for corner in piece.description.vertices]
         for row in area.integer_rows
@@ -111,7 +111,10 @@ def polytopes_within(found: ir.ObstacleMap, bounds: ir.Region) -> tuple[Polytope
 
 
 def _outside(area: Polytope, piece: Polygon, *, touching: bool) -> bool:
-    """Whether a piece lies outside the bounds, which may be unbounded or flat; or touches them."""
+    """Whether a piece is outside the bounds; if ``touching``, pieces that touch them count.
+
+    The bounds may be unbounded or flat.
+    """
     beyond = [
         [row.normal[0] * x + row.normal[1] * y - row.offset for row in area.rows] for x, y in piece
     ]
@@ -129,7 +132,7 @@ def _outside(area: Polytope, piece: Polygon, *, touching: bool) -> bool:
 
 
 def expanded_workspace(workspace: ir.Workspace) -> ir.Workspace:
-    """A workspace with the pieces of its maps as obstacles after its regions, and no maps.
+    """A workspace with the pieces of its maps as obstacles after its regions, and without maps.
 
     Raises:
         MapFault: a map cannot be used.
@@ -163,9 +166,9 @@ def _shapes(found: ir.ObstacleMap, bounds: ir.Region) -> Iterator[ir.RegionShape
 
 
 def expanded(program: ir.Program, task: ir.Task) -> tuple[ir.Program, ir.Task]:
-    """A program and a task of it, with the maps of the task's workspace as obstacles.
+    """A program and one of its tasks, with the maps of the task's workspace as obstacles.
 
-    Other workspaces and tasks stay as they are.  Without maps both are returned unchanged.
+    Other workspaces and tasks stay unchanged. Without maps both are returned unchanged.
 
     Raises:
         MapFault: a map cannot be used.
@@ -193,7 +196,7 @@ def expanded(program: ir.Program, task: ir.Task) -> tuple[ir.Program, ir.Task]:
 def task_by_task(program: ir.Program) -> Iterator[ir.Program]:
     """Programs with one task each and without its maps, for all tasks whose maps can be used.
 
-    A program without maps is given as it is, once.
+    A program without maps is returned unchanged, once.
     """
     if not any(workspace.maps for workspace in program.workspaces.values()):
         yield program
@@ -221,9 +224,9 @@ def _atom(atom: ir.Atom, names: Mapping[str, tuple[str, ...]]) -> ir.Formula:
 def _with_nowhere(
     workspace: ir.Workspace, names: Mapping[str, tuple[str, ...]]
 ) -> tuple[ir.Workspace, Mapping[str, tuple[str, ...]]]:
-    """A box out of the bounds for every map without pieces, so that formulas can name it.
+    """Add a box outside the bounds for every map without pieces, so that formulas can name it.
 
-    There are no constants in formulas; the bounds keep every effector out of the box.
+    Formulas have no constants; the bounds keep every effector out of the box.
     """
     size = workspace.dimension
     bounds = polytope_of(workspace.bounds.shape, size)

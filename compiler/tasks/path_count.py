@@ -1,4 +1,4 @@
-"""How many short paths of cells visit some cells: what a counterexample puts off, counted."""
+"""The number of short paths that visit certain cells, which a counterexample excludes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from compiler.tasks.places import UNREACHABLE, distances
 from compiler.tasks.specification import PlannedEffector, PlanningProblem
 
 MOST = 1000
-"""More paths than this are not counted."""
+"""Paths are counted up to this number."""
 STEPS = 50_000
-"""So many cells are entered in counting at most."""
+"""The most cells that are entered while counting."""
 
 
 def count_paths(
@@ -25,15 +25,15 @@ def count_paths(
     *,
     ordered: bool,
 ) -> int:
-    """How many paths from the start to the end visit some cells; ``ordered``: in turn.
+    """The number of paths from the start to the end that visit some cells; ``ordered``: in order.
 
-    Paths in which no cell comes twice, by depth-first search; what a formula asks of them, beyond
-    where they begin, are and end, is left out.  At most ``MOST`` are counted.
+    Only paths that enter no cell twice count, by depth-first search. The formula is used only for
+    where paths begin, are and end. At most ``MOST`` are counted.
 
     Args:
-        problem: what is asked.
-        effector: whose paths (from 0), one that is planned.
-        cells: what they visit; other cells may lie between.
+        problem: the planning problem.
+        effector: the effector of the paths (from 0), one that is planned.
+        cells: the cells that they visit; other cells may lie between.
         changes: the most changes of cell that they have.
         ordered: whether the cells are visited in this order.
     """
@@ -68,7 +68,7 @@ class _Search:
         ]  # fmt: skip
 
     def paths(self, changes: int) -> Iterator[None]:
-        """Once per path of at most so many changes."""
+        """Yield once for each path of at most ``changes`` changes."""
         count, entered = 0, 0
         every = frozenset(range(len(self._cells)))
         stack: list[tuple[int, frozenset[int], tuple[int, ...]]] = [
@@ -91,14 +91,14 @@ class _Search:
             ]
 
     def _left(self, cell: int, left: frozenset[int]) -> frozenset[int]:
-        """Which of the cells, by their places, are still to be visited once a cell is entered."""
+        """The cells, by their indices, that remain to be visited once a cell is entered."""
         if self._ordered:
             due = min(left, default=None)
             return left - {due} if due is not None and self._cells[due] == cell else left
         return frozenset(place for place in left if self._cells[place] != cell)
 
     def _needed(self, cell: int, left: frozenset[int]) -> int:
-        """No fewer changes lead from a cell through those that are left to the end."""
+        """A lower bound on the changes from a cell through the remaining cells to the end."""
         if not left:
             return int(self._to_end[cell])
         due = [min(left)] if self._ordered else sorted(left)

@@ -1,4 +1,4 @@
-"""The graph of cells, and where an effector is in it at a layer, as Boolean variables."""
+"""The graph of cells, and the position of an effector in it at a layer, as Boolean variables."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ UNREACHABLE = np.iinfo(np.int64).max // 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
-    """The directed edges ``tails[k] -> heads[k]`` in order of their tails; shapes (edges,)."""
+    """The directed edges ``tails[k] -> heads[k]``, ordered by tail; shapes (edges,)."""
 
     count: int
     tails: Ints
@@ -38,7 +38,7 @@ class Edges:
 
 
 def edges(neighbours: Sequence[Sequence[int]]) -> Edges:
-    """The edges of a graph, given per cell its neighbours."""
+    """The edges of a graph, given the neighbours of each cell."""
     degrees = np.array([len(cells) for cells in neighbours], dtype=np.int64)
     heads = np.fromiter((c for cells in neighbours for c in cells), np.int64, int(degrees.sum()))
     tails = np.repeat(np.arange(len(neighbours)), degrees)
@@ -65,7 +65,7 @@ def distances(
     return np.array(found, dtype=np.int64)
 
 
-# --- Where an effector is at a layer, as Boolean variables ----------------------------------------
+# --- The position of an effector at a layer, as Boolean variables ---------------------------------
 
 
 # --- Variables that say that an effector is in a cell at a layer ----------------------------------
@@ -80,7 +80,7 @@ class Places:
     variables: Ints
 
     def with_more(self, new: Places) -> Places:
-        """These and others."""
+        """The union of these places and others."""
         return Places(
             np.concatenate([self.cells, new.cells]),
             np.concatenate([self.layers, new.layers]),
@@ -92,12 +92,12 @@ _NONE = np.zeros(0, dtype=np.int64)
 NOWHERE: Final = Places(_NONE, _NONE, _NONE)
 
 
-# --- Cell traces of an effector, stays left out ------------------------------------------------
+# --- Cell traces of an effector, without repetitions -------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """The cells of an effector (from 0) in order; the samples they are entered at, or None."""
+    """The cells of an effector (from 0) in order, and the samples of their entry or None."""
 
     effector: int
     cells: tuple[int, ...]
@@ -105,12 +105,12 @@ class Word:
 
 
 # --------------------------------------------------------------------------------------------------
-# Literals of a formula at places: in a cell, an effector is in the regions of the cell alone.
+# Literals of a formula at places: in a cell, an effector is exactly in the regions of the cell.
 
 
 @dataclass(slots=True)
 class _Region:
-    """A literal's variables by layer, 0 where it is not asked for, and the cells against it."""
+    """A literal's variables by layer, 0 where not asked for, and the cells that contradict it."""
 
     against: NDArray[np.bool_]
     variables: Ints
@@ -120,7 +120,7 @@ class _Region:
 class RegionLinks:
     """Variables that imply literals, at layers 0 .. ``last`` of places.
 
-    ``propositions`` are per cell the regions it lies in.
+    ``propositions`` holds the regions that each cell lies in.
     """
 
     def __init__(self, clauses: Clauses, propositions: Sequence[frozenset[str]], last: int) -> None:
@@ -131,7 +131,7 @@ class RegionLinks:
         self._places: dict[int, Places] = {}
 
     def ask(self, literal: Literal, layer: int, variable: int) -> None:
-        """The variable is to imply the literal at that layer."""
+        """Make the variable imply the literal at that layer."""
         if literal not in self._regions:
             inside = np.array([literal.region in names for names in self._propositions], dtype=bool)
             against = ~inside if literal.positive else inside
@@ -141,7 +141,7 @@ class RegionLinks:
         region.asked.append(layer)
 
     def link(self, effector: int, new: Places) -> None:
-        """Link what was asked since the last time, and new places of an effector (from 1)."""
+        """Link what was asked since the last call, and new places of an effector (from 1)."""
         old = self._places.get(effector, NOWHERE)
         self._places[effector] = old.with_more(new)
         for literal, region in self._regions.items():

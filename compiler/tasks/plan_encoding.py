@@ -18,8 +18,8 @@ from compiler.tasks.specification import PlanningProblem
 
 # --- When the positions of a path are entered: an order encoding ----------------------------------
 #
-# Source: Tamura, Taga, Kitagawa & Banbara, *Compiling finite linear CSP into SAT* (2009), an
-# integer by the comparisons with it.
+# Source: Tamura, Taga, Kitagawa & Banbara, *Compiling finite linear CSP into SAT* (2009), which
+# represents an integer by comparisons with it.
 
 
 class EntrySamples:
@@ -41,7 +41,7 @@ class EntrySamples:
         self._rows = [np.full(steps + 1, TRUE, dtype=np.int64)]
 
     def row(self, position: int) -> Ints:
-        """Per sample the literal that the position is entered by then; shape (steps + 1,)."""
+        """For each sample the literal that the position is entered by then; shape (steps + 1,)."""
         while len(self._rows) <= position:
             self._add_row(len(self._rows))
         return self._rows[position]
@@ -54,7 +54,7 @@ class EntrySamples:
         return tuple(int(np.argmax((row > 0) & true[np.abs(row)])) for row in self._rows[:count])
 
     def literals(self, entries: Sequence[int]) -> list[int]:
-        """What is false unless the positions are entered at these samples exactly."""
+        """Literals that are all true only if the positions are entered at exactly these samples."""
         found = []
         for position, sample in enumerate(entries):
             row = self.row(position)
@@ -63,7 +63,7 @@ class EntrySamples:
         return found
 
     def _add_row(self, position: int) -> None:
-        """``row[j]`` implies ``row[j + 1]``, and ``row[j - 1]`` of the position before."""
+        """Add a row: ``row[j]`` implies ``row[j + 1]``, and ``row[j - 1]`` of the previous one."""
         first, exists = min(position, self._steps + 1), self._paths.exists(position)
         row = np.full(self._steps + 1, -TRUE, dtype=np.int64)
         row[first:] = self._clauses.fresh(
@@ -88,9 +88,9 @@ class TimedRegions:
     """Variables that imply literals at samples.
 
     Args:
-        clauses: what the clauses are added to.
-        propositions: per cell the regions it lies in.
-        entries: by effector (from 1) when it enters its positions.
+        clauses: the clauses to which new ones are added.
+        propositions: the regions that each cell lies in.
+        entries: for each effector (from 1) when it enters its positions.
         steps: the last sample, and the last position.
     """
 
@@ -109,7 +109,7 @@ class TimedRegions:
         self._positions = dict.fromkeys(entries, -1)
 
     def ask(self, literal: Literal, layer: int, variable: int) -> None:
-        """The variable is to imply the literal at that sample; before any place is linked."""
+        """Make the variable imply the literal at that sample; call before linking any place."""
         if literal not in self._asked:
             self._asked[literal] = np.zeros(self._steps + 1, dtype=np.int64)
         self._asked[literal][layer] = variable
@@ -140,11 +140,11 @@ class TimedRegions:
 # --- The sum of the changes of several paths, counted in unary ------------------------------------
 #
 # Source: the totalizer (Bailleux & Boufkhad, *Efficient CNF encoding of Boolean cardinality
-# constraints*, 2003); the numbers are unary already.
+# constraints*, 2003); the numbers are already unary.
 
 
 class TotalChanges:
-    """``above(b)``: assumed false, the paths have at most b changes together."""
+    """Bounds a sum: if ``above(b)`` is assumed false, the paths have at most b changes together."""
 
     def __init__(self, clauses: Clauses, paths: Sequence[PositionPaths]) -> None:
         self._clauses = clauses
@@ -156,7 +156,7 @@ class TotalChanges:
         return self._at_least(len(self._paths), bound + 1)
 
     def _at_least(self, count: int, number: int) -> int:
-        """A literal that holds if the first paths have so many changes together."""
+        """A literal that holds if the first paths together have that many changes."""
         if number <= 0:
             return TRUE
         if count == 1:
@@ -172,15 +172,15 @@ class TotalChanges:
         return self._known[key]
 
 
-# --- An untimed problem with one effector as clauses, one change of cell more at a time -----------
+# --- An untimed problem with one effector as clauses, extended by one change of cell at a time ----
 
 
 class PositionEncoding:
-    """Paths c_0 .. c_m of one effector; without a formula no cell comes twice.
+    """Paths c_0 .. c_m of one effector; without a formula no cell occurs twice.
 
     Attributes:
-        clauses: what is to be solved, under ``assumptions``.
-        least: no plan has fewer changes; None: there is none at all.
+        clauses: the clauses to solve, under ``assumptions``.
+        least: a lower bound on the changes of a plan; None if there is no plan at all.
         limit: the largest number of changes.
         complete: whether the limit excludes no plan.
     """
@@ -213,7 +213,7 @@ class PositionEncoding:
         self._forbidden = CellSequences(self.clauses, f"effector {planned.effector + 1}")
 
     def extend(self, bound: int) -> None:
-        """Lay out paths of ``bound`` changes; there are none left of fewer."""
+        """Lay out paths of ``bound`` changes; those with fewer are no longer searched."""
         self._lay_out(bound)
         self.clauses.clause([self._paths.exists(bound)])
 
@@ -226,21 +226,21 @@ class PositionEncoding:
                 self._regions.link(self._effector + 1, new)
 
     def assumptions(self, bound: int, *, distinct: bool) -> list[int]:
-        """The literals of a bound that is laid out; they let nothing beyond it."""
+        """The literals of a bound that is laid out; they exclude everything beyond it."""
         return [-self._paths.more, -self._paths.exists(bound + 1)]
 
     def decode(self, true: NDArray[np.bool_]) -> tuple[Word, ...]:
-        """The path of a model, given as ``true[v]`` per variable v, shape (variables + 1,)."""
+        """The path of a model, given as ``true[v]`` for each variable v, shape (variables + 1,)."""
         return (Word(self._effector, self._paths.decode(true), None),)
 
     def exclude(self, words: Sequence[Word]) -> None:
-        """Not this path again; longer ones may begin with it."""
+        """Exclude this path; longer paths may begin with it."""
         (word,) = words
         own = self._paths.beginning(word.cells)
         self.clauses.clause([*(-own).tolist(), self._paths.exists(len(own))])
 
     def block(self, effector: int, cells: Sequence[int], *, ordered: bool) -> None:
-        """No path that visits these cells; ``ordered``: none that does so in turn."""
+        """Exclude paths that visit these cells; ``ordered``: that visit them in order."""
         self._forbidden.forbid(cells, self._paths.places, ordered=ordered)
 
     def close(self) -> None:
@@ -257,18 +257,17 @@ class PositionEncoding:
 # --------------------------------------------------------------------------------------------------
 # A timed problem, or one with several effectors, as clauses: paths, and when they are entered.
 #
-# A layer per sample of cells alone would count changes by a counter that knows nothing of
-# distances. Here the cells are by positions, as in untimed problems, and the samples are those of
-# entry.
+# With one layer of cells per sample, changes would need a counter that knows nothing of distances.
+# Here, as in untimed problems, cells are indexed by position, and samples are entry times.
 
 
 class SampleEncoding:
     """Cell traces of all planned effectors; the sum of their changes is bounded.
 
     Attributes:
-        clauses: what is to be solved, under ``assumptions``.
-        shortest: per effector the fewest changes from its start to its end, None for no way.
-        least: no plan has fewer changes; None: there is none at all.
+        clauses: the clauses to solve, under ``assumptions``.
+        shortest: for each effector the fewest changes from its start to its end, None if no path.
+        least: a lower bound on the changes of a plan; None if there is no plan at all.
         limit: the largest number of changes.
         complete: whether the limit excludes no plan.
     """
@@ -316,7 +315,7 @@ class SampleEncoding:
         ]
 
     def extend(self, bound: int) -> None:
-        """Lay out paths of up to ``bound`` changes together."""
+        """Lay out paths of up to ``bound`` changes in total."""
         for index, paths in enumerate(self._paths):
             while paths.bound < self._own(index, bound):
                 new = paths.extend()
@@ -326,11 +325,11 @@ class SampleEncoding:
                 self._forbidden[index].extend(new)
 
     def _own(self, index: int, bound: int) -> int:
-        """The most changes of one path, as the others need theirs."""
+        """The most changes of one path, given the least changes of the others."""
         return min(bound - sum(self._leasts) + self._leasts[index], self._steps)
 
     def assumptions(self, bound: int, *, distinct: bool) -> list[int]:
-        """The literals of a bound that is laid out; the negative ones let nothing beyond it."""
+        """The literals of a bound that is laid out; negative ones exclude anything beyond it."""
         found = [-paths.more for paths in self._paths]
         found += [
             -paths.exists(self._own(index, bound) + 1) for index, paths in enumerate(self._paths)
@@ -342,7 +341,7 @@ class SampleEncoding:
         return [*found, self._distinct] if distinct else found
 
     def decode(self, true: NDArray[np.bool_]) -> tuple[Word, ...]:
-        """The words of a model, given as ``true[v]`` per variable v, shape (variables + 1,)."""
+        """The words of a model, given as ``true[v]`` for each variable, shape (variables + 1,)."""
         found = []
         for number, paths, entries in zip(self._numbers, self._paths, self._entries, strict=True):
             cells = paths.decode(true)
@@ -350,7 +349,7 @@ class SampleEncoding:
         return tuple(found)
 
     def exclude(self, words: Sequence[Word]) -> None:
-        """Not these words again, nor, while they are to be distinct, these sequences of cells."""
+        """Exclude these words and, while sequences must be distinct, these sequences of cells."""
         others: list[int] = []
         exact: list[int] = []
         for word, paths, entries in zip(words, self._paths, self._entries, strict=True):
@@ -361,7 +360,7 @@ class SampleEncoding:
         self.clauses.clause([*others, *exact])
 
     def block(self, effector: int, cells: Sequence[int], *, ordered: bool) -> None:
-        """No words in which that effector visits these cells; ``ordered``: none in turn."""
+        """Exclude words in which that effector visits these cells; ``ordered``: in order."""
         index = self._numbers.index(effector)
         self._forbidden[index].forbid(cells, self._paths[index].places, ordered=ordered)
 
@@ -382,5 +381,5 @@ PlanEncoding: TypeAlias = PositionEncoding | SampleEncoding
 
 
 def plan_encoding(problem: PlanningProblem) -> PlanEncoding:
-    """By changes of cell where one effector's path is not timed, else by samples."""
+    """The encoding by changes of cell if one effector's path is untimed, else by samples."""
     return SampleEncoding(problem) if problem.by_samples else PositionEncoding(problem)

@@ -25,7 +25,7 @@ def dimacs(problem: PlanningProblem) -> Iterator[str]:
 
 
 def smt2(problem: PlanningProblem) -> Iterator[str]:
-    """Lines of an SMT-LIB 2 script; Booleans are named by what they say."""
+    """Lines of an SMT-LIB 2 script; the names of Booleans are their meanings."""
     clauses, arrays = _closed(problem)
     yield from (f"; {line}" for line in _heading(problem))
     yield "(set-logic QF_UF)"

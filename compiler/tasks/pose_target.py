@@ -1,8 +1,8 @@
-"""What a pose asks of the axes of an effector's frame, in floats or in balls.
+"""The demands of a pose on the axes of an effector's frame, in floats or in balls.
 
-The angle by which an axis e is off a direction t, both of length one, has the cosine t . e.  The
-rotation from axes t1, t2, t3 to e1, e2, e3 is by an angle of cosine (t1 . e1 + t2 . e2 + t3 . e3
-- 1) / 2, the trace of its matrix being 1 + 2 cos; in the plane that of one axis says all.
+The cosine of the angle between an axis e and a direction t, both of length one, is t . e. The
+rotation from axes t1, t2, t3 to e1, e2, e3 has an angle of cosine (t1 . e1 + t2 . e2 + t3 . e3 - 1)
+/ 2, as the trace of its matrix is 1 + 2 cos; in the plane one axis determines the angle.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Number = TypeVar("Number", float, arb)
 
 @dataclass(frozen=True, slots=True)
 class Arithmetic(Generic[Number]):
-    """How numbers are made."""
+    """The operations that make numbers."""
 
     rational: Callable[[Fraction], Number]
     closed: Callable[[ir.Expr], Number]
@@ -39,9 +39,9 @@ BALLS: Arithmetic[arb] = Arithmetic(ball, closed_ball, arb.cos, arb.sin, arb.sqr
 
 @dataclass(frozen=True, slots=True)
 class PoseTarget(Generic[Number]):
-    """The directions, each (d,), to which some ``axes`` (from 0) of a frame are to be turned.
+    """The directions, each (d,), towards which some ``axes`` (from 0) of a frame must point.
 
-    The angle between is at most ``within``, in rad.
+    The angle between them is at most ``within``, in rad.
     """
 
     axes: tuple[int, ...]
@@ -49,19 +49,19 @@ class PoseTarget(Generic[Number]):
     within: Number
 
     def cosine(self, along: Number) -> Number:
-        """The cosine of the angle between, from the sum of the products t . e."""
+        """The cosine of the angle, from the sum of the products t . e."""
         return along if len(self.axes) == 1 else (along - 1) / 2
 
     def along(self, cosine: Number) -> Number:
-        """The sum of the products t . e, from the cosine of the angle between."""
+        """The sum of the products t . e, from the cosine of the angle."""
         return cosine if len(self.axes) == 1 else 1 + 2 * cosine
 
 
 def pose_target(pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]) -> PoseTarget[Number]:
-    """What a pose asks for, in the plane (2) or in space (3)."""
+    """The target of a pose, with directions (d,), in the plane (2) or in space (3)."""
     within = numbers.closed(pose.within)
     if isinstance(pose, ir.Aligned):
-        # Of any length, whose square may be no double.
+        # The direction has any length, and the square of its length may not fit a double.
         largest = max(map(abs, pose.direction))
         direction = [a / largest for a in pose.direction]
         size = numbers.root(numbers.rational(sum((a * a for a in direction), Fraction(0))))
@@ -76,7 +76,7 @@ def pose_target(pose: ir.Pose, dimension: int, numbers: Arithmetic[Number]) -> P
 def _columns(
     turns: Sequence[tuple[ir.Axis, ir.Expr]], numbers: Arithmetic[Number]
 ) -> list[list[Number]]:
-    """The axes of a frame, (3, 3), after turns about its own axes, one after the other."""
+    """The axes of a frame, (3, 3), after successive rotations about its own axes."""
     axes = [[numbers.rational(Fraction(int(i == j))) for j in range(3)] for i in range(3)]
     for axis, expr in turns:
         angle = numbers.closed(expr)

@@ -1,10 +1,10 @@
 """Paths of one effector as clauses, one Boolean per (cell, position); a position is a change.
 
 Source: Biere, Cimatti, Clarke & Zhu, *Symbolic model checking without BDDs* (1999), unrolled to m
-changes.  A cell can be at position j only if it is within j changes of the start and within m - j
-of an end: so its positions are those from its distance to m less that to an end, and each bound m
-adds one position per cell.  What a clause leaves out because of the present bound is the literal
-``more``: assumed false under it, true ever after.
+changes. A cell can be at position j only if it is within j changes of the start and within m - j of
+an end. So its positions range from its distance to m minus its distance to an end, and each bound m
+adds one position per cell. Whatever a clause leaves out because of the present bound is represented
+by the literal ``more``: assumed false under that bound, and true ever after.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from compiler.tasks.places import NOWHERE, UNREACHABLE, Edges, Places
 
 
 class PositionPaths:
-    """Paths c_0 .. c_m, for one bound m after the other.
+    """Paths c_0 .. c_m, for one bound m after another.
 
     Args:
-        clauses: what the clauses are added to.
+        clauses: the clauses to which new ones are added.
         edges: the graph.
-        from_start: distances from the start, shape (n,), ``UNREACHABLE`` where there is no way.
-        to_end: distances to the end, likewise; 0 where a path may end.
-        who: what the effector is called.
-        cell_name: what a cell is called.
-        simple: no cell twice.
+        from_start: distances from the start, shape (n,), ``UNREACHABLE`` if there is no path.
+        to_end: distances to the end, in the same form; 0 where a path may end.
+        who: the name of the effector.
+        cell_name: gives the name of a cell.
+        simple: whether no cell may occur twice.
     """
 
     def __init__(
@@ -68,11 +68,11 @@ class PositionPaths:
 
     @property
     def bound(self) -> int:
-        """The number of changes laid out; before the first, one less than the shortest path has."""
+        """The number of changes laid out; at first, one less than the shortest path has."""
         return -1 if self.shortest is None else self.shortest + len(self._bases) - 1
 
     def exists(self, position: int) -> int:
-        """The literal that says that the path has a position."""
+        """The literal that the path has a position."""
         if self.shortest is None or position <= self.shortest:
             return TRUE
         for missing in range(self.shortest + len(self._exists) + 1, position + 1):
@@ -82,11 +82,11 @@ class PositionPaths:
         return self._exists[position]
 
     def variable(self, cell: int, position: int) -> int:
-        """The variable of a cell at a position, 0 if the cell cannot be there as yet."""
+        """The variable of a cell at a position, 0 if the cell cannot be there yet."""
         return int(self.variables_at(np.array([cell]), np.array([position]))[0])
 
     def variables_at(self, cells: Ints, positions: Ints) -> Ints:
-        """As ``variable``, of arrays of one shape (n,)."""
+        """As ``variable``, for arrays of one shape (n,)."""
         if self.shortest is None:
             return np.zeros(len(cells), dtype=np.int64)
         made = positions + np.minimum(self._to_end[cells], UNREACHABLE) - self.shortest
@@ -96,11 +96,11 @@ class PositionPaths:
         return np.where(there, bases + self._rank[cells], 0)
 
     def beginning(self, cells: Sequence[int]) -> Ints:
-        """The variables (n,) of a path that begins with n cells, 0 where there is none as yet."""
+        """The variables (n,) of a path that begins with n cells, 0 where there is none yet."""
         return self.variables_at(np.array(cells), np.arange(len(cells)))
 
     def extend(self) -> Places:
-        """Lay out one change more; the new variables.
+        """Lay out one more change; return the new variables.
 
         Raises:
             ValueError: there is no path of any length.
@@ -136,7 +136,7 @@ class PositionPaths:
         return tuple(at.cells[chosen][order].tolist())
 
     def ends(self, places: Places) -> None:
-        """Paths are no longer than their positions, and end where they may."""
+        """Let paths be no longer than their positions, and end only where they may."""
         if self.shortest is None:
             return
         at = places.layers
@@ -146,7 +146,7 @@ class PositionPaths:
             self._clauses.add(np.column_stack([own, np.array(literals, dtype=np.int64)]))
 
     def _goes_on(self, places: Places) -> NDArray[np.bool_]:
-        """Places that are no end, from where on paths may end."""
+        """The places, from where on paths may end, that are not an end."""
         return (self._to_end[places.cells] > 0) & (places.layers >= (self.shortest or 0))
 
     def _name(self, cell: int, position: int) -> str:
@@ -162,10 +162,10 @@ class PositionPaths:
         self._clauses.clause([*known, *([self.more] if len(known) < len(starts) else [])])
 
     def _go_on(self, bound: int, age: int) -> None:
-        """Where a variable made ``age`` bounds ago holds, a neighbour holds at the next position.
+        """If a variable made ``age`` bounds ago holds, a neighbour holds at the next position.
 
-        Of the neighbours those are there whose distance to the end is below the cell's own plus
-        ``age``; the clause of an age replaces the one before it, if that was incomplete.
+        The neighbours present are those whose distance to the end is below the cell's own plus
+        ``age``. The clause of an age replaces the previous one, if that was incomplete.
         """
         if age >= len(self._bases):
             return
@@ -174,7 +174,7 @@ class PositionPaths:
         cells = self._order[:count]
         beyond = self._farthest[cells] - self._to_end[cells]
         positions = then - self._to_end[cells]
-        # At its age 0 a cell of the end is at the last position, and nothing follows.
+        # At age 0 a cell of the end is at the last position, and nothing follows.
         due = (beyond >= age - 1) if age else (positions < bound)
         if age == 1:
             due |= positions == then
@@ -186,13 +186,13 @@ class PositionPaths:
         self._emit(start, owners[kept], following[kept])
 
     def _guards(self, positions: Ints, incomplete: NDArray[np.bool_]) -> list[Ints]:
-        """What excuses from going on: that there is no such position, or more than is laid out."""
+        """The literals that excuse from going on: no such position, or not laid out yet."""
         numbers, which = np.unique(positions, return_inverse=True)
         literals = np.array([-self.exists(n) for n in numbers.tolist()], dtype=np.int64)
         return [literals[which], np.where(incomplete, self.more, -TRUE)]
 
     def _emit(self, heads: list[Ints], owners: Ints, bodies: Ints) -> None:
-        """Clauses of a variable, its excuses and bodies; false excuses are left out."""
+        """Add clauses of a variable, its excuses and bodies; false excuses are left out."""
         own, ending, more = heads
         ends, mores = ending != -TRUE, more != -TRUE
         for has_end in (False, True):
@@ -211,7 +211,7 @@ class PositionPaths:
                 )
 
     def _come_from(self, new: Places) -> None:
-        """A cell after the first position has a neighbour before it."""
+        """A cell after the first position has a neighbour at the position before."""
         later = new.layers > 0
         cells, positions = new.cells[later], new.layers[later]
         owners, heads = self._edges.of(cells)
@@ -224,11 +224,11 @@ class PositionPaths:
 # --- At most one literal of each group, where groups grow -----------------------------------------
 #
 # Source: the ladder encoding (Gent & Nightingale, *A new encoding of alldifferent into SAT*, 2004):
-# a literal per member says that it or one before it holds.
+# for each member a literal says that it or one before it holds.
 
 
 class Ladders:
-    """Groups 0, 1, ... of literals, at first without any."""
+    """Groups 0, 1, ... of literals, empty at first."""
 
     def __init__(self, clauses: Clauses, what: str) -> None:
         self._clauses = clauses
@@ -246,7 +246,7 @@ class Ladders:
         first = np.ones(len(groups), dtype=bool)
         first[1:] = groups[1:] != groups[:-1]
         before = self._top[groups]
-        # Of the first member of a group the literal itself is the first rung.
+        # For the first member of a group the literal itself is the first rung.
         rungs = literals.copy()
         further = ~(first & (before == 0))
         names = groups[further]

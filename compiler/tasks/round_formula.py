@@ -1,12 +1,12 @@
 """Formulas about one round that are sufficient for motions that go on for ever.
 
-For the search: a motion on [0, T] that is at T where it was at the beginning of its loop, and goes
-through [loop, T] again and again, satisfies a formula F at 0 for ever if it satisfies
-``on_one_round(F)`` at 0 on the finite trace.  The converse is false: nothing is refuted by this.
+For the search: consider a motion on [0, T] that returns at T to where it was at the beginning of
+its loop, and repeats [loop, T] for ever. It satisfies a formula F at 0 for ever if it satisfies
+``on_one_round(F)`` at 0 on the finite trace. The converse is false: this refutes nothing.
 
-Each subformula that is translated holds for ever at an instant of [0, T] wherever its translation
-holds there on the finite trace.  Negations are pushed inwards on the way; what an operator below
-another one says beyond T is said of the whole loop, by ``last``.
+If the translation of a subformula holds at an instant of [0, T] on the finite trace, the subformula
+holds there on the endless motion. Negations are pushed inwards on the way. What a nested operator
+demands beyond T is demanded of the whole loop, by ``last``.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ _EVER = ir.Window(Fraction(0), None)
 
 
 def on_one_round(formula: ir.Formula, loop: Fraction, end: Fraction) -> ir.Formula:
-    """What is asked of a trace of ``end`` seconds whose last part, from ``loop`` on, repeats."""
+    """The demand on a trace of ``end`` seconds whose last part, from ``loop`` on, repeats."""
     return _Translation(end - loop, end).of(formula, positive=True, at_first=True)
 
 
 @dataclass(frozen=True, slots=True)
 class _Translation:
-    """``round`` and ``end`` are in seconds."""
+    """The translation for a round of ``round`` seconds that ends at ``end`` seconds."""
 
     round: Fraction
     end: Fraction
 
     def of(self, formula: ir.Formula, *, positive: bool, at_first: bool) -> ir.Formula:
-        """A formula, or its negation, at the instant 0 or at any instant."""
+        """Translate a formula, or its negation, at the instant 0 or at any instant."""
         match formula:
             case ir.Atom():
                 return formula if positive else ir.Not(formula)
@@ -86,7 +86,7 @@ class _Translation:
         self, left: ir.Formula, right: ir.Formula, *, positive: bool, at_first: bool
     ) -> ir.Formula:
         if not positive:
-            # The right one never comes, or not before the left one has failed.
+            # The right one never holds, or not before the left one has failed.
             failing = self.of(right, positive=False, at_first=False)
             both = ir.And((self.of(left, positive=False, at_first=False), failing))
             return ir.Or((ir.Until(failing, both), self.for_ever(failing)))

@@ -1,19 +1,18 @@
 """Formulas about samples that are sufficient for formulas in continuous time.
 
-Compare Fainekos & Pappas, *Robustness of temporal logic specifications for continuous-time
-signals* (2009), Section 4: because of what happens between samples a formula is strengthened.
-Here it is for motions that, from one sample to the next, are in the cell of the first and then in
-that of the second, and at the instant of change in both (cells are closed; every effector changes
-at an instant of its own), turned as literals say.  If a cell trace satisfies ``sampled(F)`` at
-sample 0, these motions satisfy F at time 0.  The converse is false: this is for the search, never
-for a refutation.
+Compare Fainekos & Pappas, *Robustness of temporal logic specifications for continuous-time signals*
+(2009), Section 4: a formula is strengthened because of what may happen between samples. Here,
+between two samples, a motion is in the cell of the first and then in that of the second, and at the
+instant of change in both (cells are closed; every effector changes at an instant of its own), with
+the orientations that literals state. If a cell trace satisfies ``sampled(F)`` at sample 0, these
+motions satisfy F at time 0. The converse is false: this is for the search, never for a refutation.
 
-Every subformula has two translations, of which the second is used below operators that ask for
-all instants of an interval:
+Every subformula has two translations, of which the second is used below operators that require all
+instants of an interval:
 
 * its *point* form at sample i is sufficient for the subformula at the instant of sample i;
-* its *dense* form at sample i is so for the closed interval from sample i to i + 1, and at the last
-  sample for that instant.
+* its *dense* form at sample i is sufficient for it on the closed interval from sample i to i + 1,
+  and at the last sample for that instant.
 """
 
 from __future__ import annotations
@@ -96,8 +95,8 @@ def is_timed(formula: ir.Formula) -> bool:
 def sampled(formula: ir.Formula, step: Fraction, steps: int) -> SampledFormula:
     """The formula on samples 0 .. ``steps``, which are ``step`` seconds apart.
 
-    That of an untimed formula, with ``sample == steps`` read as the last position, is sufficient on
-    words of positions too, whenever the cells of the positions are entered.
+    If an untimed formula is translated, with ``sample == steps`` read as the last position, the
+    result is sufficient on words of positions too, whenever the cells of the positions are entered.
     """
     return _Translation(step, steps).point((formula, True))
 
@@ -195,7 +194,7 @@ class _Translation:
     # --- windows ---------------------------------------------------------------------------------
 
     def _bounds(self, window: ir.Window) -> tuple[Fraction, Fraction | None]:
-        """A window in samples; None where it reaches to the end from anywhere."""
+        """A window in samples; None if it extends to the end from anywhere."""
         upper = None if window.upper is None else window.upper / self._step
         if upper is not None and upper >= self._steps:
             upper = None
@@ -212,14 +211,14 @@ class _Translation:
         return throughout(self.dense(part), first, last - 1)
 
     def _eventually(self, part: Signed, window: ir.Window) -> SampledFormula:
-        """At a sample of the window; where it has none, all along between two of them."""
+        """At a sample of the window; if it has none, all along between two samples."""
         lower, upper = self._bounds(window)
         if upper is not None and ceil(lower) > floor(upper):
             return eventually(every((self.dense(part), ONE_LATER)), floor(lower), floor(lower))
         return eventually(self.point(part), ceil(lower), None if upper is None else floor(upper))
 
     def _dense_eventually(self, part: Signed, window: ir.Window) -> SampledFormula:
-        """At a sample in the windows of all instants, or at the lower ends of all of them."""
+        """At a sample in the windows of all instants, or at the lower ends of all windows."""
         lower, upper = self._bounds(window)
         first, last = ceil(lower) + 1, None if upper is None else floor(upper)
         dense = self.dense(part)
@@ -244,7 +243,7 @@ class _Translation:
     # --- until -----------------------------------------------------------------------------------
 
     def _until(self, left: ir.Formula, right: ir.Formula) -> SampledFormula:
-        """``right`` may begin to hold at the very instant at which its effector changes cells."""
+        """An until whose ``right`` may begin to hold when its effector changes cells."""
         before, then = self.dense((left, True)), self.point((right, True))
         effector = _only_effector(right)
         if effector is None:
@@ -257,7 +256,7 @@ class _Translation:
         now, later = self.dense(right), next_sample(self.point((formula, True)))
         if _only_effector(formula.right) is None or not is_monotone(self.point(right)):
             return some((now, every((self.dense(left), later))))
-        # Where ``right`` is a closed set there is a first instant at which it holds.
+        # If ``right`` is a closed set, there is a first instant at which it holds.
         return some((now, every((self._any([left, right]), later))))
 
     def _release(self, left: ir.Formula, right: ir.Formula) -> SampledFormula:
@@ -272,7 +271,7 @@ class _Translation:
         return every((self.dense((formula.right, False)), freed))
 
     def _before_change(self, signed: Signed, effector: int) -> SampledFormula:
-        """Sufficient from a sample until just before that effector changes its cell."""
+        """A form that is sufficient from a sample until just before that effector changes cells."""
         formula, positive = signed
         match formula:
             case ir.Atom(effector=number) if number == effector:
@@ -287,7 +286,7 @@ class _Translation:
                 return self.dense(signed)
 
     def _any(self, parts: Sequence[Signed]) -> SampledFormula:
-        """One part throughout; of parts about one effector's cell any at each instant."""
+        """One part throughout; for parts about one effector's cell any part at each instant."""
         forms: list[SampledFormula] = []
         of_one: dict[int, list[SampledFormula]] = {}
         for part in parts:
@@ -314,7 +313,7 @@ def _boolean(
 
 
 def _only_effector(formula: ir.Formula) -> int | None:
-    """The effector whose cell alone the formula is about; None with time, or with several."""
+    """The effector whose cell alone the formula concerns; None if temporal, or for several."""
     found: set[int] = set()
     stack = [formula]
     while stack:

@@ -1,4 +1,4 @@
-"""What a task asks: of motions, as one formula, and of paths through the cells."""
+"""The demands of a task: on motions, as one formula, and on paths through the cells."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ _THROUGHOUT = ir.Window(Fraction(0), None)
 
 
 def task_formula(task: ir.Task, effectors: int, recorded: int) -> ir.Formula | None:
-    """What the effectors of a robot have to satisfy at time 0; None for no demand at all.
+    """The formula that a robot's effectors must satisfy at time 0; None if nothing is required.
 
-    A margin of an ``avoid`` is not expressed: the formula asks for less than the task then.
+    The margin of an ``avoid`` is not expressed: the formula then demands less than the task.
 
     Args:
         task: the task.
-        effectors: how many effectors the robot has.
+        effectors: the number of effectors of the robot.
         recorded: the effector that starts and reaches, from 0.
     """
     parts = [clause.formula for clause in task.demanded]
@@ -64,7 +64,7 @@ def _stay(task: ir.Task, reach: ir.Reach, recorded: int) -> ir.Formula:
 
 
 def path_formulas(task: ir.Task, recorded: int) -> tuple[ir.Formula, ...]:
-    """What paths through cells have to satisfy besides their ends; ``recorded`` reaches, from 0."""
+    """The formulas of paths through cells, besides their ends; ``recorded`` reaches, from 0."""
     formulas = tuple(clause.formula for clause in task.satisfy)
     if task.reach is None or not task.stay:
         return formulas
@@ -72,9 +72,9 @@ def path_formulas(task: ir.Task, recorded: int) -> tuple[ir.Formula, ...]:
 
 
 def recorded_effector(task: ir.Task) -> int | None:
-    """The effector that a task binds to be the recorded one, from 0; None: any, the claim says.
+    """The effector that a task fixes as the recorded one, from 0; None if the claim may choose.
 
-    It is the one that reaches; where nothing is to be reached, the one that starts.
+    It is the one that reaches or, if nothing must be reached, the one that starts.
     """
     if task.reach is not None:
         named = task.reach.effector
@@ -86,9 +86,9 @@ def recorded_effector(task: ir.Task) -> int | None:
 
 
 def missing_effector(task: ir.Task, effectors: int) -> int | None:
-    """An effector, from 1, that a task names and a robot with so many lacks; None for none.
+    """An effector, from 1, that a task names and a robot with ``effectors`` lacks; None if none.
 
-    Such a robot is no candidate, whatever is asked of the effector.
+    Such a robot is not a candidate, whatever is required of the effector.
     """
     named = [atom.effector for atom in atoms(*(clause.formula for clause in task.demanded))]
     if task.reach is not None and task.reach.effector is not None:
@@ -98,10 +98,10 @@ def missing_effector(task: ir.Task, effectors: int) -> int | None:
     return max((number for number in named if number > effectors), default=None)
 
 
-# --- What a task asks of paths through the cells --------------------------------------------------
+# --- Demands of a task on paths through the cells -------------------------------------------------
 #
 # Source: Section 4.2 (the set of runs from the initial region to the target that avoid obstacles),
-# with correction 4.18: ``reach`` is about the last instant only, the target may be entered early;
+# with correction 4.18: ``reach`` concerns the last instant only, the target may be entered early;
 # ``satisfy`` as a formula about samples (:mod:`compiler.tasks.sampled_formula`).
 
 
@@ -109,7 +109,7 @@ def missing_effector(task: ir.Task, effectors: int) -> int | None:
 class PlannedEffector:
     """Where one effector (from 0) may begin, be and end; ascending indices of cells.
 
-    ``start`` and ``end`` may contain forbidden cells, which win; ``end`` None: anywhere.
+    ``start`` and ``end`` may contain forbidden cells, which stay forbidden; ``end`` None: anywhere.
     """
 
     effector: int
@@ -123,15 +123,15 @@ class PlanningProblem:
     """Find paths of adjacent cells for some effectors.
 
     Attributes:
-        neighbours: per cell its neighbours, ascending.
-        propositions: per cell the regions that it lies in.
-        effectors: those that are planned, by ascending number.
-        formula: what the paths satisfy together, or None.
+        neighbours: the neighbours of each cell, ascending.
+        propositions: the regions that each cell lies in.
+        effectors: the planned effectors, by ascending number.
+        formula: the formula that the paths satisfy together, or None.
         timed: whether it matters at which samples cells are entered.
-        steps: the last sample; a path has at most so many changes of cell.
+        steps: the last sample; a path has at most this many changes of cell.
         changes: the bound on the changes of all paths together.
-        settled: the last sample at which a cell is entered, None: any; where it is timed.
-        names: per cell its name, for people; none: cells go by their numbers.
+        settled: the last sample at which a cell is entered, if timed; None for any sample.
+        names: the name of each cell, for people; if empty, cells are named by number.
     """
 
     neighbours: tuple[tuple[int, ...], ...]
@@ -150,7 +150,7 @@ class PlanningProblem:
         return self.timed or len(self.effectors) > 1
 
     def name(self, cell: int) -> str:
-        """What a cell is called."""
+        """The name of a cell."""
         return self.names[cell] if self.names else f"cell {cell}"
 
 
@@ -162,16 +162,16 @@ def planning_problem(
 ) -> PlanningProblem:
     """The path problem of a task.
 
-    Cells inside a region that ``avoid ... with effector`` names are forbidden.  ``with body`` does
-    not bind the effector's own point, and a margin does not either: they are left to the control
-    synthesis and the proof, so that the path problem has every path a robot can follow.
+    Cells inside a region that ``avoid ... with effector`` names are forbidden. ``with body`` does
+    not constrain the effector's own point, and neither does a margin: they are left to the control
+    synthesis and the proof, so that the path problem has every path that a robot can follow.
 
     Args:
         abstraction: the cells of the task's workspace.
         task: the task.
         effector: the recorded effector, from 0; those that atoms name are planned as well.
-        start_cells: by effector (from 0) the cells to start in, where they depend on the robot;
-            an effector that is not named, nor starts in a region, may start anywhere.
+        start_cells: for each effector (from 0) the cells to start in, if these depend on the robot;
+            an effector that is not named, and does not start in a region, may start anywhere.
     """
     clauses = path_formulas(task, effector)
     asked = [sampled(_conjunction(clauses), task.step, task.steps)] if clauses else []
@@ -219,7 +219,7 @@ def _start(abstraction: Abstraction, task: Task, recorded: int, number: int) -> 
 
 
 def _meeting(abstraction: Abstraction, task: Task) -> bool:
-    """Whether a load may be put down in the cell in which it is taken up."""
+    """Whether a load may be put down in the cell in which it is picked up."""
     pairs = ((abstraction.within([c.source]), abstraction.within([c.target])) for c in task.carries)
     return any(set(source) & set(target) for source, target in pairs)
 
@@ -237,39 +237,39 @@ def _named(formula: SampledFormula) -> set[int]:
     return {node.effector - 1 for node in nodes(formula) if isinstance(node, Literal)}
 
 
-# --- What `robust` clauses say, by coordinate, rate and input -------------------------------------
+# --- `robust` clauses by coordinate, rate and input -----------------------------------------------
 
 
 def joint_radii(radii: ir.Radii, model: RobotModel) -> list[Fraction]:
-    """Per joint's coordinate, then per rate, the radius that is due to its kind, in SI."""
+    """For each joint's coordinate, then for each rate, the radius of its kind, in SI units."""
     turning = [dof.kind == "revolute" for dof in model.dofs]
     places = [radii.angle if turns else radii.length for turns in turning]
     return places + [radii.angular_rate if turns else radii.speed for turns in turning]
 
 
 def disturbance_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
-    """Per joint's coordinate, then per rate, how far its start may be from the planned, in SI."""
+    """For each coordinate, then each rate, how far the start may be from the planned one, in SI."""
     return joint_radii((task.robust or ir.Robust()).start, model)
 
 
 def measurement_radii(task: ir.Task, model: RobotModel) -> list[Fraction]:
-    """Per joint's coordinate, then per rate, how far off it is measured at most, in SI."""
+    """For each coordinate, then each rate, the largest error of its measurement, in SI."""
     return joint_radii((task.robust or ir.Robust()).measured, model)
 
 
 @dataclass(frozen=True, slots=True)
 class UncertainMass:
-    """Bodies of a robot, by number, whose masses are times one constant within 1 +- ``part``."""
+    """Bodies of a robot, by number, whose masses share one unknown factor in 1 +- ``part``."""
 
     part: Fraction
     bodies: tuple[int, ...]
 
 
 def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, ...]:
-    """The constants by which masses may be off: of all bodies, per occurrence, and per load.
+    """The uncertain factors of masses: of all bodies, for each occurrence, and for each load.
 
     Raises:
-        ValueError: the task asks whose the bodies are, and the model does not say it of all.
+        ValueError: the task refers to owners of bodies, and the model does not give all of them.
     """
     robust = task.robust or ir.Robust()
     found = list[UncertainMass]()
@@ -291,10 +291,10 @@ def uncertain_masses(task: ir.Task, model: RobotModel) -> tuple[UncertainMass, .
 def input_errors(
     task: ir.Task, model: RobotModel
 ) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
-    """How far inputs may be from what is commanded: the part of themselves, and what comes on top.
+    """How far inputs may be from the commands: a fraction of the input, and an absolute error.
 
-    Both have one value per input (m,), the second, a part of its bound, in its unit.  Loads are
-    there, or not.
+    Both have one value per input (m,), the second, a fraction of its bound, in its unit. Loads have
+    no errors.
     """
     robust, inputs = task.robust or ir.Robust(), robot_inputs(model)
     parts = tuple(Fraction(0) if item.is_load else robust.effort for item in inputs)

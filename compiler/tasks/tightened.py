@@ -1,4 +1,4 @@
-"""A task with narrower bounds on its inputs, or with less time: a design has to do with less."""
+"""A task with narrower bounds on its inputs, or less time, which a design must still meet."""
 
 from __future__ import annotations
 
@@ -11,13 +11,12 @@ from grammar_lang import ir
 
 
 def tightened(program: ir.Program, task: ir.Task, share: Fraction) -> tuple[ir.Program, ir.Task]:
-    """The program and its task in which inputs have only the part ``1 - share`` of their bounds.
+    """The program and its task in which inputs have only ``1 - share`` of their bounds.
 
-    The efforts that the task or a joint bounds are bounded by so much less, and the ranges of
-    declared inputs are drawn together about their middles; all else is as it was.  So a motion does
-    this task if and only if it does the given one and its inputs keep the ``share`` of what they
-    can keep from their bounds at most (``robustness_share``).  Bounds are those of
-    ``input_bounds``, exactly.
+    Efforts bounded by the task or a joint are bounded by this fraction, and the ranges of declared
+    inputs shrink about their middles; everything else is unchanged. So a motion does this task if
+    and only if it does the given one and its inputs keep the ``share`` of the largest possible
+    margin to their bounds (``robustness_share``). The bounds are exactly those of ``input_bounds``.
 
     Args:
         program: the program, without maps.
@@ -47,12 +46,12 @@ def _dof(dof: ir.Dof, part: Fraction) -> ir.Dof:
 
 
 def _drawn(domain: ir.Interval, part: Fraction) -> ir.Interval:
-    """An interval about the same middle."""
+    """The interval with the same middle and ``part`` of the width."""
     lower, upper = rational_bounds(domain.lower)[1], rational_bounds(domain.upper)[0]
     middle, half = (lower + upper) / 2, part * (upper - lower) / 2
     return ir.Interval(ir.Num(middle - half), ir.Num(middle + half))
 
 
 def shortened(task: ir.Task, steps: int) -> ir.Task:
-    """The task of motions of at most so many steps, whatever it minimizes."""
+    """The task for motions of at most ``steps`` steps, without its objectives."""
     return replace(task, steps=steps, at_most=True, minimize=())

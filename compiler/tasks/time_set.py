@@ -1,9 +1,9 @@
 """Sets of instants: finite unions of intervals of [0, T] with exact ends, each open or closed.
 
-A cut (t, 0) lies just before the instant t, a cut (t, 1) just after it.  A set is the strictly
+A cut (t, 0) lies just before the instant t, a cut (t, 1) just after it. A set is the strictly
 ascending sequence of the cuts at which one enters and leaves it: [a, b) is (a, 0), (b, 0), the
-instant a alone (a, 0), (a, 1).  So every set has one form, and open and closed ends need no
-cases.
+instant a alone is (a, 0), (a, 1). So every set has exactly one form, and open and closed ends need
+no separate cases.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _START: Cut = (Fraction(0), BEFORE)
 
 @dataclass(frozen=True, slots=True)
 class TimeSet:
-    """A subset of [0, ``end``]; ``cuts`` as in the head of this file, none outside [0, end]."""
+    """A subset of [0, ``end``]; ``cuts`` as described in this module, none outside [0, end]."""
 
     end: Fraction
     cuts: tuple[Cut, ...] = ()
@@ -84,11 +84,11 @@ class TimeSet:
         )
 
     def until(self, right: TimeSet) -> TimeSet:
-        """The instants from which on this set holds to just before some instant of ``right``.
+        """The instants from which on this set holds until just before some instant of ``right``.
 
-        The instants of ``right`` are among them.  From any other t, inside a maximal interval with
-        supremum h, an instant t' of ``right`` is due with t < t' <= h: whether h is in the interval
-        does not matter, since only the instants before t' count.
+        The instants of ``right`` are among them. Any other t lies inside a maximal interval with
+        supremum h and needs an instant t' of ``right`` with t < t' <= h: whether h is in the
+        interval does not matter, since only the instants before t' count.
         """
         found: list[tuple[Cut, Cut]] = []
         goals, number, latest = right.intervals, 0, Fraction(-1)
@@ -96,13 +96,13 @@ class TimeSet:
             while number < len(goals) and goals[number][0] < (high, AFTER):
                 latest = goals[number][1][0]
                 number += 1
-            # The last of them may go on beyond h, and into the next interval.
+            # The last one may continue beyond h, and into the next interval.
             found.append((low, (min(latest, high), BEFORE)))
         return _union_of(self.end, found) | right
 
 
 def _combined(left: TimeSet, right: TimeSet, chosen: Callable[[int], bool]) -> TimeSet:
-    """The instants that are in a number of the two sets for which ``chosen`` is true."""
+    """The instants such that ``chosen`` is true for the number of sets that contain them."""
     if left.end != right.end:
         raise ValueError("time sets of different horizons")
     turns = merge(

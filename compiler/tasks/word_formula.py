@@ -1,7 +1,7 @@
-"""Formulas about cell traces: what a search asks of the samples of a motion.
+"""Formulas about cell traces: the demands of a search on the samples of a motion.
 
-They are in negation normal form, over samples 0 .. k.  Parts are shared: a formula is a graph of
-objects, to be walked by identity.
+They are in negation normal form, over samples 0 .. k. Parts are shared: a formula is a graph of
+objects, which must be walked by identity.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from grammar_lang import ir
 class Literal:
     """The effector (from 1) is in a cell inside the region, or in one that is not.
 
-    No cell tells how its frame is turned: in all ``poses`` there, or in none, ``away`` from them.
-    A ``transfer`` is the number of a load and whether it is taken up there, or put down.
+    Cells do not determine the orientation of its frame: it is in all ``poses`` there or, if
+    ``away``, in none of them. A ``transfer`` is the number of a load, and whether it is picked up
+    or put down.
     """
 
     region: str
@@ -31,21 +32,21 @@ class Literal:
 
 @dataclass(frozen=True, slots=True)
 class Every:
-    """All parts; with none it is true."""
+    """All parts hold; true if there are none."""
 
     parts: tuple[SampledFormula, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Some:
-    """At least one part; with none it is false."""
+    """At least one part holds; false if there are none."""
 
     parts: tuple[SampledFormula, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Eventually:
-    """At some sample from ``first`` to ``last`` later (None: to the end) that there is."""
+    """At some existing sample from ``first`` to ``last`` later (None: to the end)."""
 
     part: SampledFormula
     first: int
@@ -54,7 +55,7 @@ class Eventually:
 
 @dataclass(frozen=True, slots=True)
 class Throughout:
-    """At all samples from ``first`` to ``last`` later (None: to the end) that there are."""
+    """At all existing samples from ``first`` to ``last`` later (None: to the end)."""
 
     part: SampledFormula
     first: int
@@ -63,7 +64,7 @@ class Throughout:
 
 @dataclass(frozen=True, slots=True)
 class SomewhereFrom:
-    """At some sample from the ``sample``-th on, wherever it is asked."""
+    """At some sample from the ``sample``-th on, independent of the present sample."""
 
     part: SampledFormula
     sample: int
@@ -71,7 +72,7 @@ class SomewhereFrom:
 
 @dataclass(frozen=True, slots=True)
 class ThroughoutFrom:
-    """At all samples from the ``sample``-th on, wherever it is asked."""
+    """At all samples from the ``sample``-th on, independent of the present sample."""
 
     part: SampledFormula
     sample: int
@@ -79,7 +80,7 @@ class ThroughoutFrom:
 
 @dataclass(frozen=True, slots=True)
 class Until:
-    """``right`` at some sample from the present one on, ``left`` at all before it."""
+    """``right`` at some sample from the present one on, and ``left`` at all samples before it."""
 
     left: SampledFormula
     right: SampledFormula
@@ -89,7 +90,7 @@ SampledFormula: TypeAlias = (
     Literal | Every | Some | Eventually | Throughout | SomewhereFrom | ThroughoutFrom | Until
 )
 Word: TypeAlias = Sequence[Mapping[int, frozenset[str]]]
-"""Per sample and effector (from 1) the propositions of its cell."""
+"""For each sample and effector (from 1) the propositions of its cell."""
 
 TRUE: Final = Every(())
 FALSE: Final = Some(())
@@ -123,7 +124,7 @@ def some(parts: Iterable[SampledFormula]) -> SampledFormula:
 
 
 def _once(parts: Sequence[SampledFormula]) -> list[SampledFormula]:
-    """Without what comes again, literals by value and others by identity."""
+    """The parts without repetitions, literals by value and others by identity."""
     found = {part if isinstance(part, Literal) else id(part): part for part in parts}
     return list(found.values())
 
@@ -173,12 +174,12 @@ def _literals(state: SampledFormula) -> Iterator[Literal]:
 
 
 def is_monotone(state: SampledFormula) -> bool:
-    """Whether a formula about one instant asks to be in regions only, a closed set."""
+    """Whether a formula about one instant only requires being in regions, a closed set."""
     return all(literal.positive for literal in _literals(state))
 
 
 def both_cells(state: SampledFormula) -> SampledFormula:
-    """The formula at a common point of the present and of the next cell."""
+    """The formula at a common point of the present and the next cell."""
     match state:
         case Literal(positive=positive):
             return eventually(state, 0, 1) if positive else throughout(state, 0, 1)
@@ -191,12 +192,12 @@ def both_cells(state: SampledFormula) -> SampledFormula:
 
 
 def dense_state(state: SampledFormula) -> SampledFormula:
-    """The formula from a sample to the next, the change of cells between them included."""
+    """The formula from a sample to the next, including the change of cells between them."""
     cells = throughout(state, 0, 1)
     match state:
         case Some(parts=parts):
             open_parts = [part for part in parts if not is_monotone(part)]
-            # With one that is no closed set: if neither cell meets another, both meet this one.
+            # With one non-closed part: if neither cell meets another part, both meet this one.
             if len(open_parts) <= 1 and all(isinstance(part, Literal) for part in open_parts):
                 return cells
             return every((cells, both_cells(state)))
@@ -215,7 +216,7 @@ def holds(formula: SampledFormula, word: Word, i: int = 0) -> bool:
 
 
 def truth(formula: SampledFormula, word: Word) -> dict[int, list[bool]]:
-    """By the identity of each part of a formula its truth at every sample."""
+    """For each part of a formula, by identity, its truth at every sample."""
     rows: dict[int, list[bool]] = {}
     for node in nodes(formula):
         rows[id(node)] = _row(node, rows, word)
@@ -223,7 +224,7 @@ def truth(formula: SampledFormula, word: Word) -> dict[int, list[bool]]:
 
 
 def nodes(formula: SampledFormula) -> Iterator[SampledFormula]:
-    """The formula and all that it is made of, each object once, parts before wholes."""
+    """The formula and all its parts, each object once, parts before wholes."""
     seen: set[int] = set()
     stack = [(formula, False)]
     while stack:
@@ -250,7 +251,7 @@ def parts_of(formula: SampledFormula) -> tuple[SampledFormula, ...]:
 
 
 def _row(node: SampledFormula, rows: Mapping[int, list[bool]], word: Word) -> list[bool]:
-    """The truth of a node at every sample, from that of its parts."""
+    """The truth of a node at every sample, from the truth of its parts."""
     count = len(word)
     parts = [rows[id(part)] for part in parts_of(node)]
     match node:
@@ -280,22 +281,22 @@ def _window(row: Sequence[bool], i: int, first: int, last: int | None) -> Sequen
 
 
 # --------------------------------------------------------------------------------------------------
-# What a sampled formula needs of a word that satisfies it: which effector is where, and when.
+# What a sampled formula requires of a word that satisfies it: which effector is where, and when.
 #
-# Of a disjunction one part that holds is enough, of ``eventually`` one instant.  The needs suffice:
-# whatever word meets them satisfies the formula, too.
+# For a disjunction one part that holds is enough, for ``eventually`` one instant. The requirements
+# are sufficient: any word that meets them also satisfies the formula.
 
 
 NecessaryCondition: TypeAlias = tuple[SampledFormula, int]
-"""A part and a sample at which it is to hold."""
+"""A part and a sample at which it must hold."""
 
 
 @dataclass(frozen=True, slots=True)
 class Obligation:
     """An effector (from 0) is inside a region, or not, from sample ``first`` to ``last``.
 
-    Inside its frame is in all ``poses``, or in none, ``away`` from them.  A ``transfer`` of a load
-    is that of the literal.
+    Inside, its frame is in all ``poses`` or, if ``away``, in none of them. A ``transfer`` of a load
+    is as in a literal.
     """
 
     region: str
@@ -309,7 +310,7 @@ class Obligation:
 
 
 def obligations(formula: SampledFormula, word: Word) -> tuple[Obligation, ...] | None:
-    """What a word has to keep of itself to satisfy a formula; None if it does not satisfy it."""
+    """The properties that a word must keep to satisfy a formula; None if it does not satisfy it."""
     rows = truth(formula, word)
     if not rows[id(formula)][0]:
         return None
@@ -351,7 +352,7 @@ def _runs(samples: Sequence[int]) -> Iterator[tuple[int, int]]:
 def _needs(
     node: SampledFormula, sample: int, rows: Mapping[int, Sequence[bool]], last: int
 ) -> list[NecessaryCondition]:
-    """Which parts have to hold at which samples for a node that holds at a sample."""
+    """Which parts must hold at which samples for a node that holds at a sample."""
     match node:
         case Every(parts=parts):
             return [(part, sample) for part in parts]
@@ -369,7 +370,7 @@ def _needs(
 
 
 def _samples_of(node: SampledFormula, sample: int, last: int) -> range:
-    """The samples that an operator with a window looks at."""
+    """The samples that an operator with a window covers."""
     match node:
         case Eventually(first=first, last=end) | Throughout(first=first, last=end):
             return range(sample + first, last + 1 if end is None else min(sample + end, last) + 1)

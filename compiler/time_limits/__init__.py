@@ -1,1 +1,1 @@
-"""A limit of time that long computations ask about."""
+"""The time limit of long computations."""

@@ -1,8 +1,8 @@
-"""The limit of time of what is being computed, which every long loop asks about.
+"""The time limit of the current computation, which every long loop checks.
 
-A loop that may take seconds calls :func:`check_time`, however deep below a search it is, and passes
-nothing down.  Without a limit the call does nothing.  What comes out is an exception: a step that
-the limit has cut has no result.
+A loop that may take seconds calls :func:`check_time`, however deep in a search it runs; no argument
+is passed down. Without a limit the call does nothing. When the limit is reached, it raises an
+exception: an interrupted step has no result.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from contextvars import ContextVar
 from typing import TypeAlias
 
 Reached: TypeAlias = Callable[[], bool]
-"""Whether the limit is reached; once it is, it stays so."""
+"""Whether the limit is reached; once reached, it stays reached."""
 
 
 class OutOfTimeError(Exception):
     """The limit was reached.
 
-    ``step`` names what went before and could not be interrupted; it is empty where loops asked.
+    ``step`` names the preceding step, which could not be interrupted; it is empty if a loop
+    checked.
     """
 
     def __init__(self, step: str = "") -> None:
@@ -32,7 +33,7 @@ _REACHED: ContextVar[Reached | None] = ContextVar("reached", default=None)
 
 @contextmanager
 def time_limit(reached: Reached | None) -> Iterator[None]:
-    """In the block that limit holds, and no other; None: none holds."""
+    """Apply this limit and no other within the block; with None, no limit applies."""
     token = _REACHED.set(reached)
     try:
         yield
@@ -41,22 +42,21 @@ def time_limit(reached: Reached | None) -> Iterator[None]:
 
 
 def current_limit() -> Reached | None:
-    """The limit that holds here, for another thread to ask about."""
+    """The limit that applies here, so that another thread can check it."""
     return _REACHED.get()
 
 
 def is_late() -> bool:
-    """Whether the limit that holds here is reached."""
+    """Whether the limit that applies here is reached."""
     reached = _REACHED.get()
     return reached is not None and reached()
 
 
 def check_time(step: str = "") -> None:
-    """End what is being computed if its limit is reached.
+    """Raise an exception if the limit that applies here is reached.
 
     Args:
-        step: what was done since the last call, where that is one call of a library that takes
-            seconds.
+        step: the work done since the last call, if that was one library call that takes seconds.
 
     Raises:
         OutOfTimeError: the limit is reached.

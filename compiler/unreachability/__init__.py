@@ -1,1 +1,1 @@
-"""Why a robot cannot do a task: coverings by boxes, and bounds of what actuators can do."""
+"""Proofs that a robot cannot do a task: coverings by boxes, and bounds on its actuators."""

@@ -1,7 +1,7 @@
-"""What drives can do to a robot on one box of coordinates, for all parameters of a box.
+"""Bounds on the effect of drives on one box of coordinates, for all parameters of a box.
 
-Enclosures by interval arithmetic; M, which few of the coordinates count for, is read once for equal
-sides of those.
+The enclosures use interval arithmetic. M depends on few of the coordinates, so it is evaluated once
+for boxes with equal sides in these.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ ZERO = arb(0)
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A measure f on a box: its ends, and how fast it changes at most.
+    """A measure f on a box: its ends, and bounds on how fast it changes.
 
-    ``steepness`` bounds |df| by the kinetic length, sqrt(f' M^-1 f'); ``speed`` bounds |df/dt| by
-    the rates that the joints may have.  None: nothing is known.
+    ``steepness`` bounds |df| per unit of kinetic length, sqrt(f' M^-1 f'); ``speed`` bounds |df/dt|
+    for the rates that the joints may have. None means that nothing is known.
     """
 
     low: arb
@@ -49,11 +49,11 @@ class Course:
 
 @dataclass(frozen=True, slots=True)
 class BoxBounds:
-    """A box: a course per measure, the potential energy V, and upper bounds of sizes.
+    """Bounds on a box: the courses of measures, the potential energy V, and upper bounds of sizes.
 
-    ``inputs`` of ||u||, ``net`` of ||u - g|| (both in M^-1), ``unit_speed`` of the kinetic speed at
-    rates up to one, ``rate_speed`` at rates that the joints may have.  None: nothing is known.
-    ``momenta`` by the coordinates that have one, where it is known.
+    ``inputs`` bounds ||u||, ``net`` bounds ||u - g|| (both in M^-1), ``unit_speed`` bounds the
+    kinetic speed at rates up to one, ``rate_speed`` at rates that the joints may have. None means
+    that nothing is known. ``momenta`` maps coordinates to their momenta, where these are known.
     """
 
     courses: tuple[Course, ...]
@@ -67,7 +67,7 @@ class BoxBounds:
 
 @dataclass(frozen=True, slots=True)
 class _Inertia:
-    """What M alone says of a box; see ``BoxBounds``."""
+    """The bounds on a box that depend on M alone; see ``BoxBounds``."""
 
     mass: tuple[Ends, ...] = ()
     metric: Metric | None = None
@@ -78,11 +78,11 @@ class _Inertia:
 
 @dataclass(slots=True)
 class BoxEvaluator:
-    """Reads boxes of the coordinates of one robot.
+    """Computes bounds on boxes of the coordinates of one robot.
 
-    ``tail`` are the sides of the parameters, then the constants of the graph; ``rates`` bound the
-    sizes of the joints' rates where the robot does; ``groups`` bound the inputs, None where nothing
-    can be said of the forces on the joints.
+    ``tail`` holds the sides of the parameters, then the constants of the graph; ``rates`` are the
+    bounds of the joints' rates, where the robot has them; ``groups`` bound the inputs, None if
+    nothing is known about the forces on the joints.
     """
 
     graph: EnergyGraph
@@ -97,7 +97,7 @@ class BoxEvaluator:
     )
 
     def read(self, box: Sequence[arb]) -> BoxBounds:
-        """What is known on a box."""
+        """The bounds on a box."""
         sides = [around(side) for side in box]
         inertia, run = self._inertia(box, sides), INTERVALS
         net, potential, pull = inertia.inputs, Ends(ZERO, ZERO), list[Ends]()
@@ -198,7 +198,7 @@ class BoxEvaluator:
         return slope, around(height(first))
 
     def _speed(self, slope: Sequence[arb]) -> arb | None:
-        """The bound of the rates, where every joint that counts has one."""
+        """The bound from the rates, if every joint that matters has one."""
         total = ZERO
         for entry, rate in zip(slope, self.rates, strict=True):
             if entry.is_zero():
@@ -210,16 +210,16 @@ class BoxEvaluator:
 
 
 def _exact(side: arb) -> list[fmpz]:
-    """What tells a ball from every other one."""
+    """Integers that identify a ball uniquely."""
     return [number for part in (side.mid(), side.rad()) for number in part.man_exp()]
 
 
-# --- A box of coordinates that a robot may be in, as a proof about its drives reads it ------------
+# --- A box of coordinates that a robot may be in, as input of a proof about its drives ------------
 
 
 @dataclass(frozen=True, slots=True)
 class LeafBox:
-    """Balls around the coordinates; whether a pose in it may be the start's, or the goal's."""
+    """Balls around the coordinates; whether a pose in it may be a start pose, or a goal pose."""
 
     coordinates: tuple[arb, ...]
     start_possible: bool

@@ -1,7 +1,7 @@
-r"""How far, how fast and to what energy drives can bring a robot in a time.
+r"""How far, how fast and to what energy drives can bring a robot in a given time.
 
 Let s' = sqrt(q' M q'), the speed in the kinetic metric, so that s'^2 / 2 is the kinetic energy, and
-E = s'^2 / 2 + V.  The forces on the joints are u - b q' with b >= 0.  From dE/dt = q'(u - b q'),
+E = s'^2 / 2 + V. The forces on the joints are u - b q' with b >= 0. From dE/dt = q'(u - b q'),
 
 .. math:: s' s'' \le \dot q^\top (u - g) \le s' \lVert u - g \rVert_{M^{-1}}, \qquad
     \dot E \le s' \lVert u \rVert_{M^{-1}} \le \sqrt{2 (E - V_{\min})}\, \lVert u \rVert_{M^{-1}}
@@ -10,11 +10,11 @@ so with a >= ||u - g||, p >= ||u|| on the whole motion, and e = E - Vmin,
 
 .. math:: s'(t) \le s'(0) + a t, \qquad \sqrt{2 e(t)} \le \sqrt{2 e(0)} + p t.
 
-Where the joints' rates have bounds r, dE/dt is at most the power P = max of |u| . r too.
+If the joints' rates have bounds r, dE/dt is also at most the power P = max of |u| . r.
 
-(Both quantities are Lipschitz; where one is zero, apply the bound to sqrt(x^2 + d^2) and let d go
-to 0.)  Without friction the same holds backwards from the end, where the speed or the energy is
-known.  The kinetic length of the motion, the integral of s', is at most that of either bound, as
+(Both quantities are Lipschitz; where one is zero, apply the bound to sqrt(x^2 + d^2) and let d tend
+to 0.) Without friction the same holds backwards from the end, if the speed or the energy is known
+there. The kinetic length of the motion, the integral of s', is at most that of either bound, as
 s'^2 <= 2 e.
 """
 
@@ -32,10 +32,10 @@ from compiler.unreachability.actuation_bounds import BoxBounds
 
 @dataclass(frozen=True, slots=True)
 class Ramp:
-    """A quantity x >= 0 on [0, T] whose size changes by at most ``growth`` per second.
+    """A quantity x >= 0 on [0, T] that changes by at most ``growth`` per second.
 
     It is at most ``first`` at the start, and at most ``last`` at the end if that is known and the
-    bound on the growth holds backwards too.
+    bound on the growth also holds backwards.
     """
 
     first: arb
@@ -43,7 +43,7 @@ class Ramp:
     last: arb | None = None
 
     def _turn(self, time: arb) -> arb:
-        """About when the bounds from both ends meet; any time is right, exactly that is best."""
+        """About when the bounds from both ends meet; any time is valid, the exact one is best."""
         if self.last is None:
             return time
         if not self.growth > 0:
@@ -80,7 +80,7 @@ class Budget:
 
 @dataclass(frozen=True, slots=True)
 class RateBounds:
-    """What rate limits of all joints add: the largest s' at such rates, and the power P."""
+    """The bounds from rate limits of all joints: the largest s' at such rates, and the power P."""
 
     speed: arb
     power: arb
@@ -89,14 +89,14 @@ class RateBounds:
 def budget(
     speed: Ramp, energy: Ramp, lowest: arb, time: arb, rates: RateBounds | None = None
 ) -> Budget:
-    """What is left to a motion.
+    """The upper bounds on a motion.
 
     Args:
         speed: s', that is sqrt(2 (E - V)).
         energy: sqrt(2 (E - Vmin)).
         lowest: a lower bound of V on the motion.
         time: T, in seconds.
-        rates: None where some joint has no rate limits.
+        rates: None if some joint has no rate limits.
     """
     top = energy.highest(time)
     fastest = speed.highest(time)
@@ -112,10 +112,9 @@ def budget(
 
 # --- What it takes to bring a measure f from one value to another, level by level -----------------
 #
-# From f <= low to f >= high (or back) a motion passes every level between.  While f is in [l, l +
-# w],
-# |df| <= c ds with the largest steepness c of the boxes where f may have such values, so that its
-# kinetic length L and its time T are
+# From f <= low to f >= high (or back) a motion passes every level between. While f is in the
+# interval [l, l + w], |df| <= c ds with the largest steepness c of the boxes where f may have such
+# values. So its kinetic length L and its time T satisfy
 #
 # .. math:: L \ge \sum_k w_k / c_k, \qquad T \ge \sum_k w_k / \min(c_k s_k, r_k)
 #
@@ -124,9 +123,9 @@ def budget(
 
 
 LEVELS = 24
-"""Parts of the way between two values."""
+"""The number of levels between two values."""
 TINY = arb(2) ** -200
-"""Stands for a slope of zero: such levels take as good as for ever."""
+"""Stands for a slope of zero: such levels take practically infinite time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,14 +139,14 @@ class Needed:
 def needed(
     measure: int, low: arb, high: arb, all_bounds: Sequence[BoxBounds], budget: Budget | None
 ) -> Needed:
-    """What the motion needs from one value of a measure to another.
+    """The least length and time of a motion from one value of a measure to another.
 
     Args:
         measure: its number in the bounds.
         low: the one value, exact.
         high: the other value, exact and larger.
-        all_bounds: of all boxes that the motion may be in.
-        budget: bounds on the motion; None where nothing is known.
+        all_bounds: the bounds of all boxes that the motion may be in.
+        budget: bounds on the motion; None if nothing is known.
     """
     edges = [low, *((low + (high - low) * j / LEVELS).mid() for j in range(1, LEVELS)), high]
     length = time = arb(0)
@@ -158,7 +157,7 @@ def needed(
             if not (box.courses[measure].high < first or box.courses[measure].low > last)
         ]
         if not here:
-            continue  # no pose has such a value: nothing is counted, which is less than there is
+            continue  # no pose has such a value: counting nothing gives a smaller, valid bound
         steepness = largest([box.courses[measure].steepness for box in here])
         if steepness is not None:
             length += (last - first) / steepness.max(TINY)
@@ -184,7 +183,7 @@ def _speed(
 
 
 def largest(values: Sequence[arb | None]) -> arb | None:
-    """The largest of numbers that are at least zero; None if one is not known."""
+    """The largest of some non-negative numbers; None if one is unknown."""
     result = arb(0)
     for value in values:
         if value is None:
@@ -201,11 +200,11 @@ def least(values: Sequence[arb]) -> arb:
     return result
 
 
-# --- How far a momentum brings its measure up, or down, where weight pulls one way ----------------
+# --- How far a momentum raises or lowers its measure if weight pulls one way ----------------------
 #
 # Let p grow by at most ``growth`` per second, which may be negative, and be at most ``first`` at
-# the start.  Then the positive part of p is at most that of first + growth t; in the same way
-# backwards from the end, where p is known.  Twice: for p, and for -p.
+# the start. Then the positive part of p is at most that of first + growth t, and likewise backwards
+# from the end if p is known there. This is used twice: for p, and for -p.
 
 
 ZERO = arb(0)
@@ -219,7 +218,7 @@ class Side:
     growth: arb
 
     def area(self, time: arb) -> arb:
-        """An upper bound of the integral of the positive part of p over so many seconds."""
+        """An upper bound of the integral of the positive part of p over the given time (s)."""
         if self.growth < 0 and not self.size + self.growth * time >= 0:
             return (self.size * self.size / (-2 * self.growth)).upper()
         return (self.size * time + self.growth * time * time / 2).upper()
@@ -231,7 +230,7 @@ def climb(first: Side, last: Side | None, time: arb) -> arb:
         return first.area(time)
     turn, steepness = time, first.growth + last.growth
     if steepness > 0:
-        # Any instant is right; best is where both bounds meet.
+        # Any instant is valid; the best one is where both bounds meet.
         meeting = (last.size + last.growth * time - first.size) / steepness
         turn = meeting.mid().max(ZERO).min(time)
     return (first.area(turn) + last.area(time - turn)).upper().min(first.area(time))
@@ -239,7 +238,7 @@ def climb(first: Side, last: Side | None, time: arb) -> arb:
 
 @dataclass(frozen=True, slots=True)
 class OneWay:
-    """A measure on a line: its values at the start and the goal, how far it gets up and down."""
+    """A measure on a line: its values at the start and the goal, and how far it goes up, down."""
 
     start: Ends
     goal: Ends

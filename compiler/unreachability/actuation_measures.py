@@ -1,4 +1,4 @@
-"""Measures of a motion that drives change at a bounded rate, momenta among them."""
+"""Measures of a motion that drives change at a bounded rate, including momenta."""
 
 from __future__ import annotations
 
@@ -25,29 +25,29 @@ from grammar_lang import ir
 #
 # .. math:: \dot p = u_c - g_c, \qquad p = M_{cc}(q_s)\, \dot q_c + M_{cs}(q_s)\, \dot q_s,
 #
-# so that the size of p grows by at most |u_c| + |g_c| per second.  With F' = M_cs / M_cc,
+# so the size of p grows by at most |u_c| + |g_c| per second. With F' = M_cs / M_cc,
 #
 # .. math:: \xi = q_c + F(q_s), \qquad \dot\xi = p / M_{cc}.
 #
-# Only the drive of c moves xi, whatever the other one does: of an arm, how far it has turned but
-# for the turning that comes from folding and unfolding.  F is a function where s has a range: on a
-# full turn it may be that folding all the way round turns the arm.
+# Only the drive of c moves xi, whatever the other one does: for an arm, xi is its rotation without
+# the part that comes from folding and unfolding. F is a function only if s has a range: on a full
+# turn, folding all the way round may turn the arm.
 #
-# A coordinate that M does not couple to any other one, of however many, has F = 0.  Friction at c
-# then only brakes xi.
+# A coordinate that M does not couple to any other one, of any number, has F = 0. Friction at c then
+# only brakes xi.
 #
 # Source: Goldstein, *Classical Mechanics*, section 2.6 (cyclic coordinates).
 
 
 CELLS = 128
-"""Parts of the range of s on which F' is enclosed."""
+"""The number of parts of the range of s on which F' is enclosed."""
 
 
 @dataclass(frozen=True, slots=True)
 class MomentumMeasure:
-    """xi; ``edges`` of the cells of q_s (exact), F at each edge, and F' on each cell.
+    """The measure xi; ``edges`` of the cells of q_s (exact), F at each edge, and F' on each cell.
 
-    A ``circle`` where full turns of c lead back.  ``shape`` is None where xi is q_c.
+    It is a ``circle`` if full turns of c lead back. ``shape`` is None if xi is q_c.
     """
 
     cyclic: int
@@ -60,7 +60,7 @@ class MomentumMeasure:
 
     @property
     def name(self) -> str:
-        """Whose it is."""
+        """The joint it belongs to."""
         return f"joint {self.cyclic + 1}"
 
     def over(self, box: Sequence[Ends]) -> Ends:
@@ -84,7 +84,7 @@ class MomentumMeasure:
 
 @dataclass(frozen=True, slots=True)
 class Momentum:
-    """On a box: M_cc at least, |p| at rates up to one at most, and the ends of g_c."""
+    """Bounds on a box: M_cc at least, |p| at rates up to one at most, and the ends of g_c."""
 
     inertia: arb
     unit: arb
@@ -92,14 +92,14 @@ class Momentum:
 
     @property
     def most_pull(self) -> arb:
-        """|g_c| at most."""
+        """An upper bound of |g_c|."""
         return abs(self.pull.ball()).upper()
 
 
 def momentum_of(
     cyclic: int, size: int, mass: Sequence[Ends], pull: Sequence[Ends]
 ) -> Momentum | None:
-    """What M and g say of a box; None where M_cc is not shown to be positive."""
+    """The momentum bounds that M and g give on a box; None if M_cc is not proven positive."""
     row = [mass[j * size + cyclic] for j in range(size)]
     weight = Ends(arb(0), arb(0)) if not pull else pull[cyclic]
     if not (row[cyclic].low > 0 and all(item.finite for item in (*row, weight))):
@@ -155,7 +155,7 @@ def _coupled(
     sides: Sequence[arb],
     cyclic: int,
 ) -> MomentumMeasure | None:
-    """The measure of one of two coordinates, where there is one."""
+    """The measure of one of two coordinates, if there is one."""
     shape = 1 - cyclic
     if model.dofs[shape].range is None and model.dofs[shape].kind == "revolute":
         return None
@@ -177,19 +177,19 @@ def _coupled(
 
 
 # --------------------------------------------------------------------------------------------------
-# What is measured of a motion: coordinates, heights of the effector, and what momentum turns.
+# The measures of a motion: coordinates, heights of the effector, and angles driven by momentum.
 #
-# A measure is a smooth function of the coordinates.  What keeps it from changing much keeps the
-# robot from its goal.
+# A measure is a smooth function of the coordinates. A bound on its change is a bound on how near
+# the robot can get to its goal.
 
 
 GRID = 4096
-"""Directions are rounded to multiples of 1 / GRID: any direction is right."""
+"""Directions are rounded to multiples of 1 / GRID: any direction is valid."""
 
 
 @dataclass(frozen=True, slots=True)
 class CoordinateMeasure:
-    """The coordinate of one degree of freedom; a ``circle`` where full turns lead back."""
+    """The coordinate of one degree of freedom; a ``circle`` if full turns lead back."""
 
     dof: int
     unit: str
@@ -197,7 +197,7 @@ class CoordinateMeasure:
 
     @property
     def name(self) -> str:
-        """Whose it is."""
+        """The joint it belongs to."""
         return f"joint {self.dof + 1}"
 
 
@@ -205,7 +205,7 @@ class CoordinateMeasure:
 class HeightMeasure:
     """The height ``normal . p`` of an effector p (from 0).
 
-    ``start`` and ``goal`` bound it there if the regions do: lower and upper end.
+    ``start`` and ``goal`` are its lower and upper end there, if the regions bound it.
     """
 
     effector: int
@@ -217,12 +217,12 @@ class HeightMeasure:
 
     @property
     def name(self) -> str:
-        """Whose it is."""
+        """The effector it belongs to."""
         return f"effector {self.effector + 1}"
 
     @property
     def length(self) -> float:
-        """Of the normal, for reports."""
+        """The length of the normal, for reports."""
         return math.hypot(*map(float, self.normal))
 
 
@@ -230,7 +230,7 @@ Measure = CoordinateMeasure | HeightMeasure | MomentumMeasure
 
 
 def coordinate_measures(model: RobotModel) -> list[CoordinateMeasure]:
-    """One per degree of freedom."""
+    """The coordinates of all degrees of freedom as measures."""
     return [
         CoordinateMeasure(
             number,
@@ -265,7 +265,7 @@ Corners = Sequence[tuple[Fraction, ...]]
 
 
 def _corners(rows: Sequence[ir.HalfSpace]) -> Corners | None:
-    """The vertices of a bounded set with points."""
+    """The vertices of a non-empty bounded set; None for other sets."""
     polytope = Polytope(tuple(rows))
     return polytope.vertices if polytope.is_bounded and not polytope.is_empty else None
 
@@ -278,7 +278,7 @@ def _extent(normal: Sequence[Fraction], corners: Corners | None) -> tuple[arb, a
 
 
 def _normals(passage: Passage) -> Iterator[tuple[Fraction, ...]]:
-    """Of the faces of both regions."""
+    """The normals of the faces of both regions."""
     starting = passage.start.rows if isinstance(passage.start, PointIn) else ()
     for row in (*starting, *passage.goal.rows):
         if any(row.normal):
@@ -286,7 +286,7 @@ def _normals(passage: Passage) -> Iterator[tuple[Fraction, ...]]:
 
 
 def _nearest(start: Corners, goal: Corners) -> Iterator[tuple[Fraction, ...]]:
-    """From a corner to the nearest of the other set."""
+    """The direction between the nearest corners of two sets."""
     pairs = [(_difference(a, b), a, b) for a in start for b in goal]
     difference, _, _ = min(pairs, key=lambda pair: (math.hypot(*pair[0]), pair[1:]))
     if any(difference):
@@ -303,7 +303,7 @@ def _rounded(direction: Sequence[float]) -> tuple[Fraction, ...]:
 
 
 def _separation(normal: Sequence[Fraction], start: Corners, goal: Corners) -> float:
-    """The distance that a direction shows, in floating point."""
+    """The distance between two sets along a direction, in floating point."""
     one = [float(_dot(normal, corner)) for corner in start]
     other = [float(_dot(normal, corner)) for corner in goal]
     gap = max(min(other) - max(one), min(one) - max(other))

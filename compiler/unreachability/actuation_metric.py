@@ -1,18 +1,18 @@
-r"""Bounds of the inverse of a mass matrix on a box: what a force can do to a robot there.
+r"""Bounds of the inverse of a mass matrix on a box, and so of the effect of forces there.
 
 With a regular matrix W and a lower bound l > 0 of the eigenvalues of W M W' for every M of the box,
 
 .. math:: W M W^\top \succeq l\, 1 \quad\Rightarrow\quad M^{-1} \preceq \frac{W^\top W}{l}
 
-(so M is positive definite on the box, and W regular).  W is the inverse of the Cholesky factor in
-the middle, in floating point: any W is right, a good one brings l near to 1.  The eigenvalues of a
-symmetric matrix are in Gershgorin's discs; how much heavier than in the middle a robot gets is no
-matter.  M is enclosed entry by entry, and by its centred form:
+(so M is positive definite on the box, and W regular). W is the inverse of the Cholesky factor at
+the middle, in floating point: any W is valid, a good one brings l close to 1. The eigenvalues of a
+symmetric matrix are in Gershgorin's discs. It does not matter how much heavier than at the middle a
+robot gets. M is enclosed entry by entry, and by its centred form:
 
 .. math:: W M(x) W^\top \in W M(c) W^\top
     + \sum_k W\, \partial_k M(X)\, W^\top\, (X_k - c_k)
 
-in which the entries keep to each other: much sharper where W is large.
+which preserves dependencies between the entries: it is much sharper where W is large.
 
 Source: Horn & Johnson, *Matrix Analysis*, corollary 7.7.4 (inverses reverse the order).
 """
@@ -56,8 +56,8 @@ class Metric:
         .. math:: u^\top G u \le \sum_{g,h} \lVert G_{gh} \rVert\, U_g U_h, \qquad
             \lVert G_{gh} \rVert^2 \le \lVert G_{gh} \rVert_1 \lVert G_{gh} \rVert_\infty
 
-        for G = W'W, with a group for every joint whose input is bounded alone: then the bound is
-        attained where the signs of G allow it, as for chains of two links.
+        for G = W'W, with a separate group for every joint whose input is bounded alone. The bound
+        is then attained if the signs of G allow it, as for chains of two links.
         """
         gram = self.factor.transpose() * self.factor
         blocks = [
@@ -74,7 +74,7 @@ class Metric:
 
 @dataclass(frozen=True, slots=True)
 class EnclosedMass:
-    """M over a box, at its middle, and its derivatives times the radii of the box; all by columns.
+    """M over a box, at its middle, and its derivatives with the radii of the box; all by columns.
 
     A derivative is multiplied by [-r, r] for the radius r of the box in its variable.
     """
@@ -85,13 +85,13 @@ class EnclosedMass:
 
     @property
     def finite(self) -> bool:
-        """Whether all is known."""
+        """Whether all entries are finite."""
         lists = [self.over, self.middle, *(slopes for slopes, _ in self.changes)]
         return all(entry.finite for entries in lists for entry in entries)
 
 
 def metric(mass: EnclosedMass, size: int) -> Metric | None:
-    """The metric of an enclosed mass matrix; None where it is too wide."""
+    """The metric of an enclosed mass matrix; None if the enclosure is too wide."""
     if not mass.finite:
         return None
     middle = _square(mass.middle, size)
@@ -116,7 +116,7 @@ def _square(entries: Sequence[Ends], size: int) -> arb_mat:
 
 
 def _least_eigenvalue(matrix: arb_mat) -> arb:
-    """A lower bound of the eigenvalues of a symmetric matrix: of Gershgorin's discs."""
+    """A lower bound of the eigenvalues of a symmetric matrix, from Gershgorin's discs."""
     size = matrix.nrows()
     found = []
     for i in range(size):
@@ -143,7 +143,7 @@ def kinetic_speed(mass: Sequence[Ends], rates: Sequence[arb]) -> arb:
 def most_power(groups: Sequence[EffortGroup], rates: Sequence[arb | None]) -> arb | None:
     """An upper bound of u . v for inputs u within bounds and rates |v_i| <= rates[i].
 
-    None where a joint has no such bound.
+    None if a joint has no such bound.
     """
     total = arb(0)
     for group in groups:

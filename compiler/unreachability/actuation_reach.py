@@ -1,13 +1,13 @@
-"""The proof that a goal is out of reach of the drives of a robot, for a box of its parameters.
+"""The proof that a robot's drives cannot reach a goal, for a box of its parameters.
 
-What holds for every motion that keeps the effort bounds, the limits of rates and accelerations
-of the joints and the horizon:
-docs/decisions/0040-out-of-reach-of-the-drives.md has the bounds and their proofs.  All in
-balls and intervals; floats choose directions and preconditioners only.
+It covers every motion that keeps the effort bounds, the limits of rates and accelerations of the
+joints and the horizon. docs/decisions/0040-out-of-reach-of-the-drives.md has the bounds and their
+proofs. All computations are in balls and intervals; floats only choose directions and
+preconditioners.
 
-Nothing is said of forces on a robot whose modules have states or inputs of their own, or a torque
-other than ``u - b * rate(q)`` with b >= 0; its rate limits count all the same.  Dry friction takes
-energy, as this damping does; what is known of momentum, and backwards in time, is left out then.
+Forces are not bounded for a robot whose modules have states or inputs of their own, or a torque
+other than ``u - b * rate(q)`` with b >= 0; its rate limits still count. Dry friction dissipates
+energy, as this damping does; arguments about momentum, and backwards in time, are then left out.
 """
 
 from __future__ import annotations
@@ -47,15 +47,15 @@ from compiler.workspaces.polytope import polytope_of
 from grammar_lang import ir
 
 ROUNDS = 12
-"""So often at most the set of boxes is made smaller."""
+"""The most rounds in which the set of boxes is reduced."""
 
 
 @dataclass(frozen=True, slots=True)
 class DriveBound:
-    """Why no motion reaches the goal: it needs more of something (``unit``) than can be had.
+    """Why no motion reaches the goal: it needs more of something (``unit``) than is available.
 
-    ``reason`` goes behind "out of reach of the drives: ".  ``needed`` and ``available`` are None
-    where only several reasons together exclude all boxes.
+    ``reason`` follows "out of reach of the drives: ". ``needed`` and ``available`` are None if only
+    several reasons together exclude all boxes.
     """
 
     reason: str
@@ -77,13 +77,13 @@ class DriveReach:
 
 
 def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> DriveReach:
-    """What is needed of a robot and a task, both without maps.
+    """The data of a robot and a task that the proof needs, both without maps.
 
     Raises:
         ValueError: the rules of the robot have no exact value.
     """
     graph = energy_graph(model, task.gravity)
-    # Of robots that take loads up and put them down no energy is known.
+    # For robots that pick up and put down loads, no energy is known.
     known = graph.damping is not None and not unbounded_kinds(model, task) and not task.carries
     return DriveReach(
         model,
@@ -98,16 +98,16 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
 def out_of_reach(
     drive: DriveReach, passage: Passage, parameters: Sequence[Ends], leaves: Sequence[LeafBox]
 ) -> DriveBound | None:
-    """Why no motion goes through a passage, for all parameters of a box; None: nothing is shown.
+    """Why no motion makes a passage, for all parameters of a box; None if nothing is proven.
 
     Args:
         drive: the robot in its task.
         passage: the start and the goal, for one choice of effectors.
         parameters: the sides of the box of parameters.
-        leaves: boxes of the joints' own coordinates, in SI, that hold every pose that a motion may
-            take before its goal; full turns in [-pi, pi].  A pose of the start is in one with
-            ``start_possible`` (a given pose, or one within ``NEAR`` of it), one of the goal in one
-            with ``goal_possible``.
+        leaves: boxes of the joints' own coordinates, in SI units, that contain every pose that a
+            motion may take before its goal; full turns are [-pi, pi]. Every start pose (a given
+            pose, or one within ``NEAR`` of it) is in a box with ``start_possible``, every goal pose
+            in one with ``goal_possible``.
     """
     known = all(side.is_finite() for leaf in leaves for side in leaf.coordinates)
     if not (known and drive.model.dofs):
@@ -128,7 +128,7 @@ def out_of_reach(
 def _region(
     drive: DriveReach, passage: Passage, parameters: Sequence[Ends], leaves: Sequence[LeafBox]
 ) -> Region:
-    """All boxes, with what is known of each."""
+    """All boxes, with the bounds on each."""
     model, task = drive.model, drive.task
     tail = [*parameters, *(around(constant_ball(item)) for item in drive.graph.constants)]
     damping = _damping(drive, tail)
@@ -170,7 +170,7 @@ def _region(
 def _turned(
     drive: DriveReach, tail: Sequence[Ends], leaves: Sequence[LeafBox]
 ) -> list[MomentumMeasure]:
-    """What only the drive of one joint can change, where there is such a thing."""
+    """The measures that only the drive of one joint can change, if there are any."""
     if drive.groups is None or not leaves or dry_friction(drive.model):
         return []
     hulls = [leaves[0].coordinates[i] for i in range(len(drive.model.dofs))]
@@ -183,7 +183,7 @@ def _turned(
 def _pushes(
     drive: DriveReach, damping: Sequence[Ends], measures: Sequence[MomentumMeasure]
 ) -> dict[int, arb]:
-    """The bounds of the inputs of joints without friction, or whose friction brakes no other."""
+    """The input bounds of joints without friction, or whose friction brakes no other joint."""
     bounds = {joint: group.bound for group in drive.groups or () for joint in group.joints}
     return {
         joint: bounds[joint]
@@ -194,7 +194,7 @@ def _pushes(
 
 
 def _damping(drive: DriveReach, tail: Sequence[Ends]) -> list[Ends]:
-    """The friction of all joints; none where nothing is said of forces."""
+    """The friction of all joints; empty if nothing is known about forces."""
     if drive.graph.damping is None:
         return []
     zero = Ends(arb(0), arb(0))
@@ -213,15 +213,15 @@ def _groups(model: RobotModel, task: ir.Task) -> tuple[EffortGroup, ...]:
 
 
 def _first_rate(task: ir.Task) -> arb:
-    """The largest size of any joint's rate at the start."""
+    """The largest absolute rate of any joint at the start."""
     return ball(task.start.rates if isinstance(task.start, ir.StartIn) else Fraction(0))
 
 
 def _rate(dof: RobotDof, task: ir.Task) -> arb | None:
-    """The largest size of a joint's rate within the horizon; None where nothing bounds it.
+    """The largest absolute rate of a joint within the horizon; None if nothing bounds it.
 
-    An acceleration up to a lets a rate grow by a t from the start, and come from no more than
-    a (T - t) above a final one, so that it is half the sum of all of these at most.
+    An acceleration of at most a lets a rate grow by at most a t from the start, and the rate
+    exceeds a final rate by at most a (T - t). So it is at most half the sum of all of these.
     """
     bounds = list[arb]()
     if dof.rate is not None:
@@ -235,7 +235,7 @@ def _rate(dof: RobotDof, task: ir.Task) -> arb | None:
 
 
 def _energy(region: Region, budget: Budget | None) -> DriveBound | None:
-    """The goal is higher than the energy of the motion."""
+    """The goal requires more energy than the motion can have."""
     if budget is None:
         return None
     goal = least([box_bounds.potential.low for box_bounds in region.goals])
@@ -248,7 +248,7 @@ def _energy(region: Region, budget: Budget | None) -> DriveBound | None:
 
 
 def _change(drive: DriveReach, region: Region, budget: Budget | None) -> DriveBound | None:
-    """A measure has to change by more than it can."""
+    """A measure would have to change by more than it can."""
     for number, measure in enumerate(region.measures):
         if isinstance(measure, MomentumMeasure):
             found = _unturned(region, number, measure)
@@ -312,7 +312,7 @@ def _seconds(drive: DriveReach) -> str:
 
 
 def _apart(needs: float, has: float) -> tuple[str, str]:
-    """Two different numbers with so many digits that the first one is shown as the larger."""
+    """Two different numbers with enough digits to show the first one as the larger."""
     digits = 3
     while digits < 17 and not float(f"{needs:.{digits}g}") > float(f"{has:.{digits}g}"):
         digits += 1

@@ -1,13 +1,13 @@
 r"""The boxes that a motion with bounded drives may be in, from its start to its goal.
 
-R is a set of boxes that holds the whole motion up to its goal.  Bounds on it follow from the
-largest slopes and inputs in R (``actuation_levels.py``): kinetic length L, speed, energy E.  A
-measure changes by at most its steepness times L in all, and by at most its speed times T.  So the
-motion keeps to those boxes of R that
+R is a set of boxes that contains the whole motion up to its goal. Bounds on the motion follow from
+the largest slopes and inputs in R (``actuation_levels.py``): kinetic length L, speed, energy E. A
+measure changes by at most its steepness times L in total, and by at most its speed times T. So the
+motion stays in those boxes of R that
 
 - have points with V <= E,
-- are not farther from start and goal together, in any measure, than the measure can change,
-- are joined by such boxes to the start and to the goal,
+- have a total distance from start and goal, in every measure, of at most its largest change,
+- are connected by such boxes to the start and to the goal,
 
 and these are the next R.
 """
@@ -49,11 +49,11 @@ ZERO = arb(0)
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the task says of the motion: T (s), and the sizes of the joints' rates in SI.
+    """The limits that the task sets: T (s), and the absolute rates of the joints in SI units.
 
-    ``last_rate`` at the goal is None where nothing is said, or forces are not known backwards;
-    ``power`` (W) of all inputs, where not all rates have limits.  ``pushes`` bound the inputs of
-    joints whose momentum is measured, where friction has no part in it.
+    ``last_rate`` at the goal is None if the task does not limit it, or forces are not known
+    backwards; ``power`` (W) of all inputs is None if not all rates have limits. ``pushes`` bounds
+    the inputs of joints whose momentum is measured, if friction has no part in it.
     """
 
     time: arb
@@ -67,7 +67,7 @@ class Limits:
 class Region:
     """The set R: ``within`` says which of the boxes belong to it, (K,).
 
-    ``given`` holds the bounds at the start pose where the task has one.
+    ``given`` holds the bounds at the start pose if the task gives one.
     """
 
     measures: Sequence[Measure]
@@ -94,21 +94,21 @@ class Region:
 
     @property
     def inside(self) -> list[BoxBounds]:
-        """The bounds of all boxes."""
+        """The bounds of all boxes in R."""
         return self._of(self.within)
 
     @property
     def sources(self) -> list[BoxBounds]:
-        """Of those that the motion may start in."""
+        """The bounds of the boxes in which the motion may start."""
         return [self.given] if self.given is not None else self._of(self.within & self._starts)
 
     @property
     def goals(self) -> list[BoxBounds]:
-        """Of those that it may end in."""
+        """The bounds of the boxes in which it may end."""
         return self._of(self.within & self._goals)
 
     def budget(self) -> Budget | None:
-        """Bounds on the motion; None where M or the forces are not known in some box."""
+        """Bounds on the motion; None if M or the forces are unknown in some box."""
         inside, sources, goals = self.inside, self.sources, self.goals
         net = largest([box_bounds.net for box_bounds in inside])
         inputs = largest([box_bounds.inputs for box_bounds in inside])
@@ -133,7 +133,7 @@ class Region:
         return budget(Ramp(first, net, last), energy, lowest, self.limits.time, rates)
 
     def shrink(self, found: Budget | None) -> bool:
-        """Leave out what the motion cannot be in; whether there was any."""
+        """Remove boxes that the motion cannot be in; return whether there were any."""
         kept = self.within.copy()
         reaches = [self.change(number, found) for number in range(len(self.measures))]
         ways = [_Ways(self, number) for number in range(len(self.measures))]
@@ -167,7 +167,7 @@ class Region:
         return Ends(low, high) if known is None else Ends(low.max(known[0]), high.min(known[1]))
 
     def spans(self, number: int, *, start: bool) -> Iterator[Ends]:
-        """Intervals that hold these values: of an effector one, else as few as there are gaps."""
+        """Intervals that contain these values: one for an effector, else split at the gaps."""
         if isinstance(self.measures[number], HeightMeasure):
             yield self.ends(number, start=start)
             return
@@ -183,12 +183,12 @@ class Region:
         yield Ends(low, high)
 
     def least_way(self, number: int) -> arb:
-        """How far a measure has to go from the start to the goal, at least."""
+        """A lower bound on the distance of a measure from the start to the goal."""
         way = _Ways(self, number)
         return least([way.from_start(span) for span in self.spans(number, start=False)])
 
     def change(self, number: int, found: Budget | None) -> arb | None:
-        """How much a measure can change in all."""
+        """An upper bound on the total change of a measure."""
         measure = self.measures[number]
         if isinstance(measure, MomentumMeasure):
             return self._drift(measure.cyclic)
@@ -202,7 +202,7 @@ class Region:
         return by_length if by_rates is None else by_length.min(by_rates)
 
     def one_way(self, number: int) -> OneWay | None:
-        """How far momentum brings a measure up, and down; None on circles, or if not known."""
+        """How far momentum raises a measure, and lowers it; None on circles, or if unknown."""
         measure = self.measures[number]
         if measure.circle or not isinstance(measure, MomentumMeasure):
             return None
@@ -223,7 +223,7 @@ class Region:
         return OneWay(self.ends(number, start=True), self.ends(number, start=False), up, down)
 
     def _drift(self, cyclic: int) -> arb | None:
-        """How much momentum can change its measure."""
+        """An upper bound on how much momentum changes its measure."""
         found = self._momentum(cyclic)
         if found is None:
             return None
@@ -232,7 +232,7 @@ class Region:
         return (ramp.integral(self.limits.time) / found.inside.inertia).upper()
 
     def _momentum(self, cyclic: int) -> _Momenta | None:
-        """What is known of the momentum of a coordinate; None where its drive is not."""
+        """The bounds on the momentum of a coordinate; None if its drive is unknown."""
         inside, last = together(self.inside, cyclic), self.limits.last_rate
         first, goals = together(self.sources, cyclic), together(self.goals, cyclic)
         if cyclic not in self.limits.pushes or inside is None or first is None or goals is None:
@@ -244,7 +244,7 @@ class Region:
         )
 
     def _kinetic(self, all_bounds: Sequence[BoxBounds], rate: arb) -> arb | None:
-        """The kinetic speed where all rates are at most ``rate``."""
+        """The kinetic speed if all rates are at most ``rate``."""
         if rate.is_zero():
             return ZERO
         unit = largest([box_bounds.unit_speed for box_bounds in all_bounds])
@@ -259,7 +259,7 @@ class Region:
 
 @dataclass(frozen=True, slots=True)
 class _Momenta:
-    """Of a momentum: what holds on all boxes, its size at the start, and at the end if known."""
+    """Bounds on a momentum: on all boxes, its size at the start, and at the end if known."""
 
     inside: Momentum
     first: arb
@@ -267,7 +267,7 @@ class _Momenta:
 
 
 class _Ways:
-    """How far a measure has to go from the start to a box and on to the goal, at least."""
+    """Lower bounds on the distance of a measure from the start to a box and on to the goal."""
 
     def __init__(self, region: Region, number: int) -> None:
         self.number = number
@@ -277,7 +277,7 @@ class _Ways:
         self._known: dict[object, arb] = {}
 
     def least(self, course: Course) -> arb:
-        """A lower bound; not more than any of it where nothing is known."""
+        """A lower bound; not a large one if nothing is known."""
         key = _key(course)
         if key not in self._known:
             side = Ends(course.low, course.high)
@@ -305,7 +305,7 @@ def _apart(side: Ends, span: Ends, shift: arb) -> arb:
 
 
 def together(all_bounds: Sequence[BoxBounds], cyclic: int) -> Momentum | None:
-    """What holds of a momentum on all of some boxes."""
+    """The momentum bounds that hold on all of the given boxes."""
     found = [
         item for box_bounds in all_bounds if (item := box_bounds.momenta.get(cyclic)) is not None
     ]
@@ -317,7 +317,7 @@ def together(all_bounds: Sequence[BoxBounds], cyclic: int) -> Momentum | None:
 
 
 def _energy(all_bounds: Sequence[BoxBounds], speed: arb, lowest: arb) -> arb:
-    """The square root of 2 (E - Vmin), where kinetic speeds are at most ``speed``."""
+    """The square root of 2 (E - Vmin), if kinetic speeds are at most ``speed``."""
     highest = -least([-box_bounds.potential.high for box_bounds in all_bounds])
     above = (highest - lowest).max(ZERO)
     return (2 * above + speed * speed).upper().sqrt().upper()
@@ -329,19 +329,19 @@ def _key(course: Course) -> object:
     return (*course.low.man_exp(), *course.high.man_exp())
 
 
-# --- Boxes of coordinates that chains of touching boxes join to others; none is missed ------------
+# --- Boxes of coordinates that chains of touching boxes connect to others; none is missed ---------
 #
-# The sides are floats that reach a little beyond the boxes: a few boxes too many may touch.
+# The sides are floats that extend slightly beyond the boxes: a few boxes too many may touch.
 
 
 Flags = NDArray[np.bool_]
 BEYOND = 1e-9
-"""By so much each side is longer than the box, relative to its place where that is above one."""
+"""The length added to each side, relative to its position if that is above one."""
 FULL_TURN = 6.283185307179586
 
 
 class Neighbourhood:
-    """Closed boxes (K,) of n coordinates; ``circles`` says which of those are full turns."""
+    """Closed boxes (K,) of n coordinates; ``circles`` marks the coordinates that are full turns."""
 
     def __init__(self, boxes: Sequence[Sequence[arb]], circles: Sequence[bool]) -> None:
         shape = (len(boxes), len(circles))
@@ -352,7 +352,7 @@ class Neighbourhood:
         self.circles = tuple(circles)
 
     def joined(self, seeds: Flags, among: Flags) -> Flags:
-        """Those of some boxes that chains of touching ones of them join to seeds, (K,)."""
+        """The given boxes that chains of touching ones among them connect to seeds, (K,)."""
         reached = seeds & among
         waiting = [int(i) for i in np.flatnonzero(reached)]
         rest = np.flatnonzero(among & ~reached)

@@ -1,4 +1,4 @@
-"""Coverings of boxes by halving: a tree over parameters, at each leaf one over coordinates."""
+"""Coverings of boxes by halving: a tree over parameters, with trees over coordinates at leaves."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from grammar_lang import ir
 class RangeSide:
     """The closed range between two real numbers, given by balls around them.
 
-    Parts are fractions of the range, exact however the ends are known: two parts touch iff their
-    fractions do.  A ``circle`` is a full turn whose ends are one point.
+    Parts are fractions of the range and thus exact, however precisely the ends are known: two parts
+    touch iff their fractions do. A ``circle`` is a full turn whose ends are one point.
     """
 
     low: arb
@@ -32,7 +32,7 @@ class RangeSide:
     circle: bool = False
 
     def enclosure(self, part: Part) -> Ends:
-        """An interval around a part; undefined where the ends have no finite value."""
+        """An interval around a part; undefined if the ends have no finite value."""
         width, steps = self.high - self.low, 1 << part.halvings
         first = self.low + width * ball(Fraction(part.number, steps))
         last = self.low + width * ball(Fraction(part.number + 1, steps))
@@ -41,7 +41,7 @@ class RangeSide:
 
 @dataclass(frozen=True, slots=True)
 class ChoiceSide:
-    """A finite set of numbers, given by balls around them, as they are listed."""
+    """A finite set of numbers, given by balls around them, in the order listed."""
 
     values: tuple[arb, ...]
 
@@ -51,7 +51,7 @@ class ChoiceSide:
         return False
 
     def chosen(self, part: Part) -> tuple[int, int]:
-        """The first number in the list of a part, and the one behind its last.
+        """The index of the first number of a part, and the index after its last.
 
         Raises:
             BoxTreeError: a single value is halved.
@@ -82,9 +82,9 @@ def parameter_sides(model: RobotModel) -> tuple[Side, ...]:
 
 
 def coordinate_sides(model: RobotModel) -> tuple[RangeSide, ...] | None:
-    """The ranges of the coordinates; None where a prismatic joint has none.
+    """The ranges of the coordinates; None if a prismatic joint has no range.
 
-    An unlimited revolute joint turns about a circle, from -pi to pi.
+    An unlimited revolute joint has a circle, from -pi to pi.
     """
     found = [_coordinate(dof) for dof in model.dofs]
     known = [side for side in found if side is not None]
@@ -108,24 +108,24 @@ def _coordinate(dof: RobotDof) -> RangeSide | None:
     return RangeSide(-arb.pi(), arb.pi(), circle=True) if dof.kind == "revolute" else None
 
 
-# --- Coverings of boxes by halving: a tree over parameters, at each leaf one over coordinates -----
+# --- Coverings of boxes by halving: a tree over parameters with trees over coordinates ------------
 #
-# A tree is the list of its nodes in prefix order: a node that halves is the number of what it
-# halves, followed by the tree of the first half and that of the second one.  As text: ``boxes 1``,
-# then one letter per node, blanks and line ends left out.  ``A B ...`` halve the first, second ...
-# parameter, ``a b ...`` the coordinates; ``.`` is a box of coordinates.  ``|`` (no way through) or
-# ``!`` (out of reach of the drives) is a box of parameters, and a tree of coordinates follows.
-# ``$`` is one whose robots have too much of an objective, and nothing follows.
+# A tree is the list of its nodes in prefix order: a node that halves is the number of the side that
+# it halves, followed by the trees of the first and the second half. As text: ``boxes 1``, then one
+# letter per node, ignoring blanks and line ends. ``A B ...`` halve the first, second ... parameter,
+# ``a b ...`` the coordinates; ``.`` is a box of coordinates. ``|`` (no way through) or ``!`` (out
+# of reach of the drives) is a box of parameters, followed by a tree of coordinates. ``$`` is a box
+# whose robots have too much of an objective, and nothing follows.
 
 
 HEADER = "boxes 1"
 MOST_VARIABLES = len(string.ascii_lowercase)
-"""Of parameters, and of coordinates."""
+"""The most parameters, and the most coordinates."""
 MOST_HALVINGS = 60
-"""Of one side: positions of its parts are then 64-bit integers."""
+"""The most halvings of one side: positions of its parts then fit 64-bit integers."""
 MOST_NODES = 1_000_000
 LINE = 100
-"""Letters on a line."""
+"""The letters on a line."""
 
 LEAF: Literal[-1] = -1
 CoordinateTree: TypeAlias = tuple[int, ...]
@@ -134,14 +134,14 @@ Reason: TypeAlias = Literal["|", "!", "$"]
 
 
 class BoxTreeError(ValueError):
-    """A text that is no covering, or one of another robot."""
+    """A text is not a covering, or the covering is of another robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterLeaf:
-    """A box of parameters: why no robot in it does the task, shown on boxes of coordinates.
+    """A box of parameters, and why no robot in it does the task, shown on boxes of coordinates.
 
-    Of robots with too much of an objective there are none.
+    There are no such boxes if the robots have too much of an objective.
     """
 
     reason: Reason
@@ -156,7 +156,8 @@ ParameterTree: TypeAlias = tuple[int | ParameterLeaf, ...]
 class Part:
     """The part from ``number / 2^halvings`` to ``(number + 1) / 2^halvings`` of a side.
 
-    Of a finite set: of its first and its second half, the first being the larger, and so on.
+    For a finite set, halvings choose its first or second half, the first being the larger, and so
+    on.
     """
 
     number: int = 0
@@ -170,11 +171,11 @@ class Part:
 
 
 Parts: TypeAlias = tuple[Part, ...]
-"""A box: a part of every side."""
+"""A box: a part for every side."""
 
 
 def text(tree: ParameterTree) -> str:
-    """The file of a covering."""
+    """The text of a covering, as in its file."""
     code = "".join(_code(node) for node in tree)
     lines = (code[i : i + LINE] for i in range(0, len(code), LINE))
     return "\n".join([HEADER, *lines]) + "\n"
@@ -188,10 +189,10 @@ def _code(node: int | ParameterLeaf) -> str:
 
 
 def parse(content: str) -> ParameterTree:
-    """Read the file of a covering.
+    """Read the text of a covering.
 
     Raises:
-        BoxTreeError: it is none.
+        BoxTreeError: it is not a covering.
     """
     header, _, body = content.partition("\n")
     if header.strip() != HEADER:
@@ -226,7 +227,7 @@ _COORDINATES = {".": LEAF, **{letter: i for i, letter in enumerate(string.ascii_
 
 
 def _end(code: str, start: int) -> int:
-    """Where the tree of coordinates ends that starts there."""
+    """The index after the tree of coordinates that starts at ``start``."""
     missing, place = 1, start
     while missing:
         letter = code[place : place + 1]
@@ -242,10 +243,10 @@ def _unexpected(letter: str) -> str:
 
 
 def coordinate_boxes(tree: CoordinateTree, count: int) -> Iterator[Parts]:
-    """The boxes of a tree over so many coordinates, in prefix order.
+    """The boxes of a tree over ``count`` coordinates, in prefix order.
 
     Raises:
-        BoxTreeError: it halves what the robot does not have, or too often.
+        BoxTreeError: it halves a coordinate that the robot does not have, or halves too often.
     """
     waiting: list[Parts] = [(Part(),) * count]
     for node in tree:
@@ -257,10 +258,10 @@ def coordinate_boxes(tree: CoordinateTree, count: int) -> Iterator[Parts]:
 
 
 def parameter_boxes(tree: ParameterTree, count: int) -> Iterator[tuple[Parts, ParameterLeaf]]:
-    """The boxes of a tree over so many parameters, with what is said of them, in prefix order.
+    """The boxes of a tree over ``count`` parameters, with their leaves, in prefix order.
 
     Raises:
-        BoxTreeError: it halves what the robot does not have, or too often.
+        BoxTreeError: it halves a parameter that the robot does not have, or halves too often.
     """
     waiting: list[Parts] = [(Part(),) * count]
     for node in tree:

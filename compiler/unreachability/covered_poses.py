@@ -1,7 +1,7 @@
 """The poses of a robot on the boxes of a covering: where it may be, start and arrive; in balls.
 
-A box is *blocked* if every pose in it breaks one and the same demand strictly.  Every other box may
-hold poses of a motion: nothing is said of it.
+A box is *blocked* if every pose in it strictly violates one and the same demand. Every other box
+may contain poses of a motion: nothing is claimed about it.
 """
 
 from __future__ import annotations
@@ -37,21 +37,21 @@ from compiler.unreachability.violations import Violation, at_any_instant, elsewh
 from grammar_lang import ir
 
 NEAR = Fraction(1, 10**9)
-"""A motion from a given pose may start as far from it, in every coordinate (SI)."""
+"""A motion from a given pose may start this far from it, in every coordinate (SI)."""
 NEARLY = 1e-9
-"""What floats say is less deep than this may be so all the same, in metres."""
+"""Violations whose depth in floats is above minus this are still checked, in metres."""
 BLOCK = 1000
-"""Boxes whose middles are looked at together."""
+"""The number of boxes whose middles are evaluated together."""
 
 
 class CoveredPoses:
     """One robot and the demands on it, for boxes of its parameters and coordinates.
 
-    To be used at one working precision.
+    Must be used at one working precision.
 
     Raises:
         ValueError: the rules of the robot have no exact value.
-        BoxTreeError: a prismatic joint has no range, so that its coordinate cannot be covered.
+        BoxTreeError: a prismatic joint has no range, so its coordinate cannot be covered.
     """
 
     def __init__(self, demands: MotionConditions) -> None:
@@ -120,7 +120,7 @@ class Cover:
                 self._points.pop(number, None)
 
     def passable(self, passage: Passage) -> Flags:
-        """The free boxes that touching free boxes lead to from where a passage may start, (K,)."""
+        """The free boxes connected by touching free boxes to where a passage may start, (K,)."""
         if self._touching is None:
             circles = [side.circle for side in self.poses.coordinates]
             self._touching = TouchingBoxes(self.boxes, circles)
@@ -137,7 +137,7 @@ class Cover:
         return self._within(passage.start, self.free)
 
     def goals(self, passage: Passage, among: Flags) -> Flags:
-        """Those of some free boxes in which a passage may end, (K,)."""
+        """The given free boxes in which a passage may end, (K,)."""
         return self._within(passage.goal, among)
 
     def way(self, passage: Passage) -> bool:
@@ -145,7 +145,7 @@ class Cover:
         return bool(self.goals(passage, self.passable(passage)).any())
 
     def leaves(self, passage: Passage) -> list[LeafBox]:
-        """The boxes that a motion from start to goal may be in: those that its start leads to."""
+        """The boxes that a motion from start to goal may be in: those connected to its start."""
         passable = self.passable(passage)
         starts, goals = self.starts(passage), self.goals(passage, passable)
         return [
@@ -154,7 +154,7 @@ class Cover:
         ]
 
     def _within(self, place: PointIn, among: Flags) -> Flags:
-        """The boxes, among some, that are not shown to keep a point out of a region."""
+        """The given boxes in which a point may be in a region, as far as is known."""
         found = among.copy()
         numbers = np.flatnonzero(among)
         violations = elsewhere(place, self.poses.tapes.axes)
@@ -163,7 +163,7 @@ class Cover:
         return found
 
     def _violated(self, numbers: Sequence[int], violations: Sequence[Violation]) -> list[int]:
-        """Those of some boxes at all of whose poses one of the violations is certain."""
+        """The given boxes in which one of the violations is certain for all poses."""
         if not numbers or not violations:
             return []
         places = self._places[list(numbers)]
@@ -171,7 +171,7 @@ class Cover:
         found: list[int] = []
         for column, number in enumerate(numbers):
             check_time()
-            # The deepest first; nan sorts last and is no candidate.
+            # The deepest first; nan sorts last and is not a candidate.
             order = np.argsort(-depths[:, column], kind="stable")
             candidates = (i for i in order if depths[i, column] > -NEARLY)
             points = self._enclosed(number)
@@ -204,7 +204,7 @@ def _near(side: RangeSide, part: Ends, value: ir.Expr) -> bool:
     above, below = given - part.high - near, given - part.low + near
     if not side.circle:
         return not (above > 0 or below < 0)
-    # Some whole number of turns k has low <= value - 2 pi k <= high.
+    # For some integer k, low <= value - 2 pi k <= high.
     turn = 2 * arb.pi()
     first = (above / turn).lower().ceil().unique_fmpz()
     last = (below / turn).upper().floor().unique_fmpz()
@@ -213,17 +213,18 @@ def _near(side: RangeSide, part: Ends, value: ir.Expr) -> bool:
 
 # --- Which boxes of a covering chains of touching boxes lead to; exact, in integers ---------------
 #
-# Closed boxes touch that share a point, a corner too; on a circle the last part touches the first.
+# Closed boxes touch if they share a point, even a corner; on a circle the last part touches the
+# first.
 
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 LARGEST_BLOCK = 2_000_000
-"""Pairs of boxes that are compared at once."""
+"""The most pairs of boxes that are compared at once."""
 
 
 class TouchingBoxes:
-    """Boxes by the parts of their sides; ``circles`` says which sides are circles."""
+    """Boxes, by the parts of their sides; ``circles`` says which sides are circles."""
 
     def __init__(self, boxes: Sequence[Parts], circles: Sequence[bool]) -> None:
         shape = (len(boxes), len(circles))
@@ -236,7 +237,7 @@ class TouchingBoxes:
                 self.low[i, j], self.high[i, j] = part.number * width, (part.number + 1) * width
 
     def reachable(self, seeds: Flags, free: Flags) -> Flags:
-        """The free boxes that chains of touching free boxes lead to from free seeds, (K,)."""
+        """The free boxes that chains of touching free boxes connect to free seeds, (K,)."""
         reached = seeds & free
         frontier, waiting = np.flatnonzero(reached), np.flatnonzero(free & ~reached)
         while len(frontier) and len(waiting):

@@ -1,6 +1,6 @@
-r"""Where the points of a robot are for all coordinates and parameters of a box, in ball arithmetic.
+r"""The points of a robot for all coordinates and parameters of a box, in ball arithmetic.
 
-Of a linear function of a point, a height n . p, two enclosures are intersected: the natural one,
+For a linear function of a point, a height n . p, two enclosures are intersected: the natural one,
 and the centred form
 
 .. math:: n \cdot p(c) + \sum_i \left(n \cdot \partial_i p(X)\right) (X_i - c_i)
@@ -35,7 +35,7 @@ ZERO = arb(0)
 
 @dataclass(frozen=True, slots=True)
 class BallRow:
-    """A half-space ``normal . p <= offset`` by balls around its numbers."""
+    """A half-space ``normal . p <= offset``, given by balls around its numbers."""
 
     normal: tuple[arb, ...]
     offset: arb
@@ -90,7 +90,7 @@ def _repeated(column: ca.DM, count: int) -> ca.DM:
 
 
 def _slopes(value: ca.SX, variables: ca.SX, inputs: list[ca.SX]) -> Tape | None:
-    """The derivatives, those of one variable together; None where they have no exact value."""
+    """The derivatives, those of one variable together; None if they have no exact value."""
     if not variables.numel() or not value.numel():
         return None
     columns = ca.vec(ca.densify(ca.jacobian(value, variables)))
@@ -102,7 +102,7 @@ def _slopes(value: ca.SX, variables: ca.SX, inputs: list[ca.SX]) -> Tape | None:
 
 @dataclass(slots=True)
 class EnclosedPoints:
-    """The points of a robot over one box; what is not asked for is not computed."""
+    """The points of a robot over one box, computed only when they are asked for."""
 
     tapes: PointTapes
     box: list[Ends]
@@ -111,14 +111,14 @@ class EnclosedPoints:
     _asked: bool = False
 
     def beyond(self, point: int, row: BallRow) -> bool:
-        """Whether the point is strictly outside a half-space for all of the box."""
+        """Whether the point is strictly outside a half-space throughout the box."""
         if self._naturally(point, row).low > row.offset:
             return True
         centred = self._centred_height(point, row)
         return centred is not None and bool(centred.low > row.offset)
 
     def highest(self, point: int, row: BallRow) -> arb:
-        """An upper bound of the height of the point over all of the box; it may be nan."""
+        """An upper bound of the height of the point throughout the box; it may be nan."""
         natural, centred = self._naturally(point, row).high, self._centred_height(point, row)
         return natural if centred is None or not centred.high < natural else centred.high
 
@@ -132,7 +132,7 @@ class EnclosedPoints:
                 continue
             entry = self._natural[start + axis]
             below, above = factor * entry.low, factor * entry.high
-            # A factor is a ball that is far narrower than any number is from zero, or it is exact.
+            # A factor is exact, or a ball far narrower than the distance of any number from zero.
             if factor > 0:
                 low, high = low + below, high + above
             elif factor < 0:
@@ -148,7 +148,7 @@ class EnclosedPoints:
         return None if self._centred is None else self._centred.height(point, row)
 
     def _expanded(self) -> _Centred | None:
-        """The centred form, where all values and derivatives are defined throughout the box."""
+        """The centred form, if all values and derivatives are defined throughout the box."""
         tapes = self.tapes
         if tapes.slopes is None or not all(side.finite for side in self.box):
             return None

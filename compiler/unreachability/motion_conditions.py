@@ -1,9 +1,9 @@
-"""What a task asks of the points of a robot at every instant, at the start and on arrival; exact.
+"""The demands of a task on the points of a robot at every instant, at the start and on arrival.
 
-Points are numbered as in ``CornerPoints``: the effectors, then both ends of all that has a
-length and the middle of all else that collides.  They lie in what they are of.  Each demand is
-necessary for a motion that does the task: margins, radii and sizes, rates and time are left out,
-but for what bodies of the robot have to keep from each other.
+They are exact. Points are numbered as in ``CornerPoints``: the effectors, then both ends of
+colliders with a length and the middles of all others. These points lie in their colliders. Each
+demand is necessary for a motion that does the task: margins, radii and sizes, rates and time are
+left out, except for the distances between bodies of the robot.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Rows: TypeAlias = tuple[ir.HalfSpace, ...]
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """A region that has these points, and segments between two points, outside its interior."""
+    """A region whose interior must not contain these points, and segments between two points."""
 
     name: str
     rows: Rows
@@ -36,9 +36,9 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """Two bodies that have to be ``apart`` by some metres, those of known radii included.
+    """Two bodies that must be ``apart`` by some metres, including their known radii.
 
-    ``points`` are the differences of their ends, of which each has some: the ``counts``.
+    ``points`` are the differences of their ends; ``counts`` are the numbers of ends of each body.
     """
 
     points: tuple[int, ...]
@@ -48,7 +48,7 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class PointIn:
-    """Poses that have a point in a closed region; an effector may have to be turned there."""
+    """Poses with a point in a closed region, where an effector may need a certain orientation."""
 
     point: int
     rows: Rows
@@ -66,9 +66,9 @@ class GivenPose:
 class Passage:
     """One choice of effectors (from 0): a motion leads from ``start`` to ``goal``.
 
-    ``arrives``: the goal is the one of ``reach``, where the motion is at the instant T; other goals
-    are visited at some instant, and so are all by a motion that goes on for ever.  With a given
-    pose ``starting`` is the effector that reaches.
+    If it ``arrives``, the goal is the one of ``reach``, where the motion is at the instant T. Other
+    goals, and all goals of endless motions, are visited at some instant. With a given pose,
+    ``starting`` is the effector that reaches.
     """
 
     start: PointIn | GivenPose
@@ -82,9 +82,9 @@ class Passage:
 class MotionConditions:
     """The demands on one robot.
 
-    ``bounded`` points keep within ``bounds`` at every instant, and out of ``obstacles``.  Of every
-    question of ``passages`` one of its choices has to be done; a question without choices cannot
-    be.  ``pairs`` of bodies keep apart at every instant.
+    ``bounded`` points stay within ``bounds`` at every instant, and out of ``obstacles``. For every
+    question of ``passages`` one of its choices must be possible; a question without choices is
+    impossible. ``pairs`` of bodies stay apart at every instant.
     """
 
     model: RobotModel
@@ -112,7 +112,7 @@ def motion_conditions(
 
 
 def body_points(model: RobotModel) -> tuple[tuple[int, ...], ...]:
-    """The numbers of the points, one or both ends of a segment, about which each collider is."""
+    """The numbers of the points that represent each collider: one, both ends, or all corners."""
     found: list[tuple[int, ...]] = []
     start = len(model.effectors)
     for each in model.colliders:
@@ -130,7 +130,7 @@ def _pairs(
 ) -> tuple[Pair, ...]:
     """The pairs of bodies that must not touch; those with a hull of more corners are left out.
 
-    Their differences are behind the points of all bodies, as in ``CornerPoints``.
+    Their differences come after the points of all bodies, as in ``CornerPoints``.
     """
     if task.avoid_self is None:
         return ()
@@ -146,7 +146,7 @@ def _pairs(
 
 
 def _radius(model: RobotModel, body: int) -> Fraction:
-    """The radius of a rod, a capsule or a sphere that is a known number; else zero."""
+    """The radius of a rod, a capsule or a sphere if it is a known number; else zero."""
     each = model.colliders[body]
     if not isinstance(each, RodBody | Shape) or each.radius is None:
         return Fraction(0)

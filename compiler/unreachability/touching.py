@@ -1,9 +1,10 @@
-"""Two bodies of a robot that touch at all poses of a box, by the differences of their points.
+"""Two bodies of a robot that touch at all poses of a box, from the differences of their points.
 
-The differences are seen from the last frame that both bodies are behind: what moves both alike does
-not widen them.  Those of two segments fill a parallelogram, and the bodies are as near as that is
-to zero.  Bodies are taken for their points, or for the axes of rods, capsules and cylinders, with
-the radii that are known numbers: that is less than they are.
+The differences are seen from the last frame that both bodies come after, so motions that both share
+do not widen them. The differences of two segments fill a parallelogram, and the distance of the
+bodies is the distance of the parallelogram from zero. Bodies are represented by their points, or by
+the axes of rods, capsules and cylinders, with the radii that are known numbers: this is a subset of
+each body.
 """
 
 from __future__ import annotations
@@ -21,15 +22,15 @@ from compiler.expressions.evaluators.intervals import INTERVALS, outward
 from compiler.unreachability.enclosed_points import BallRow, EnclosedPoints
 
 FRACTIONS = 4096
-"""Places on a segment are chosen in steps of a part of it as small as this."""
+"""Positions on a segment are multiples of its length divided by this."""
 
 
 @dataclass(frozen=True, slots=True)
 class Touching:
-    """Two bodies are nearer than they may be; in the plane, or segments without radius cross.
+    """Two bodies are nearer than allowed; or, in the plane, segments without radius cross.
 
-    ``points`` are the numbers of the differences of their ends, those with one end of the first
-    body together, ``counts`` how many ends each has; they have to be ``apart`` by so many metres.
+    ``points`` are the numbers of the differences of their ends, grouped by the ends of the first
+    body; ``counts`` is the number of ends of each; they must be ``apart`` by this many metres.
     """
 
     points: tuple[int, ...]
@@ -37,14 +38,14 @@ class Touching:
     apart: Fraction
 
     def depth(self, places: Array) -> Array:
-        """By how many metres they are nearer, (K,), for samples (K, m, d)."""
+        """By how many metres they are too near, (K,), for samples (K, m, d)."""
         corner, sides = spanned(places[:, self.points], self.counts)
         shares = nearest_shares(corner, sides)
         off = corner + shares[:, 0, None] * sides[0] + shares[:, 1, None] * sides[1]
         return np.asarray(float(self.apart) - np.linalg.norm(off, axis=1))
 
     def certain(self, points: EnclosedPoints) -> bool:
-        """Whether they are at every pose of a box."""
+        """Whether they are too near at every pose of a box."""
         dimension = points.tapes.dimension
         reach = [self._heights(points, axis, dimension) for axis in range(dimension)]
         if self.apart and self._near(points, reach):
@@ -52,7 +53,7 @@ class Touching:
         return dimension == 2 and self.counts == (2, 2) and _around_zero(reach)
 
     def _heights(self, points: EnclosedPoints, axis: int, dimension: int) -> list[tuple[arb, arb]]:
-        """Per difference the least and the largest coordinate along an axis; they may be nan."""
+        """For each difference the least and the largest coordinate along an axis, or nan."""
         rows = [
             BallRow(tuple(arb(sign * (axis == other)) for other in range(dimension)), arb(0))
             for sign in (-1, 1)
@@ -63,7 +64,7 @@ class Touching:
         ]
 
     def _near(self, points: EnclosedPoints, reach: Sequence[Sequence[tuple[arb, arb]]]) -> bool:
-        """Whether one place of the parallelogram is near zero all over the box."""
+        """Whether one point of the parallelogram is near zero throughout the box."""
         middles = [[float((low + high).mid()) / 2 for low, high in axis] for axis in reach]
         corner, sides = spanned(np.array(middles).T[None], self.counts)
         shares = nearest_shares(corner, sides)[0]
@@ -93,7 +94,7 @@ def spanned(differences: Array, counts: tuple[int, int]) -> tuple[Array, tuple[A
 
 
 def nearest_shares(corner: Array, sides: tuple[Array, Array]) -> Array:
-    """Which parts (K, 2) of both sides lead from the corners (K, d) to where zero is nearest.
+    """The fractions (K, 2) of both sides that lead from the corners (K, d) nearest to zero.
 
     Source: Ericson, *Real-Time Collision Detection* (2005), section 5.1.9.
     """
@@ -112,7 +113,7 @@ def nearest_shares(corner: Array, sides: tuple[Array, Array]) -> Array:
 def _around_zero(reach: Sequence[Sequence[tuple[arb, arb]]]) -> bool:
     """Whether zero is strictly inside the parallelogram, wherever its corners are.
 
-    That is where the way round it turns about zero in one direction at every side.
+    This holds if the path round it turns about zero in one direction at every side.
     """
     x, y = ([outward(low, high) for low, high in axis] for axis in reach)
     way = (0, 2, 3, 1)

@@ -1,6 +1,7 @@
-"""What a motion must not do, on one box: certain in balls for all of its poses, or not known.
+"""Forbidden properties of a motion, on one box: certain in balls for all of its poses, or unknown.
 
-Floats say where it is worth asking: what is not so in the middle of a box is not so all over it.
+Floats decide which boxes to examine: a violation that does not hold at the middle of a box does not
+hold throughout it.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class Violation(Protocol):
     """A demand that is violated."""
 
     def depth(self, places: Array) -> Array:
-        """By how much at samples of all points (K, m, d), positive where violated: (K,), floats."""
+        """The violation at samples of all points (K, m, d), positive if violated: (K,), floats."""
         ...
 
     def certain(self, points: EnclosedPoints) -> bool:
@@ -46,13 +47,13 @@ class Outside:
         return -_within(places[:, self.point], self.row)
 
     def certain(self, points: EnclosedPoints) -> bool:
-        """Whether it is at every pose."""
+        """Whether it is outside at every pose."""
         return points.beyond(self.point, self.row)
 
 
 @dataclass(frozen=True, slots=True)
 class Astray:
-    """The axes of a frame, directions as points, are turned away from others: by more than allowed.
+    """The axes of a frame, directions as points, differ from given ones by more than allowed.
 
     Their products with the ``directions``, normals of half-spaces, add up to less than ``least``.
     """
@@ -62,13 +63,13 @@ class Astray:
     least: arb
 
     def depth(self, places: Array) -> Array:
-        """By how much less they are, (K,), for samples (K, m, d)."""
+        """By how much the sum is less, (K,), for samples (K, m, d)."""
         pairs = zip(self.points, self.directions, strict=True)
         within = [-_within(places[:, point], row) for point, row in pairs]
         return np.asarray(_float(self.least) - np.sum(within, axis=0))
 
     def certain(self, points: EnclosedPoints) -> bool:
-        """Whether they are at every pose of a box."""
+        """Whether the sum is less at every pose of a box."""
         pairs = zip(self.points, self.directions, strict=True)
         return bool(sum((points.highest(*pair) for pair in pairs), arb(0)) < self.least)
 
@@ -86,13 +87,13 @@ class Interior:
         return np.asarray(np.min([_within(at, row) for row in self.rows], axis=0))
 
     def certain(self, points: EnclosedPoints) -> bool:
-        """Whether it is at every pose."""
+        """Whether it is inside at every pose."""
         return all(points.highest(self.point, row) < row.offset for row in self.rows)
 
 
 @dataclass(frozen=True, slots=True)
 class Crossing:
-    """One and the same point of a segment is in the interior of an intersection of half-spaces.
+    """One point of a segment, the same for all poses, is in the interior of some half-spaces.
 
     Heights are linear along a segment: each half-space leaves an open interval of fractions.
     """
@@ -115,7 +116,7 @@ class Crossing:
         return np.asarray(high - low)
 
     def certain(self, points: EnclosedPoints) -> bool:
-        """Whether it is at every pose."""
+        """Whether it is inside at every pose."""
         first = [points.highest(self.ends[0], row) - row.offset for row in self.rows]
         last = [points.highest(self.ends[1], row) - row.offset for row in self.rows]
         fraction = _common_fraction([float(a) for a in first], [float(b) for b in last])
@@ -126,7 +127,7 @@ class Crossing:
 
 
 def _common_fraction(first: Sequence[float], last: Sequence[float]) -> Fraction | None:
-    """A fraction f at which all (1 - f) a + f b look negative; None: there seems to be none."""
+    """A fraction f at which all (1 - f) a + f b seem negative; None if there seems to be none."""
     low, high = 0.0, 1.0
     for a, b in zip(first, last, strict=True):
         if a < 0 and b < 0:
@@ -141,7 +142,7 @@ def _common_fraction(first: Sequence[float], last: Sequence[float]) -> Fraction 
 
 
 def _within(at: Array, row: BallRow) -> Array:
-    """How far points (K, d) are within a half-space, in metres: (K,)."""
+    """How far points (K, d) are inside a half-space, in metres: (K,)."""
     normal = np.array([_float(entry) for entry in row.normal])
     length = float(np.linalg.norm(normal)) or 1.0
     return np.asarray((_float(row.offset) - at @ normal) / length)
@@ -152,7 +153,7 @@ def _float(value: arb) -> float:
 
 
 def at_any_instant(demands: MotionConditions) -> list[Violation]:
-    """What must not be so at any instant: each of these blocks a pose."""
+    """The violations that are forbidden at every instant: each of these blocks a pose."""
     bounds = [ball_row(row) for row in demands.bounds]
     found: list[Violation] = [Outside(point, row) for point in demands.bounded for row in bounds]
     for obstacle in demands.obstacles:
@@ -165,7 +166,7 @@ def at_any_instant(demands: MotionConditions) -> list[Violation]:
 
 
 def _facing(rows: Sequence[ir.HalfSpace]) -> tuple[BallRow, ...]:
-    """The half-spaces of an interior, without those that are everything; none if it is empty."""
+    """The half-spaces of an interior, without those that are the whole space; empty if it is."""
     proper = [row for row in rows if any(row.normal)]
     if any(row.offset < 0 for row in rows if not any(row.normal)):
         return ()
@@ -173,9 +174,9 @@ def _facing(rows: Sequence[ir.HalfSpace]) -> tuple[BallRow, ...]:
 
 
 def elsewhere(place: PointIn, axes: Sequence[Sequence[int]]) -> list[Violation]:
-    """What must not be so where a point has to be in a region.
+    """The violations that are forbidden where a point must be in a region.
 
-    ``axes`` are the numbers of those of each effector, as directions.
+    ``axes`` are the numbers of the axes of each effector, as directions.
     """
     found: list[Violation] = [Outside(place.point, ball_row(row)) for row in place.rows]
     for pose in place.poses:

@@ -1,1 +1,1 @@
-"""DOT texts of the objects."""
+"""Pictures of families, robots and workspaces as DOT texts."""

@@ -1,7 +1,7 @@
 """Pictures as DOT texts; source: the DOT language and its ``escString``, graphviz.org.
 
-A picture gives one text, statement by statement in its own order.  Every identifier is quoted, so
-that no name is read as a keyword, a port or HTML.
+A picture determines its text, statement by statement in a fixed order. Every identifier is quoted,
+so no name is read as a keyword, a port or HTML.
 """
 
 from __future__ import annotations
@@ -14,8 +14,11 @@ from compiler.views.workspace_view import Arrow, Edge, Node, Picture
 RED = "#d00000"
 FONT = "sans-serif"
 LETTER_INCHES, NODE_INCHES = 0.085, 0.5
-"""The widths of a letter and of a node: labels of loops lie over their nodes, which are kept so far
-apart that labels of neighbours do not meet."""
+"""The widths of a letter and of a node, in inches.
+
+Labels of loops lie above their nodes; nodes are kept far enough apart that the labels of neighbours
+do not meet.
+"""
 
 # In a label a backslash starts an escape, and an ampersand an entity of HTML.
 _ESCAPES = str.maketrans({"\\": "\\\\", '"': '\\"', "\n": "\\n"})
@@ -61,7 +64,7 @@ def _defaults(picture: Picture) -> Iterator[str]:
 
 
 def _sources(picture: Picture) -> dict[int, str]:
-    """Per arrow from nowhere the identifier of the invisible node that it leaves."""
+    """For each initial arrow the identifier of the invisible node that it leaves."""
     taken = {node.key for node in picture.nodes}
     prefix = "start"
     while any(key.startswith(prefix) for key in taken):
@@ -92,10 +95,10 @@ def _node(node: Node, picture: Picture) -> str:
 
 
 def _plain_loops(picture: Picture) -> dict[str, tuple[str, ...]]:
-    """Per node with a highlighted loop the labels of its other loops.
+    """For each node with a highlighted loop the labels of its other loops.
 
-    Two loops would be drawn over each other's labels: they are drawn as one, its lines in colour
-    and in black.
+    The labels of two loops would be drawn on top of each other, so the loops are drawn as one,
+    whose label lines are in colour and in black.
     """
     loops = [edge for edge in picture.edges if edge.tail == edge.head]
     beside: dict[str, tuple[str, ...]] = {edge.tail: () for edge in loops if edge.highlighted}
@@ -135,7 +138,7 @@ def _attributes(attributes: Mapping[str, str]) -> str:
 
 
 def _written(picture: Picture) -> str:
-    """What is written beside a picture: the title, and the caption with its lines on the left."""
+    """The text around a picture: the title, and the caption with left-aligned lines."""
     title = _quoted(picture.title)[1:-1]
     lines = "".join(f"{_quoted(line)[1:-1]}\\l" for line in picture.caption)
     gap = "\\n" if title and lines else ""
@@ -143,12 +146,12 @@ def _written(picture: Picture) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A text that is drawn as it stands."""
+    """A text that is drawn literally."""
     return _identifier(text.replace("&", "&amp;"))
 
 
 def _html(text: str) -> str:
-    """The same inside a label like HTML."""
+    """The text for use inside an HTML-like label."""
     return html.escape(text).replace("\\", "\\\\")
 
 

@@ -71,14 +71,14 @@ def grammar_view(language: Language, highlight: Sequence[str] | None = None) -> 
     return Picture("grammar", "ellipse", (*symbols, *boxes), tuple(edges), (start,))
 
 
-# --- Finite automata as pictures: that of a linear family, or that of its accept condition --------
+# --- Finite automata as pictures: of a linear family, or of its accept condition ------------------
 
 
 def family_dfa_view(language: Language, highlight: Sequence[str] | None = None) -> Picture:
-    """The finite automaton of a family, where its grammar is left- or right-linear.
+    """The finite automaton of a family whose grammar is left- or right-linear.
 
-    Other families have none: there it is the automaton of the accept condition alone, which
-    accepts more than the family.  The title says which.
+    For other families it is the automaton of the accept condition alone, which accepts more than
+    the family. The title says which one is drawn.
 
     Raises:
         HighlightError: the automaton that is drawn does not accept ``highlight``.
@@ -137,7 +137,7 @@ def dfa_view(dfa: Dfa, title: str = "", highlight: Sequence[str] | None = None) 
 
 
 def _path(dfa: Dfa, word: Sequence[str]) -> tuple[int, ...]:
-    """The states met by an accepted word."""
+    """The states that an accepted word passes."""
     refuse_unknown(word, dfa.alphabet)
     path = dfa.run(word)
     if path is None or not dfa.accepting[path[-1]]:
@@ -149,11 +149,11 @@ def _path(dfa: Dfa, word: Sequence[str]) -> tuple[int, ...]:
 
 
 def robot_view(graph: LabelledGraph) -> Picture:
-    """Modules as nodes, connections as edges with their symbols of Gamma.
+    """Modules as nodes, and connections as edges with their symbols of Gamma.
 
-    Several occurrences of a module are numbered in the order of the word.  An arrow from nowhere
-    leads to what stands on the world.  All edges go from an output end to an input end; the names
-    of the frames are in the data, and in the hint of each module.
+    Several occurrences of a module are numbered in word order. Initial arrows lead to modules that
+    stand on the world. All edges go from an output end to an input end; the names of the frames are
+    in the data, and in the hint of each module.
     """
     names = _names(graph)
     nodes = tuple(
@@ -183,7 +183,7 @@ def robot_view(graph: LabelledGraph) -> Picture:
 
 
 def _names(graph: LabelledGraph) -> dict[int, str]:
-    """Per place the module's name, numbered where it occurs more than once."""
+    """For each place the module's name, numbered if it occurs more than once."""
     total = Counter(node.module for node in graph.nodes)
     seen: Counter[str] = Counter()
     found: dict[int, str] = {}

@@ -24,16 +24,16 @@ ARROW = "→"
 
 
 LABEL_WIDTH = 30
-"""Characters of a line of a label, where it can be broken."""
+"""The most characters of a line of a label, if it can be broken."""
 
 
 def sra_view(pda: Pda, highlight: Sequence[str] | None = None) -> Picture:
-    """A pushdown automaton; a line of an edge says ``read, top of stack → what replaces it``.
+    """A pushdown automaton; each line of an edge says ``read, top of stack → what replaces it``.
 
     Moves between the same states share an edge, on which the productions of a nonterminal are one
-    line; those of an accepting run of ``highlight`` have an edge of their own, whose data gives
-    their ``steps`` in the run, counted from 0.  States without a way to the final one are left
-    out, as no word is accepted from them; the caption names them.
+    line. The moves of an accepting run of ``highlight`` have an edge of their own, whose data give
+    their ``steps`` in the run, counted from 0. States without a path to the final one are left out,
+    as no word is accepted from them; the caption names them.
 
     Raises:
         HighlightError: the automaton does not accept ``highlight``.
@@ -94,9 +94,9 @@ def _live(pda: Pda) -> set[int]:
 
 
 def grouped_lines(pda: Pda, moves: Sequence[Transition]) -> tuple[str, ...]:
-    """The lines of a label: productions by the nonterminal that they replace, then what is read.
+    """The lines of a label: productions by the nonterminal that they replace, then symbols read.
 
-    Reading a symbol takes it off the stack; several of them are one line, too.
+    Reading a symbol takes it off the stack; several such moves are one line, too.
     """
     sides: dict[int, list[str]] = {}
     for move in moves:
@@ -123,7 +123,7 @@ def _takes(move: Transition) -> bool:
 
 
 def wrapped(first: str, parts: Sequence[str], between: str) -> list[str]:
-    """Parts in a row after what comes first, broken between them where a line would be too long."""
+    """Parts in a row after the first text, broken between them if a line would be too long."""
     lines = [first + parts[0]]
     for part in parts[1:]:
         if len(lines[-1]) + len(between) + len(part) <= LABEL_WIDTH:
@@ -135,14 +135,14 @@ def wrapped(first: str, parts: Sequence[str], between: str) -> list[str]:
 
 
 def move_text(pda: Pda, transition: Transition) -> str:
-    """What a move reads, the top of the stack, and what replaces it."""
+    """The symbol that a move reads, the top of the stack, and its replacement."""
     read = EMPTY if transition.read is None else symbol_text(pda.alphabet[transition.read])
     top = symbol_text(pda.stack_alphabet[transition.pop])
     return f"{read}, {top} {ARROW} {stack_text(pda, transition.push)}"
 
 
 def symbol_text(name: str) -> str:
-    """A symbol's name, in quotes where it could be taken for a sign of the notation."""
+    """A symbol's name, quoted if it could be taken for a sign of the notation."""
     return f"'{name}'" if name in (EMPTY, ARROW, ",", "|") or " " in name else name
 
 
@@ -160,7 +160,7 @@ UPDATE = "↳ "
 def functional_view(
     program: ir.Program, grammar: ir.Grammar, highlight: Sequence[str] | None = None
 ) -> Picture:
-    """The SRA's picture; edges name the productions, whose updates stand in the caption.
+    """The picture of the SRA, whose edges name the productions; the caption has their updates.
 
     Raises:
         HighlightError: the automaton does not accept ``highlight``.
@@ -201,7 +201,7 @@ def _with_updates(edge: Edge, automaton: Fra) -> Edge:
 
 
 def production_lines(automaton: Fra, transition: Transition) -> tuple[str, ...]:
-    """The production that a move applies, and its updates, a line each."""
+    """The production that a move applies, and its updates, one line each."""
     label = transition.label or ""
     updates = (f"{UPDATE}{update}" for update in automaton.updates(transition))
     return (f"{label}: {_applied(automaton, label)}", *updates)

@@ -23,9 +23,9 @@ from grammar_lang import ir
 
 # --- Transitions between words: adding modules (the configuration graph of Figure 2) --------------
 #
-# A word is reached from its longest proper prefix among the states; where none of them is a prefix,
-# from every state that is a maximal proper subsequence of it, so that right-linear, nested and
-# branching grammars grow in the right places as well.
+# A word is reached from its longest proper prefix among the states. If no state is a prefix of it,
+# it is reached from every state that is a maximal proper subsequence of it, so that right-linear,
+# nested and branching grammars grow in the right places as well.
 
 
 MOST_SUBSEQUENCES = 10_000
@@ -34,7 +34,7 @@ MOST_SUBSEQUENCES = 10_000
 def predecessors(
     word: tuple[str, ...], states: Container[tuple[str, ...]], by_length: Iterable[tuple[str, ...]]
 ) -> list[tuple[str, ...]]:
-    """The states that a word is reached from; ``by_length`` are the states, shorter ones first."""
+    """The states from which a word is reached; ``by_length`` are the states, shortest first."""
     for size in range(len(word) - 1, 0, -1):
         if word[:size] in states:
             return [word[:size]]
@@ -57,13 +57,13 @@ def _is_subsequence(part: tuple[str, ...], word: tuple[str, ...]) -> bool:
 
 
 def added(part: tuple[str, ...], word: tuple[str, ...]) -> tuple[str, ...]:
-    """What is added to a subsequence ``part`` to get ``word``, in as few runs as can be.
+    """The symbols added to a subsequence ``part`` to get ``word``, in as few runs as possible.
 
-    Of several ways with equally many runs, the one that adds them latest.
+    Of several ways with equally many runs, it is the one that adds them latest.
     """
     extra = len(word) - len(part)
-    # runs[m][k]: the fewest runs in word[m + k:] from part[m:], after k symbols added; the second
-    # number where a run is open before.
+    # runs[m][k]: the fewest runs in word[m + k:] from part[m:], after k symbols are added; the
+    # second number applies if a run is open before.
     impossible = len(word) + 1
     runs = [[(impossible, impossible)] * (extra + 2) for _ in range(len(part) + 2)]
     runs[len(part)][extra] = (0, 0)
@@ -115,7 +115,7 @@ def run_to(everything: Language, word: tuple[str, ...]) -> list[tuple[str, ...]]
 
 
 def _subsequences(word: tuple[str, ...], alphabet: tuple[str, ...]) -> Dfa:
-    """State k: the symbols read match best up to position k of the word; the last: not at all."""
+    """State k: the shortest prefix that contains the symbols read has length k; last: none."""
     dead = len(word) + 1
     following = [dead] * len(alphabet)
     number = {name: i for i, name in enumerate(alphabet)}
@@ -128,11 +128,11 @@ def _subsequences(word: tuple[str, ...], alphabet: tuple[str, ...]) -> Dfa:
     return minimal(Dfa(alphabet, table, tuple(state < dead for state in range(dead + 1))))
 
 
-# --- The part of a picture about its highlighted run, as the paper's Figure 2 shows it ------------
+# --- The part of a picture around its highlighted run, as the paper's Figure 2 shows it -----------
 
 
 def near_run(picture: Picture) -> Picture:
-    """The highlighted nodes and what is one edge away from them, with those edges alone."""
+    """The highlighted nodes and all nodes one edge away from them, with only those edges."""
     core = {node.key for node in picture.nodes if node.highlighted}
     edges = tuple(edge for edge in picture.edges if core & {edge.tail, edge.head})
     shown = core.union(*((edge.tail, edge.head) for edge in edges))
@@ -148,20 +148,19 @@ def near_run(picture: Picture) -> Picture:
 
 
 LINE_WIDTH = 20
-"""A longer word is broken into lines."""
+"""Longer words are broken into lines."""
 
 
 def words_view(language: Language, depth: int, highlight: Sequence[str] | None = None) -> Picture:
     """The configuration graph, unfolded to robots of ``depth`` modules.
 
-    States are the non-empty words of L(SRG) with at most ``depth`` modules; double circles are
-    those that the accept condition accepts too.  A transition adds modules (backwards, removes
-    them) and is labelled with the symbols added.  States that no transition leads to are initial.
-    Where edges alone can repeat without bound, words of more than ``longest_drawn`` symbols are
-    left out.
+    States are the non-empty words of L(SRG) with at most ``depth`` modules; those that the accept
+    condition accepts too are double circles. A transition adds modules (backwards, it removes them)
+    and is labelled with the symbols added. States that no transition leads to are initial. If edges
+    alone can repeat without bound, words of more than ``longest_drawn`` symbols are left out.
 
-    Highlighted is a run from an initial state to the word ``highlight``; what of it lies beyond
-    the depth is drawn without other transitions.
+    A run from an initial state to the word ``highlight`` is highlighted; its part beyond the depth
+    is drawn without other transitions.
 
     Raises:
         HighlightError: ``highlight`` is not a word of the language.
@@ -202,7 +201,7 @@ def words_view(language: Language, depth: int, highlight: Sequence[str] | None =
 
 
 def longest_drawn(everything: Language, depth: int) -> int | None:
-    """The most symbols of a word that is drawn; None: the modules bound them."""
+    """The most symbols of a word that is drawn; None if the modules bound them."""
     return None if everything.is_finite(max_modules=depth) else 2 * depth + 1
 
 
@@ -229,7 +228,7 @@ def _transition(
 
 
 def _wrapped(word: tuple[str, ...], modules: frozenset[str]) -> str:
-    """The word in lines; where it is broken, a module ends the line."""
+    """The word in lines; each line except the last ends with a module."""
     parts: list[list[str]] = [[]]
     for symbol in word:
         parts[-1].append(symbol)

@@ -1,4 +1,4 @@
-"""The cells of a workspace as a picture, and the runs that views show in colour."""
+"""The cells of a workspace as a picture, and the runs that views highlight."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Literal, SupportsFloat, TypeAlias, assert_neve
 from compiler.words.pushdown_automaton import Pda, Transition, accepting_run
 from grammar_lang.ir import Workspace
 
-if TYPE_CHECKING:  # the views of families need no numpy
+if TYPE_CHECKING:  # the views of families do not need numpy
     from compiler.workspaces.abstraction import Abstraction, Cell, CellKind
 
 # --------------------------------------------------------------------------------------------------
 # The cells of a workspace as a picture: nodes where cells are, edges where they are adjacent.
 #
-# Source: Section 3, W = (P, H, N).  Space is seen obliquely.
+# Source: Section 3, W = (P, H, N). Space is drawn in oblique projection.
 
 
 WIDTH_INCHES = 9.0
 CELL_INCHES = 1.1
-"""Of many cells the picture grows, so that on average each has so much room to a side."""
+"""The average side length available to a cell; the picture grows with the number of cells."""
 OBLIQUE = 0.4
 
 
@@ -50,7 +50,7 @@ def workspace_view(abstraction: Abstraction, workspace: Workspace) -> Picture:
 
 
 def cell_label(cell: Cell) -> str:
-    """The name, and below it the propositions of a cell that is in other regions too."""
+    """The name of a cell and, if it lies in other regions too, its propositions below it."""
     others = cell.propositions - {cell.region}
     return f"{cell.name}\n{{{', '.join(sorted(cell.propositions))}}}" if others else cell.name
 
@@ -83,7 +83,7 @@ def _colour(kind: CellKind) -> str:
 
 
 # --------------------------------------------------------------------------------------------------
-# What a view draws: nodes and edges in a fixed order, without a word of any drawing program.
+# The elements of a view: nodes and edges in a fixed order, independent of any drawing program.
 
 
 Shape: TypeAlias = Literal["circle", "ellipse", "box", "plaintext"]
@@ -93,9 +93,9 @@ Shape: TypeAlias = Literal["circle", "ellipse", "box", "plaintext"]
 class Node:
     """A node; ``double`` draws its outline twice, ``highlighted`` in colour.
 
-    ``data`` is what the node stands for, for programs; it is not drawn.  ``place`` pins the centre,
-    in inches, x to the right and y up; ``fill`` is a colour as ``#rrggbb``; ``hint`` is shown where
-    a drawing can be pointed at.
+    ``data`` says for programs what the node stands for; it is not drawn. ``place`` fixes the
+    centre, in inches, x to the right and y up; ``fill`` is a colour as ``#rrggbb``; ``hint`` is
+    shown where a drawing supports tooltips.
     """
 
     key: str
@@ -131,7 +131,7 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A graph; ``shape`` is that of most of its nodes, ``title`` is written above it.
+    """A graph; ``shape`` is the shape of most of its nodes, ``title`` is written above it.
 
     The lines of ``caption`` are written below it.
     """
@@ -146,18 +146,18 @@ class Picture:
     caption: tuple[str, ...] = ()
 
 
-# --- The runs that views show in colour, and what is said where there is none ---------------------
+# --- The runs that views highlight, and the error if there is none --------------------------------
 
 
 class HighlightError(ValueError):
-    """A word that cannot be highlighted, with the reason."""
+    """A word cannot be highlighted; the message gives the reason."""
 
 
 def refuse_unknown(word: Sequence[str], alphabet: Container[str]) -> None:
-    """Refuse a word with a token that is no symbol.
+    """Reject a word with a token that is not a symbol.
 
     Raises:
-        HighlightError: there is one; it is named.
+        HighlightError: there is such a token; the message names it.
     """
     for token in word:
         if token not in alphabet:
@@ -165,7 +165,7 @@ def refuse_unknown(word: Sequence[str], alphabet: Container[str]) -> None:
 
 
 def not_accepted(word: Sequence[str]) -> HighlightError:
-    """The fault of a word over the right symbols."""
+    """The error for a word that is not accepted."""
     said = f"the word `{' '.join(word)}`" if word else "the empty word"
     return HighlightError(f"{said} is not accepted")
 
@@ -174,7 +174,7 @@ def run_of(pda: Pda, word: Sequence[str]) -> tuple[Transition, ...]:
     """The transitions of an accepting run of a word.
 
     Raises:
-        HighlightError: an unknown symbol, or the word is not accepted.
+        HighlightError: a symbol is unknown, or the word is not accepted.
     """
     refuse_unknown(word, pda.alphabet)
     run = accepting_run(pda, word)

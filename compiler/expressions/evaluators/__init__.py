@@ -1,1 +1,1 @@
-"""One file per kind of value that an expression graph is evaluated in."""
+"""Evaluators of expression graphs, one file per kind of value."""

@@ -1,4 +1,4 @@
-"""An expression graph in validated arithmetic: balls, their matrices and Taylor series."""
+"""Expression graphs in validated arithmetic: balls, matrices of balls and Taylor series."""
 
 from __future__ import annotations
 
@@ -22,20 +22,23 @@ from compiler.expressions.scalars import (
 )
 from grammar_lang import ir
 
-# --- Balls: an expression graph in validated arithmetic -------------------------------------------
+# --- Balls: expression graphs in validated arithmetic ---------------------------------------------
 #
-# Every ball contains the exact value; nothing here compares floats with a tolerance.
+# Every ball contains the exact value; floats are never compared with a tolerance.
 
 
 Value = TypeVar("Value")
 
 _CONTEXT = RLock()
-"""flint has one context for all threads.  A series that another thread cuts short has coefficients
-that are 0 and should not be: what is then computed contains nothing."""
+"""flint has one context for all threads; a lock keeps other threads from changing it.
+
+If another thread cuts a series short, its coefficients are 0 where they should not be, and the
+enclosures computed from it are wrong.
+"""
 
 
 def below(value: arb) -> float:
-    """The largest double below all values of a ball; -inf where nothing is known of them."""
+    """The largest double below all values of a ball; -inf if nothing is known about them."""
     low = value.lower()
     near = float(low)
     if math.isnan(near):
@@ -45,7 +48,7 @@ def below(value: arb) -> float:
 
 @contextmanager
 def working_precision(bits: int) -> Iterator[None]:
-    """Ball arithmetic with so many bits within the block; other threads wait for theirs."""
+    """Ball arithmetic with ``bits`` bits within the block; other threads wait until it ends."""
     with _CONTEXT:
         before = ctx.prec, ctx.cap
         ctx.prec = bits
@@ -62,7 +65,7 @@ def ball(value: Fraction | int) -> arb:
 
 
 def sign_ball(a: arb) -> arb:
-    """The sign, which is also the slope of the absolute value; [-1, 1] where it is not certain."""
+    """The sign, which is also the slope of the absolute value; [-1, 1] if it is not certain."""
     if a > 0:
         return arb(1)
     return arb(-1) if a < 0 else arb(0, 1)
@@ -79,7 +82,7 @@ def inverse(a: Any) -> Any:
 
 
 def double(a: Any) -> Any:
-    """The double, of a ball or of a series of balls."""
+    """Twice a ball or a series of balls."""
     return a + a
 
 
@@ -88,7 +91,7 @@ def _constant(value: Fraction | int) -> arb:
 
 
 class _Operators(Evaluator[Value]):
-    """What flint writes alike for balls and for series of balls."""
+    """The operations that flint writes the same way for balls and for series of balls."""
 
     neg: ClassVar[Any] = staticmethod(operator.neg)
     sq: ClassVar[Any] = staticmethod(square)
@@ -101,7 +104,7 @@ class _Operators(Evaluator[Value]):
 
 
 class BallEvaluator(_Operators[arb]):
-    """Values are balls that contain the exact ones; flint's functions, called without a detour."""
+    """Values are balls that contain the exact values; flint's functions are called directly."""
 
     fabs: ClassVar[Any] = staticmethod(abs)
     sqrt: ClassVar[Any] = staticmethod(arb.sqrt)
@@ -150,12 +153,12 @@ def column(entries: Sequence[arb]) -> arb_mat:
 
 
 def column_of_ones(size: int) -> arb_mat:
-    """What adds up the columns of a matrix."""
+    """The column of ones, by which a matrix is multiplied to add up its columns."""
     return arb_mat(size, 1, [arb(1)] * size)
 
 
 def identity(size: int) -> arb_mat:
-    """The unit matrix."""
+    """The identity matrix."""
     return arb_mat([[arb(int(i == j)) for j in range(size)] for i in range(size)])
 
 
@@ -166,7 +169,7 @@ def diagonal(entries: Sequence[arb]) -> arb_mat:
 
 
 def beside(left: arb_mat, right: arb_mat) -> arb_mat:
-    """One matrix to the left of another."""
+    """Two matrices side by side."""
     return arb_mat([a + b for a, b in zip(left.tolist(), right.tolist(), strict=True)])
 
 
@@ -177,13 +180,13 @@ def absolute(matrix: arb_mat) -> arb_mat:
 
 
 def both_signs(bounds: arb_mat) -> arb_mat:
-    """All matrices whose entries are within bounds."""
+    """A ball matrix that contains all matrices whose entries are within the bounds."""
     entries = [SIGNS * item for item in bounds.entries()]
     return arb_mat(bounds.nrows(), bounds.ncols(), entries)
 
 
 def rows(matrix: arb_mat, first: int, last: int) -> arb_mat:
-    """The rows first ... last - 1."""
+    """The rows ``first`` to ``last`` - 1."""
     width = matrix.ncols()
     return arb_mat(last - first, width, matrix.entries()[first * width : last * width])
 
@@ -198,13 +201,13 @@ def stacked(upper: arb_mat, lower: arb_mat) -> arb_mat:
 
 
 class UncertainSignError(ValueError):
-    """An absolute value has a kink within a ball: its Taylor coefficients end at the first."""
+    """An absolute value has a kink within a ball, so no higher Taylor coefficients exist."""
 
 
 def _absolute(a: arb_series) -> arb_series:
-    """The absolute value; where the sign is uncertain, up to the first order (Clarke's gradient).
+    """The absolute value; if the sign is uncertain, up to the first order (Clarke's gradient).
 
-    Of a Lipschitz function the Taylor polynomial of degree one with its integral remainder still
+    For a Lipschitz function the Taylor polynomial of degree one with its integral remainder still
     holds, since its derivative exists almost everywhere and lies in the hull of both slopes.
     """
     sign = sign_ball(a[0])
@@ -216,7 +219,7 @@ def _absolute(a: arb_series) -> arb_series:
 
 
 def _slope(a: arb_series) -> arb_series:
-    """The sign, piecewise constant."""
+    """The sign, which is piecewise constant."""
     sign = sign_ball(a[0])
     if not sign.is_exact() and len(a) > 1 and ctx.cap > 1:
         raise UncertainSignError("the sign under an absolute value is not certain")
@@ -239,7 +242,7 @@ def _smooth_sign(a: arb) -> arb:
 
 
 class SmoothBallEvaluator(BallEvaluator):
-    """Balls on which every absolute value is smooth, or ``UncertainSignError``."""
+    """Balls on which every absolute value is smooth; otherwise raises ``UncertainSignError``."""
 
     fabs: ClassVar[Any] = staticmethod(_smooth_absolute)
     sign: ClassVar[Any] = staticmethod(_smooth_sign)
@@ -251,7 +254,8 @@ SMOOTH_BALLS = SmoothBallEvaluator()
 class SeriesEvaluator(_Operators[arb_series]):
     """Values are series truncated at the working length, with balls as coefficients.
 
-    ``UncertainSignError``: an absolute value, or its slope, is not smooth to the order asked.
+    Raises ``UncertainSignError`` if an absolute value, or its slope, is not smooth up to the order
+    asked for.
     """
 
     fabs: ClassVar[Any] = staticmethod(_absolute)

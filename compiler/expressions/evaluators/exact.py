@@ -1,7 +1,7 @@
 """Exact numbers: an expression graph at a point, in numbers a + b pi with rational a and b.
 
-Where all angles are multiples of pi/3 or pi/2 the entries of a mass matrix are rational as a
-rule, so that singularity, which no enclosure can show, is decided by algebra.
+If all angles are multiples of pi/3 or pi/2, the entries of a mass matrix are usually rational.
+Singularity, which no enclosure can prove, is then decided by algebra.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _COSINES = {
 
 
 class NotExact(ArithmeticError):
-    """A value that is not seen to be of the form a + b pi."""
+    """A value is not recognised as being of the form a + b pi."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class PiLinear:
 
 
 class ExactEvaluator(Evaluator[PiLinear]):
-    """Values are numbers a + b pi; ``NotExact`` where a value is not seen to be one."""
+    """Values are numbers a + b pi; raises ``NotExact`` if a value is not recognised as one."""
 
     def constant(self, value: Fraction | int) -> PiLinear:
         """A rational."""
@@ -69,7 +69,7 @@ class ExactEvaluator(Evaluator[PiLinear]):
         return PiLinear(Fraction(0), Fraction(1))
 
     def neg(self, argument: PiLinear, /) -> PiLinear:
-        """The opposite."""
+        """The negation."""
         return PiLinear(-argument.rational, -argument.pis)
 
     def add(self, left: PiLinear, right: PiLinear, /) -> PiLinear:
@@ -77,10 +77,10 @@ class ExactEvaluator(Evaluator[PiLinear]):
         return PiLinear(left.rational + right.rational, left.pis + right.pis)
 
     def mul(self, left: PiLinear, right: PiLinear, /) -> PiLinear:
-        """The product, one factor being rational.
+        """The product, of which one factor must be rational.
 
         Raises:
-            NotExact: neither is.
+            NotExact: neither factor is rational.
         """
         if left.pis:
             left, right = right, left
@@ -88,7 +88,7 @@ class ExactEvaluator(Evaluator[PiLinear]):
         return PiLinear(factor * right.rational, factor * right.pis)
 
     def div(self, left: PiLinear, right: PiLinear, /) -> PiLinear:
-        """The quotient by a rational other than zero.
+        """The quotient by a non-zero rational.
 
         Raises:
             NotExact: the divisor is zero or irrational.
@@ -117,7 +117,7 @@ class ExactEvaluator(Evaluator[PiLinear]):
         """The square root of the square of a rational.
 
         Raises:
-            NotExact: the argument is no such square.
+            NotExact: the argument is not such a square.
         """
         value = _rational(argument)
         if value >= 0:
@@ -127,11 +127,11 @@ class ExactEvaluator(Evaluator[PiLinear]):
         raise NotExact("an inexact sqrt")
 
     def sin(self, argument: PiLinear, /) -> PiLinear:
-        """The sine where it is rational."""
+        """The sine if it is rational."""
         return self.cos(PiLinear(argument.rational, argument.pis - Fraction(1, 2)))
 
     def cos(self, argument: PiLinear, /) -> PiLinear:
-        """The cosine where it is rational."""
+        """The cosine if it is rational."""
         return PiLinear(_cosine(argument))
 
     def fabs(self, argument: PiLinear, /) -> PiLinear:
@@ -139,7 +139,7 @@ class ExactEvaluator(Evaluator[PiLinear]):
         return PiLinear(abs(_rational(argument)))
 
     def sign(self, argument: PiLinear, /) -> PiLinear:
-        """Raise NotExact: a sign depends on what is around the point."""
+        """Raise NotExact: a sign depends on the neighbourhood of the point."""
         raise NotExact("an inexact sign")
 
 
@@ -147,7 +147,7 @@ def exact_closed(expression: ir.Expr) -> PiLinear:
     """The value of a closed scalar expression.
 
     Raises:
-        NotExact: it is not seen to be of the form a + b pi.
+        NotExact: it is not recognised as being of the form a + b pi.
         ValueError: the expression is not a closed scalar.
     """
     return evaluate_expression(expression, ExactEvaluator())

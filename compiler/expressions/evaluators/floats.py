@@ -1,4 +1,4 @@
-"""Doubles: an expression graph at one point, not for proofs."""
+"""Doubles: the value of an expression graph at one point, not for proofs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from compiler.expressions.scalars import ScalarNode, evaluate_scalars
 class FloatEvaluator(Evaluator[float]):
     """Values are doubles.
 
-    ``ValueError`` and ``ZeroDivisionError`` where there is no value, as Python's operations do.
+    Raises ``ValueError`` or ``ZeroDivisionError`` if there is no value, as Python's operations do.
     """
 
     neg: ClassVar[Any] = staticmethod(operator.neg)
@@ -35,14 +35,14 @@ class FloatEvaluator(Evaluator[float]):
         return float(value)
 
     def pi(self) -> float:
-        """The nearest double."""
+        """The double nearest to pi."""
         return math.pi
 
     def sign(self, argument: float, /) -> float:
-        """1, -1, or 0 of zero."""
+        """1, -1, or 0 for zero."""
         return float((argument > 0) - (argument < 0))
 
 
 def scalar_floats(nodes: Sequence[ScalarNode], theta: Iterable[float]) -> list[float]:
-    """The value of every scalar of a robot at parameters theta (p,), SI."""
+    """The value of every scalar of a robot for parameters theta (p,) in SI units."""
     return evaluate_scalars(nodes, FloatEvaluator(), [float(value) for value in theta])

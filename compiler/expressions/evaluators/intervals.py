@@ -1,9 +1,8 @@
-"""Intervals: an expression graph over a box, as the lower and upper end of every value.
+"""Intervals: an expression graph over a box, with the lower and upper end of every value.
 
-Balls are intervals too, but a product of wide balls loses much: (2.75 +- 2.25)^2 reaches below
-zero, [0.5, 5]^2 does not.  The ends are python-flint numbers, rounded outwards.
-
-Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapters 2 and 5.
+Balls are intervals too, but a product of wide balls loses much: (2.75 +- 2.25)^2 extends below
+zero, [0.5, 5]^2 does not. The ends are python-flint numbers, rounded outwards. Source: Moore,
+Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapters 2 and 5.
 """
 
 from __future__ import annotations
@@ -24,14 +23,14 @@ INFINITY, ZERO, ONE = arb("inf"), arb(0), arb(1)
 
 @dataclass(frozen=True, slots=True)
 class Ends:
-    """All reals from ``low`` to ``high``, two exact numbers or infinities."""
+    """All reals from ``low`` to ``high``, which are exact numbers or infinities."""
 
     low: arb
     high: arb
 
     @property
     def undefined(self) -> bool:
-        """Whether nothing is known."""
+        """Whether nothing is known about the value."""
         return bool(self.low.is_nan() or self.high.is_nan())
 
     @property
@@ -45,7 +44,7 @@ class Ends:
 
 
 UNDEFINED = Ends(arb("nan"), arb("nan"))
-"""A value that is not defined, or not known to be, somewhere; no comparison with it holds."""
+"""A value that may be undefined somewhere in the box; no comparison with it holds."""
 
 
 def around(value: arb) -> Ends:
@@ -54,20 +53,20 @@ def around(value: arb) -> Ends:
 
 
 def between(low: Fraction | None, high: Fraction | None) -> Ends:
-    """An interval with rational ends, None for an infinite one."""
+    """The interval with rational ends; None stands for an infinite end."""
     lower = -INFINITY if low is None else ball(low).lower()
     return Ends(lower, INFINITY if high is None else ball(high).upper())
 
 
 def outward(low: arb, high: arb) -> Ends:
-    """The lower end of one ball and the upper end of another; undefined if one is not known."""
+    """The lower end of one ball and the upper end of another; undefined if one is unknown."""
     if low.is_nan() or high.is_nan():
         return UNDEFINED
     return Ends(low.lower(), high.upper())
 
 
 class IntervalEvaluator(Evaluator[Ends]):
-    """Values are intervals; one that is not defined everywhere is undefined."""
+    """Values are intervals; a value that is not defined everywhere is undefined."""
 
     def constant(self, value: Fraction | int) -> Ends:
         """An exact integer, or the ends of a ball around a rational."""
@@ -80,11 +79,11 @@ class IntervalEvaluator(Evaluator[Ends]):
         return around(arb.pi())
 
     def neg(self, argument: Ends, /) -> Ends:
-        """The opposite."""
+        """The negation."""
         return Ends(-argument.high, -argument.low)
 
     def twice(self, argument: Ends, /) -> Ends:
-        """The double."""
+        """Twice the argument."""
         return outward(argument.low * 2, argument.high * 2)
 
     def add(self, left: Ends, right: Ends, /) -> Ends:
@@ -100,7 +99,7 @@ class IntervalEvaluator(Evaluator[Ends]):
         return _product(left, right)
 
     def div(self, left: Ends, right: Ends, /) -> Ends:
-        """The quotient; undefined where the divisor may be zero."""
+        """The quotient; undefined if the divisor may be zero."""
         return _product(left, self.inv(right))
 
     def sq(self, argument: Ends, /) -> Ends:
@@ -109,13 +108,13 @@ class IntervalEvaluator(Evaluator[Ends]):
         return outward(size.low * size.low, size.high * size.high)
 
     def inv(self, argument: Ends, /) -> Ends:
-        """The reciprocal; undefined where the argument may be zero."""
+        """The reciprocal; undefined if the argument may be zero."""
         if argument.low > 0 or argument.high < 0:
             return outward(1 / argument.high, 1 / argument.low)
         return UNDEFINED
 
     def sqrt(self, argument: Ends, /) -> Ends:
-        """The square root; undefined where the argument may be negative."""
+        """The square root; undefined if the argument may be negative."""
         if argument.low >= 0:
             return outward(argument.low.sqrt(), argument.high.sqrt())
         return UNDEFINED
@@ -131,7 +130,7 @@ class IntervalEvaluator(Evaluator[Ends]):
         return Ends(ZERO, argument.high if argument.high > -argument.low else -argument.low)
 
     def sign(self, argument: Ends, /) -> Ends:
-        """The slopes of the absolute value: both, and all between, where zero is inside."""
+        """The slopes of the absolute value: all of [-1, 1] if zero is inside."""
         if argument.undefined:
             return UNDEFINED
         return Ends(ONE if argument.low > 0 else -ONE, -ONE if argument.high < 0 else ONE)
@@ -145,7 +144,7 @@ class IntervalEvaluator(Evaluator[Ends]):
         return _wave(argument, arb.cos, Fraction(0))
 
     def tan(self, argument: Ends, /) -> Ends:
-        """The tangent; undefined where there may be a pole."""
+        """The tangent; undefined if there may be a pole."""
         if not argument.finite or _integers(argument, Fraction(1, 2)):
             return UNDEFINED
         return outward(argument.low.tan(), argument.high.tan())
@@ -158,7 +157,7 @@ def _product(left: Ends, right: Ends) -> Ends:
     if left.undefined or right.undefined:
         return UNDEFINED
     if left.low.is_zero() and left.high.is_zero():
-        return left  # an unlimited factor takes finite values only
+        return left  # an unbounded factor takes only finite values
     if right.low.is_zero() and right.high.is_zero():
         return right
     if left.low >= 0 and right.low >= 0:
@@ -180,7 +179,7 @@ def _product(left: Ends, right: Ends) -> Ends:
 
 
 def _wave(argument: Ends, function: Callable[[arb], arb], shift: Fraction) -> Ends:
-    """A sine or a cosine, by where its extrema are, in half turns after ``shift``."""
+    """A sine or a cosine; its extrema are at multiples of a half turn, shifted by ``shift``."""
     if not argument.finite:
         return UNDEFINED if argument.undefined else Ends(-ONE, ONE)
     extrema = _integers(argument, shift)
@@ -195,7 +194,7 @@ def _wave(argument: Ends, function: Callable[[arb], arb], shift: Fraction) -> En
 
 
 def _integers(argument: Ends, shift: Fraction) -> range:
-    """The integers that x / pi - shift may take in an interval, cut after a few."""
+    """The integers that x / pi - shift may take in an interval, at most three."""
     pi, offset = arb.pi(), ball(shift)
     first = (argument.low / pi - offset).lower().ceil().unique_fmpz()
     last = (argument.high / pi - offset).upper().floor().unique_fmpz()
@@ -206,7 +205,7 @@ def _integers(argument: Ends, shift: Fraction) -> range:
 
 # --- Intervals in doubles, for many boxes at once -------------------------------------------------
 #
-# Rounding is not directed: what is computed here guides a search, and proves nothing.
+# Rounding is not directed: these results guide a search and prove nothing.
 #
 # Source: Moore, Kearfott & Cloud, *Introduction to Interval Analysis* (2009), chapters 2 and 5.
 
@@ -217,9 +216,9 @@ TURN = 2 * np.pi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IntervalBatch:
-    """An interval for each of K boxes: ``low`` and ``high`` (K,), or one for all of them ().
+    """An interval for each of K boxes: ``low`` and ``high`` are (K,), or () if shared by all boxes.
 
-    NaN where the value is not defined, or not known to be, somewhere in the box.
+    They are NaN if the value is not defined, or not known to be, somewhere in the box.
     """
 
     low: Array
@@ -235,20 +234,20 @@ class BatchedIntervalEvaluator(Evaluator[IntervalBatch]):
     """Values are intervals, one for each box."""
 
     def constant(self, value: Fraction | int) -> IntervalBatch:
-        """The nearest double, as if it were exact."""
+        """The nearest double, treated as exact."""
         exact = np.asarray(float(value))
         return IntervalBatch(exact, exact)
 
     def pi(self) -> IntervalBatch:
-        """The nearest double, as if it were exact."""
+        """The double nearest to pi, treated as exact."""
         return IntervalBatch(np.asarray(np.pi), np.asarray(np.pi))
 
     def neg(self, argument: IntervalBatch, /) -> IntervalBatch:
-        """The opposite."""
+        """The negation."""
         return IntervalBatch(-argument.high, -argument.low)
 
     def twice(self, argument: IntervalBatch, /) -> IntervalBatch:
-        """The double."""
+        """Twice the argument."""
         return IntervalBatch(2 * argument.low, 2 * argument.high)
 
     def add(self, left: IntervalBatch, right: IntervalBatch, /) -> IntervalBatch:
@@ -269,13 +268,13 @@ class BatchedIntervalEvaluator(Evaluator[IntervalBatch]):
         return IntervalBatch(size.low**2, size.high**2)
 
     def inv(self, argument: IntervalBatch, /) -> IntervalBatch:
-        """The reciprocal; undefined where zero is inside."""
+        """The reciprocal; undefined if zero is inside."""
         low, high = argument.low, argument.high
         safe = (low > 0) | (high < 0)
         return IntervalBatch(1 / np.where(safe, high, np.nan), 1 / np.where(safe, low, np.nan))
 
     def sqrt(self, argument: IntervalBatch, /) -> IntervalBatch:
-        """The square root; undefined where a negative number is inside."""
+        """The square root; undefined if a negative number is inside."""
         low, high = argument.low, argument.high
         rooted = np.sqrt(np.where(low >= 0, low, np.nan))
         return _known(rooted, np.sqrt(np.where(low >= 0, high, np.nan)))
@@ -300,7 +299,7 @@ class BatchedIntervalEvaluator(Evaluator[IntervalBatch]):
         return _batched_wave(argument, 0.0)
 
     def tan(self, argument: IntervalBatch, /) -> IntervalBatch:
-        """The tangent; undefined where there is a pole."""
+        """The tangent; undefined if there is a pole."""
         low, high = argument.low, argument.high
         poles = np.floor(low / HALF_TURN + 0.5) != np.floor(high / HALF_TURN + 0.5)
         return IntervalBatch(
@@ -309,7 +308,7 @@ class BatchedIntervalEvaluator(Evaluator[IntervalBatch]):
 
 
 def product(left: IntervalBatch, right: IntervalBatch) -> IntervalBatch:
-    """All products."""
+    """The interval of all products."""
     a, b = left.low * right.low, left.high * right.high
     c, d = left.low * right.high, left.high * right.low
     low = np.minimum(np.minimum(a, b), np.minimum(c, d))
@@ -318,18 +317,18 @@ def product(left: IntervalBatch, right: IntervalBatch) -> IntervalBatch:
 
 
 def common(one: IntervalBatch, other: IntervalBatch) -> IntervalBatch:
-    """The intersection of two enclosures of one value; an undefined one says nothing."""
+    """The intersection of two enclosures of one value; an undefined enclosure is ignored."""
     return IntervalBatch(np.fmax(one.low, other.low), np.fmin(one.high, other.high))
 
 
 def _known(low: Array, high: Array) -> IntervalBatch:
-    """An interval with both ends, or undefined."""
+    """An interval with both ends known, or undefined."""
     lost = np.isnan(low) | np.isnan(high)
     return IntervalBatch(np.where(lost, np.nan, low), np.where(lost, np.nan, high))
 
 
 def _batched_wave(argument: IntervalBatch, lead: float) -> IntervalBatch:
-    """The cosine of an angle less ``lead``, by where its extrema are."""
+    """The cosine of an angle minus ``lead``, by the positions of its extrema."""
     low, high = argument.low - lead, argument.high - lead
     start, end = np.cos(low), np.cos(high)
     peak = np.ceil(low / TURN) * TURN <= high

@@ -1,6 +1,6 @@
-"""Trigonometric polynomials: an expression graph in canonical form, for people.
+"""Trigonometric polynomials: an expression graph in canonical form, for readers.
 
-Where an expression would get too long, intermediate results get names: the outcome is then a
+Intermediate results get names if an expression would otherwise be too long. The result is then a
 straight-line program whose steps are short polynomials.
 """
 
@@ -18,20 +18,20 @@ from compiler.expressions.trigonometric_polynomial import (
 )
 
 MOST_TERMS = 120
-"""An entry with more terms is not shown in one piece."""
+"""An entry with more terms is not shown as one polynomial."""
 MOST_PRODUCTS = 10_000
-"""So many products of terms are formed in search of the canonical form of one function."""
+"""The most products of terms formed in search of the canonical form of one function."""
 MOST_TERMS_NAMED = 8
-"""From so many terms on, an intermediate result gets a name."""
+"""The most terms of a polynomial before intermediate results get names."""
 
 
 class TooManyTerms(ArithmeticError):
-    """The canonical form is longer than anybody would read."""
+    """The canonical form is too long to be read."""
 
 
 @dataclass(slots=True)
 class _RingEvaluator(Evaluator[TrigonometricPolynomial]):
-    """What needs no decision on length."""
+    """The operations that do not depend on length."""
 
     ring: PolynomialRing
 
@@ -44,11 +44,11 @@ class _RingEvaluator(Evaluator[TrigonometricPolynomial]):
         return self.ring.symbol(Pi())
 
     def neg(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
-        """The opposite."""
+        """The negation."""
         return self.ring.multiply(argument, self.ring.rational(-1))
 
     def twice(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
-        """The double."""
+        """Twice the argument."""
         return self.ring.multiply(argument, self.ring.rational(2))
 
     def inv(self, argument: TrigonometricPolynomial, /) -> TrigonometricPolynomial:
@@ -76,7 +76,7 @@ class _RingEvaluator(Evaluator[TrigonometricPolynomial]):
         return self.ring.absolute(self._operand(argument))
 
     def _operand(self, number: TrigonometricPolynomial) -> TrigonometricPolynomial:
-        """The argument of a function that makes a symbol of it."""
+        """The argument of a function that turns it into a symbol."""
         return number
 
 
@@ -85,7 +85,7 @@ class CanonicalEvaluator(_RingEvaluator):
     """Values are trigonometric polynomials in canonical form.
 
     Raises:
-        TooManyTerms: a polynomial or the work as a whole gets too long.
+        TooManyTerms: a polynomial has too many terms, or there are too many products in total.
     """
 
     products: int = 0
@@ -112,14 +112,14 @@ class CanonicalEvaluator(_RingEvaluator):
 
 @dataclass(slots=True)
 class NamingEvaluator(_RingEvaluator):
-    """Values are trigonometric polynomials; intermediate results that get long are named."""
+    """Values are trigonometric polynomials; long intermediate results are named."""
 
     named: list[Abbreviation] = field(default_factory=list[Abbreviation])
 
     def add(
         self, left: TrigonometricPolynomial, right: TrigonometricPolynomial, /
     ) -> TrigonometricPolynomial:
-        """The sum; of one that is too long, the longer summand is named."""
+        """The sum; if it is too long, the longer summand is named."""
         total = self.ring.add(left, right)
         if len(total.terms) <= MOST_TERMS_NAMED:
             return total
@@ -129,7 +129,7 @@ class NamingEvaluator(_RingEvaluator):
     def mul(
         self, left: TrigonometricPolynomial, right: TrigonometricPolynomial, /
     ) -> TrigonometricPolynomial:
-        """The product; of one that is too long, the factors are named."""
+        """The product; if it may be too long, the factors are named."""
         if 2 * len(left.terms) * len(right.terms) > MOST_TERMS_NAMED:
             left, right = self._operand(left), self._operand(right)
         return self.ring.multiply(left, right)

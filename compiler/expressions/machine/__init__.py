@@ -1,1 +1,1 @@
-"""Expression graphs in balls of doubles, by one compiled loop."""
+"""Expression graphs in balls of doubles, evaluated by one compiled loop."""

@@ -1,4 +1,4 @@
-"""The program of an expression graph, to be run on balls of doubles in machine code."""
+"""The program of an expression graph, run on balls of doubles in machine code."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from compiler.time_limits.time_limit import check_time
 
 NEG, TWICE, ADD, SUB, MUL, DIV, SQRT, SIN_COS, FABS, SIGN = range(10)
 EXACT, UNCERTAIN, UNDEFINED = range(3)
-"""The numbers that ``ball_kernel.c`` has for operations, and for what became of a program."""
+"""The codes that ``ball_kernel.c`` uses for operations, and for the outcome of a run."""
 
 OPERATIONS = {
     "neg": NEG, "twice": TWICE, "add": ADD, "sub": SUB, "mul": MUL, "sq": MUL, "div": DIV,
@@ -25,7 +25,7 @@ OPERATIONS = {
 
 
 class MachineProgram:
-    """A program for series, whose first inputs depend on time, all others being constant.
+    """A program on series. Only the first inputs depend on time; all others are constant.
 
     Args:
         tape: the program.
@@ -46,19 +46,19 @@ class MachineProgram:
         self._outputs = np.array([places[number] for number in plan.outputs], dtype=np.int64)
 
     def evaluate(self, inputs: BallArray, *, smooth: bool = False) -> BallArray:
-        """Series of the outputs, (outputs, length), by those of all inputs, (inputs, length).
+        """The series of the outputs, (outputs, length), for series of all inputs, (inputs, length).
 
-        They are no numbers where something has no value.
+        They are NaN if something has no value.
 
         Raises:
-            UncertainSignError: an absolute value has its kink within a ball, and is asked to be
-                ``smooth``, or for more than its first derivative.
+            UncertainSignError: an absolute value has its kink within a ball, and ``smooth`` is set
+                or more than its first derivative is needed.
         """
         run = self.started(inputs)
         return run.advanced(0, inputs.middle.shape[1], smooth=smooth)
 
     def started(self, inputs: BallArray) -> MachineRun:
-        """A run of which nothing is computed yet, for inputs (inputs, length)."""
+        """A run for inputs (inputs, length) in which nothing is computed yet."""
         check_time()
         values = BallArray.zeros(len(self._fixed), inputs.middle.shape[1])
         used, known = len(self._used), len(self._used) + len(self._constants)
@@ -84,10 +84,10 @@ class MachineRun:
         self.values.middle[: len(self.used), k][moving] = middles[self.used[moving]]
 
     def advanced(self, first: int, last: int, *, smooth: bool = False) -> BallArray:
-        """The coefficients ``first`` ... ``last`` - 1 of the outputs; those before are computed.
+        """The coefficients ``first`` to ``last`` - 1 of the outputs, once earlier ones are known.
 
         Raises:
-            UncertainSignError: as :meth:`MachineProgram.evaluate` says.
+            UncertainSignError: as in :meth:`MachineProgram.evaluate`.
         """
         middle, radius = self.values.middle, self.values.radius
         found = ball_kernel.coefficients(
@@ -104,7 +104,7 @@ class MachineRun:
 
 @dataclass(slots=True)
 class _Encoder:
-    """Operations with the places of arguments and results; ``fixed`` says which are constant."""
+    """Operations with the indices of arguments and results; ``fixed`` marks the constant ones."""
 
     fixed: list[bool]
     code: list[tuple[int, int, int, int]] = field(default_factory=list)
@@ -114,7 +114,7 @@ class _Encoder:
         self.one = len(self.fixed) - 1
 
     def encoded(self, name: str, a: int, b: int, kind: int) -> list[int]:
-        """The places of what a step makes."""
+        """The indices of the results of a step."""
         if name == "inv":
             return [self._append(DIV, self.one, a)]
         if name not in ("sin", "cos", "tan", SINE_AND_COSINE):
