@@ -65,9 +65,6 @@ def distances(
     return np.array(found, dtype=np.int64)
 
 
-# --- The position of an effector at a layer, as Boolean variables ---------------------------------
-
-
 # --- Variables that say that an effector is in a cell at a layer ----------------------------------
 
 
