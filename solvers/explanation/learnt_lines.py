@@ -50,7 +50,7 @@ def _lines(posed: PosedTask, claim: LemmaClaim) -> Iterator[TaskLine]:
         kinds = ("start", "reach", "effort", "joint_effort", "horizon")
         yield from (line for line in task_lines(posed) if line.kind in kinds)
         return
-    counted = _counted(condition_of(claim.condition, program.terminals))
+    counted = _counted(condition_of(claim.condition, program.terminals), frozenset(program.modules))
     for line in task_lines(posed):
         match line.kind:
             case "start":
@@ -70,17 +70,19 @@ def _lines(posed: PosedTask, claim: LemmaClaim) -> Iterator[TaskLine]:
             yield line
 
 
-def _counted(condition: ir.Accept) -> set[str]:
-    """The modules that a condition counts."""
+def _counted(condition: ir.Accept, modules: frozenset[str]) -> frozenset[str]:
+    """The modules that a condition counts; all of them if it bounds the length of the word."""
     match condition:
         case ir.Count(str(symbol), _, _):
-            return {symbol}
+            return frozenset({symbol})
+        case ir.Count(None, "<=", _):
+            return modules
         case ir.AllOf(parts) | ir.AnyOf(parts):
-            return set[str]().union(*map(_counted, parts))
+            return frozenset[str]().union(*(_counted(part, modules) for part in parts))
         case ir.NotAccept(part):
-            return _counted(part)
+            return _counted(part, modules)
         case _:
-            return set()
+            return frozenset()
 
 
 def _text(posed: PosedTask, line: TaskLine) -> str:

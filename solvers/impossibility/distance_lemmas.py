@@ -35,7 +35,7 @@ from compiler.robots.normal_form import RobotFamily
 from compiler.tasks.necessary import stops
 from compiler.time_limits.time_limit import check_time
 from compiler.words.acceptance import accept_dfa
-from compiler.words.finite_automaton import Dfa, complement, intersection
+from compiler.words.finite_automaton import AutomatonTooLargeError, Dfa, intersection
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
 from solvers.lemma import DistanceLemma
@@ -186,14 +186,16 @@ class _Weakening:
         if len(counts.most) == len(short.most):
             return plain
         within = self._all_raised(counts, bound)
-        return plain if self._covers(plain[0], within[0]) else within
+        return within if self._has_more(within[0], plain[0]) else plain
 
-    def _covers(self, one: _Counts, other: _Counts) -> bool:
-        """Whether every word that satisfies ``other`` also satisfies ``one``."""
-        about = [self._automaton(counts) for counts in (one, other)]
-        if about[0] is None or about[1] is None:
+    def _has_more(self, one: _Counts, other: _Counts) -> bool:
+        """Whether a word of the family within the bound on modules satisfies only ``one``."""
+        only = ir.AllOf((one.condition(), ir.NotAccept(other.condition())))
+        try:
+            words = self.family.with_condition(only).language.words(max_modules=self.modules)
+            return next(iter(words), None) is not None
+        except AutomatonTooLargeError:
             return False
-        return intersection(about[1], complement(about[0])).longest() == -1
 
     def _all_raised(self, counts: _Counts, bound: EffectorBound) -> tuple[_Counts, EffectorBound]:
         """Raise all counts together, then each alone."""
