@@ -22,7 +22,7 @@ from tests.oracles.reaching_families import reaching_family
 MOST, EFFECTORS = 30, 2
 """Structures of a family, and their effectors, that are looked at."""
 
-FEW = (1, 3, 4, 5, 7, 12, 14, 20)
+FEW = (1, 3, 4, 5, 6, 7, 12, 14, 16, 20)
 """Families of all kinds that take little time."""
 
 
