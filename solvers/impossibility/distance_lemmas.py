@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
+from math import prod
 
 import numpy as np
 from flint import arb
@@ -44,6 +45,8 @@ MOST_OF_ONE = 100
 """The largest count that is tried."""
 MOST_STATES = 80
 """The largest automaton of a condition: the time to bound its effectors grows with the square."""
+MOST_ALONE = 2_000
+"""The largest automaton of a condition without ``accept``."""
 GRID = 10**6
 """Normals are rounded to multiples of 1 / GRID."""
 
@@ -80,6 +83,13 @@ class _Counts:
     def rank(self) -> tuple[int, int]:
         """A measure of weakness: fewer bounds on modules, then larger counts."""
         return -len(self.least) - len(self.most), sum(self.most.values())
+
+    @property
+    def states(self) -> int:
+        """The states of the automaton of all bounds, but for one that rejects."""
+        counts = {**self.least, **self.most}
+        counts = {name: max(count, self.least.get(name, 0)) for name, count in counts.items()}
+        return prod(count + 1 for count in counts.values()) * ((self.length or 0) + 1)
 
     def without_least(self, name: str) -> _Counts:
         return replace(self, least={k: v for k, v in self.least.items() if k != name})
@@ -160,9 +170,11 @@ class _Weakening:
     def _automaton(self, counts: _Counts) -> Dfa | None:
         """The automaton of accepted words that satisfy all counts; None if it is too large.
 
-        The states of different counts multiply, so the product for a large kit would not end. The
-        counts are therefore added one by one until the product exceeds ``MOST_STATES``.
+        The states of different counts multiply, so the product for a large kit would not end. It is
+        not begun if it is large without ``accept``; with it, counts are added one by one.
         """
+        if counts.states > MOST_ALONE:
+            return None
         language = self.family.language
         automaton = language.accept
         for condition in counts.conditions():

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from grammar_lang import ir
 from grammar_lang.ir import constants
+from grammar_lang.ir.enclosures import rational_bounds
 
 PI = ir.Pi()
 
@@ -95,3 +96,15 @@ def test_less_is_exact_on_like_monomials() -> None:
     assert not constants.less(num(1 + tiny), num(1))
     assert constants.less(ir.Binary("*", num(1 - tiny), PI), PI)
     assert constants.less(num(3), PI)
+
+
+@pytest.mark.parametrize("power", [-800, -400, -1, 0, 3])
+def test_bounds_of_irrational_numbers_of_any_size(power: int) -> None:
+    """Of sqrt(2) * 10^power, whose square is rational."""
+    root = ir.Unary("sqrt", ir.Num(Fraction(2)))
+    bounds = rational_bounds(ir.Binary("*", root, ir.Num(Fraction(10) ** power)))
+    assert bounds is not None
+    low, high = bounds
+    square = 2 * Fraction(10) ** (2 * power)
+    assert 0 < low**2 < square < high**2
+    assert high - low < Fraction(10) ** (power - 12)

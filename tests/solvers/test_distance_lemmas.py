@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections import Counter
 from itertools import product
 
@@ -13,8 +14,9 @@ from compiler.encodings.pose_questions import pose_questions
 from compiler.robots.candidate import candidates
 from compiler.robots.normal_form import family_of
 from compiler.time_limits.time_limit import OutOfTimeError, time_limit
+from compiler.words.acceptance import accept_dfa
 from grammar_lang import ir
-from solvers.impossibility.distance_lemmas import distance_lemma
+from solvers.impossibility.distance_lemmas import _Counts, distance_lemma
 from solvers.impossibility.pose_search import find_poses
 from tests.oracles.formulas import program
 from tests.oracles.reaching_families import reaching_family
@@ -130,3 +132,14 @@ def test_the_limit_of_time_ends_the_weakening() -> None:
     with time_limit(lambda: next(calls) >= 5), pytest.raises(OutOfTimeError):
         distance_lemma(family, task, ("Base", "Hand"))
     assert next(calls) < 20
+
+
+def test_the_size_of_a_condition_is_known_before_it_is_built() -> None:
+    choose = random.Random(3)
+    for _ in range(200):
+        most = {name: choose.randint(0, 3) for name in "abcd" if choose.random() < 0.7}
+        some = [name for name in "abcd" if choose.random() < 0.4]
+        least = {name: choose.randint(0, most.get(name, 3)) for name in some}
+        counts = _Counts(least, most, choose.choice([None, 4]))
+        automaton = accept_dfa(counts.condition(), tuple("abcde"))
+        assert automaton.size <= counts.states + 1

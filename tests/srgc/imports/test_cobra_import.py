@@ -14,6 +14,7 @@ import pytest
 import trimesh
 
 import srgc as interface
+from srgc.faults import UsageFault
 from srgc.imports.cobra.cobra_import import cobra_import
 from srgc.imports.timor.timor_import import timor_import
 from srgc.imports.written_import import write_import
@@ -345,3 +346,10 @@ def test_the_cube_of_a_formula_is_in_the_smaller_ball(tmp_path: Path) -> None:
     goals = [goal("a", 0.2), goal("b", 0.3, **balls), goal("c", 0.4)]
     text, _ = imported(tmp_path, goals)
     assert "region B box [288.5, 311.5] x [288.5, 311.5] x [288.5, 311.5] mm;" in text
+
+
+def test_a_kit_whose_grammar_names_no_module_is_refused(tmp_path: Path) -> None:
+    kit = tmp_path / "kit.srg"
+    kit.write_text("module A { role base; port in: P; }\ngrammar G from ports { }\n")
+    with pytest.raises(UsageFault, match="names no modules"):
+        imported(tmp_path, [goal("a", 0.2), goal("b", 0.3)], options={"modules": kit})

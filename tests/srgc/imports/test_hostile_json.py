@@ -68,6 +68,11 @@ OF_SETS: dict[str, tuple[tuple[Any, ...], Any, str]] = {
     "itself": (("modules", 1, "joints", 0, "child"), "pivot_stator", "itself"),
     "apart": (("modules", 1, "joints"), [], "no joint connects"),
     "limits": (("modules", 1, "joints", 0, "limits", "positionUpper"), -9, "below the lower"),
+    "no angle": (
+        ("modules", 1, "joints", 0, "limits"),
+        {"positionLower": math.inf},
+        "no position is above",
+    ),
     "joint type": (("modules", 1, "joints", 0, "type"), "ball", "unknown joint"),
     "shape": (("modules", 0, "bodies", 0, "collision", 0, "type"), "torus", "unknown geometry"),
     "flat box": (("modules", 0, "bodies", 0, "collision", 0, "parameters", "x"), 0, "above 0"),

@@ -101,3 +101,20 @@ def test_files_that_are_there_outlive_a_disk_that_is_full(tmp_path, monkeypatch)
         write_import(Imported("arm", "", files), tmp_path / "one.srg", force=True)
     assert (tmp_path / MESH).read_bytes() == b"first"
     assert [each.name for each in (tmp_path / "arm_meshes").iterdir()] == ["part.obj"]
+
+
+def test_a_spec_beside_that_cannot_be_read(tmp_path, monkeypatch):
+    """It may need the mesh as it is, so the mesh stays."""
+    write_import(spec_with(b"first"), tmp_path / "one.srg", force=False)
+    read_bytes = Path.read_bytes
+
+    def refused(path):
+        if path.name == "one.srg":
+            raise PermissionError(13, "Permission denied")
+        return read_bytes(path)
+
+    monkeypatch.setattr(Path, "read_bytes", refused)
+    with pytest.raises(UsageFault, match=r"one\.srg: Permission denied; it may name"):
+        write_import(spec_with(b"second"), tmp_path / "two.srg", force=True)
+    monkeypatch.undo()
+    assert (tmp_path / MESH).read_bytes() == b"first"
