@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import math
 import shlex
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.metadata import version
+from typing import Any
 
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition
@@ -93,7 +94,10 @@ def _bar(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
 def check_section(evidence: Evidence) -> str:
     """Commands, digests, versions and the specification itself."""
     return own_check(
-        _rests(evidence), list(_commands(evidence)), _verifier(evidence), _identity(evidence),
+        _rests(evidence), list(_commands(evidence)), _verifier(evidence),
+        identity(
+            evidence.design, evidence.files, evidence.digests, checked=evidence.report is not None
+        ),
         evidence.program,
     )  # fmt: skip
 
@@ -160,14 +164,13 @@ def _commands(evidence: Evidence) -> Iterator[tuple[str, str]]:
             yield "srgc why .", "which lines conflict, what would help"
         yield "python -m solvers.verifier .", "the verifier alone"
     path = shlex.quote(f"spec/{evidence.design['spec']}")
-    yield f"srgc synth {path} -o again{_options(evidence)}", "search again"
+    task = f" --task {evidence.task.name}" if len(evidence.program.tasks) > 1 else ""
+    yield f"srgc synth {path} -o again{task}{search_options(evidence.design)}", "search again"
 
 
-def _options(evidence: Evidence) -> str:
-    """The options of the search, as text for the command line."""
-    design = evidence.design
-    parts = [f" --task {design['task']}" if len(evidence.program.tasks) > 1 else ""]
-    parts.append(f" --seed {design['seed']}" if design["seed"] else "")
+def search_options(design: Mapping[str, Any]) -> str:
+    """The options that repeat the search of a ``design.json``, as text for the command line."""
+    parts = [f" --seed {design['seed']}" if design["seed"] else ""]
     parts.append(f" --cells {design['least_cells']}" if design.get("least_cells") else "")
     parts.append(" --all" if design.get("all_designs") else "")
     named = ("paths", "evaluations", "solver", "search")
@@ -175,13 +178,19 @@ def _options(evidence: Evidence) -> str:
     return "".join(parts)
 
 
-def _identity(evidence: Evidence) -> Iterator[tuple[str, str]]:
-    yield "SHA-256 of the specification and what it includes", evidence.design["spec_sha256"]
-    for name, content in evidence.files.items():
+def identity(
+    design: Mapping[str, Any],
+    files: Mapping[str, bytes],
+    digests: Mapping[str, str],
+    *,
+    checked: bool,
+) -> Iterator[tuple[str, str]]:
+    """The names and values of the exact files and versions that a page is about."""
+    yield "SHA-256 of the specification and what it includes", design["spec_sha256"]
+    for name, content in files.items():
         yield f"SHA-256 of spec/{name}", hashlib.sha256(content).hexdigest()
-    for name, digest in evidence.digests.items():
+    for name, digest in digests.items():
         yield f"SHA-256 of {name}", digest
-    yield "made by", f"srgc {evidence.design['version']}"
-    checked = "not checked" if evidence.report is None else "checked by"
-    flint = f", python-flint {version('python-flint')}" if evidence.report is not None else ""
-    yield checked, f"srgc {VERSION}{flint}"
+    yield "made by", f"srgc {design['version']}"
+    flint = f", python-flint {version('python-flint')}" if checked else ""
+    yield "checked by" if checked else "not checked", f"srgc {VERSION}{flint}"
