@@ -26,18 +26,23 @@ async function compiling() {
   return compiler;
 }
 
-// The name of the compiled archive, which is that of what is in it: it is compiled once.
-async function compiled(file, name) {
+// The names of an archive's compiled parts, one or two, which are those of what is in it: it is
+// compiled once.
+async function compiled(file, ...names) {
   const data = fs.readFileSync(file);
   const digest = createHash("sha256").update(data).digest("hex").slice(0, 12);
-  const made = path.join(packages, `${name}-${digest}.zip`);
-  if (!fs.existsSync(made)) {
+  const parts = names.map((name) => `${name}-${digest}.zip`);
+  if (!parts.every((part) => fs.existsSync(path.join(packages, part)))) {
     const python = await compiling();
     python.FS.writeFile("/source.zip", data);
-    python.globals.get("compile_archive")("/source.zip", "/target.zip");
-    fs.writeFileSync(made, python.FS.readFile("/target.zip"));
+    const made = python.globals.get(names.length > 1 ? "split_archive" : "compile_archive");
+    const targets = parts.map((part) => `/${part}`);
+    made("/source.zip", ...targets);
+    parts.forEach((part, place) => {
+      fs.writeFileSync(path.join(packages, part), python.FS.readFile(targets[place]));
+    });
   }
-  return path.basename(made);
+  return parts;
 }
 
 function wheel(name) {
@@ -48,18 +53,19 @@ function wheel(name) {
 }
 
 const flint = wheel("python-flint");
+const [library] = await compiled(path.join(PYODIDE, "python_stdlib.zip"), "python");
+const [first, ...rest] = await compiled(wheel("srgc"), "srgc-first", "srgc-rest");
+for (const name of ["attrs", "click", "lsprotocol"]) {
+  rest.push(...(await compiled(wheel(name), name)));
+}
 const archives = {
-  library: await compiled(path.join(PYODIDE, "python_stdlib.zip"), "python"),
-  srgc: await compiled(wheel("srgc"), "srgc"),
-  others: [
-    await compiled(wheel("attrs"), "attrs"),
-    await compiled(wheel("click"), "click"),
-    await compiled(wheel("lsprotocol"), "lsprotocol"),
-  ],
+  library,
+  first,
+  rest,
   flint: path.basename(flint),
 };
 fs.copyFileSync(flint, path.join(packages, archives.flint));
-const kept = new Set([archives.library, archives.srgc, ...archives.others, archives.flint]);
+const kept = new Set([library, first, ...rest, archives.flint]);
 for (const file of fs.readdirSync(packages)) {
   if (!kept.has(file)) fs.rmSync(path.join(packages, file));
 }

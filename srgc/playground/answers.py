@@ -17,8 +17,15 @@ from srgc.playground.spec import NAME, spec_of
 
 Answer = dict[str, Any]
 
-FETCHED = frozenset({"flint"})
-"""The libraries that the page fetches when a text needs them."""
+FETCHED = {
+    "flint": "flint",
+    "compiler": "srgc",
+    "grammar_lang": "srgc",
+    "solvers": "srgc",
+    "srgc": "srgc",
+}
+"""What the page fetches when a text needs it: a library, or those modules of srgc that its first
+archive does not have."""
 COMMANDS = "run `srgc` on this file instead"
 
 
@@ -45,7 +52,7 @@ def answer(request: str) -> str:
 
 def _without(library: str) -> Answer:
     if library in FETCHED:
-        return {"needs": library}
+        return {"needs": FETCHED[library]}
     return {"fault": f"error: this needs {library}, which no browser has; {COMMANDS}"}
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.browser.test_whole_page import CONTRASTS
 from tests.oracles.small_specs import TURNER
-from tests.playground.conftest import Playground
+from tests.playground.conftest import ROOT, Playground
 
 pytestmark = pytest.mark.playground
 
@@ -144,6 +144,19 @@ def test_a_link_holds_the_spec(reopened: Reopened) -> None:
     fragment = page.run("return location.hash;")
     assert len(fragment) < len(text)
     assert reopened(fragment).run("return playground.text;") == text
+
+
+@pytest.mark.parametrize("name", ["cheapest_arm", "l_shaped"])
+def test_a_first_spec_that_needs_what_comes_later(reopened: Reopened, name: str) -> None:
+    """Modules that the first archive does not have, and python-flint after them."""
+    text = (ROOT / "specs" / f"{name}.srg").read_text(encoding="utf-8")
+    page = reopened("")
+    page.show(text)
+    page.one("#share").click()
+    page.wait("location.hash.startsWith('#spec=')")
+    page = reopened(page.run("return location.hash;"))
+    assert page.run("return playground.text;") == text
+    assert page.one("#findings").text.endswith("1 file without errors")
 
 
 def test_a_broken_link_says_so(reopened: Reopened) -> None:

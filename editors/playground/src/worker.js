@@ -7,10 +7,10 @@ import { unzipSync } from "fflate";
 
 const PLACE = new URL("./", import.meta.url);
 const SITE = "/srgc";
-const EARLY = new Set(["check", "explain"]); // they need srgc alone
+const EARLY = new Set(["check", "explain"]); // the first archive has most of what they need
 let python;
 let answer;
-let others;
+let complete;
 
 const at = (path) => new URL(path, PLACE).href;
 
@@ -36,7 +36,7 @@ function place(files) {
 }
 
 async function start() {
-  const files = unzipped(ARCHIVES.srgc);
+  const files = unzipped(ARCHIVES.first);
   const { loadPyodide } = await import(at("pyodide/pyodide.mjs"));
   python = await loadPyodide({
     indexURL: at("pyodide/"),
@@ -52,9 +52,10 @@ from srgc.playground.answers import answer
   answer = python.globals.get("answer");
 }
 
-// What completion, hovers, formatting and drawing need; fetched when the first findings are shown.
+// The other modules, and what completion, hovers, formatting and drawing need besides; fetched when
+// the first findings are shown.
 async function rest() {
-  (await Promise.all(ARCHIVES.others.map(unzipped))).forEach(place);
+  (await Promise.all(ARCHIVES.rest.map(unzipped))).forEach(place);
   python.runPython(`
 import importlib
 importlib.invalidate_caches()
@@ -69,15 +70,25 @@ async function drawn(dot) {
   return (await instance()).renderString(dot, { format: "svg" });
 }
 
+const FETCH = {
+  srgc: () => (complete ??= rest()),
+  flint: () => {
+    postMessage({ fetching: "flint" });
+    return python.loadPackage(at(`packages/${ARCHIVES.flint}`), { messageCallback: () => {} });
+  },
+};
+
 async function answered(request) {
-  if (!EARLY.has(request.ask)) await (others ??= rest());
-  let found = JSON.parse(answer(JSON.stringify(request)));
-  if (found.needs) {
-    postMessage({ fetching: found.needs });
-    const quiet = { messageCallback: () => {} };
-    await python.loadPackage(at(`packages/${ARCHIVES[found.needs]}`), quiet);
-    found = JSON.parse(answer(JSON.stringify(request)));
+  if (!EARLY.has(request.ask)) await FETCH.srgc();
+  const asked = () => JSON.parse(answer(JSON.stringify(request)));
+  let found = asked();
+  const fetched = new Set();
+  while (found.needs && !fetched.has(found.needs)) {
+    fetched.add(found.needs);
+    await FETCH[found.needs]();
+    found = asked();
   }
+  if (found.needs) throw new Error(`${found.needs} cannot be loaded`);
   if (found.answer?.dot) found.answer.svg = await drawn(found.answer.dot);
   return found;
 }
@@ -92,7 +103,7 @@ addEventListener("message", async ({ data: { id, request } }) => {
   try {
     await started;
     postMessage({ id, found: await answered(request) });
-    others ??= rest();
+    complete ??= rest();
   } catch (error) {
     postMessage({ id, found: { fault: String(error) } });
   }
