@@ -16,7 +16,7 @@ from itertools import pairwise
 from compiler.missions.chains import ChainCosts, Link, cheapest_chain
 from compiler.missions.open_layers import fixes
 from compiler.missions.parameter_boxes import BoxTree, Cut, choices_halved, whole_box
-from compiler.missions.parameter_ranges import Ranges
+from compiler.missions.parameter_ranges import Ranges, meet, ranges_of, single
 from compiler.missions.robot_changes import Built, Changes, built, built_of, changes
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
@@ -28,6 +28,7 @@ from solvers.missions.shared_values import (
     agreed,
     cut_between,
     is_within,
+    pinned,
     widest_disagreement,
 )
 from solvers.missions.task_robots import NO_COVERING, Labels, TaskRobots
@@ -119,7 +120,6 @@ class RebuiltSearch:
     def search(self) -> None:
         """Continue until the robots of a cheapest path do the tasks, or no path is left."""
         while not self.found:
-            self.tasks[0].context.check_time()
             if self.failed >= MOTION_SEARCHES * len(self.tasks):
                 self.stopped = (
                     f"the search ended at its limit of {self.failed} robots that no motion was "
@@ -133,6 +133,9 @@ class RebuiltSearch:
 
     def _advance(self, nodes: Sequence[Node]) -> None:
         """Try the next robot of a path, or whether all of them agree in their parameters."""
+        # Designs of all robots are used even if the time was up when the last one was proved.
+        if any(node.design is None for node in nodes):
+            self.tasks[0].context.check_time()
         order = sorted(nodes, key=lambda node: -self.tasks[node.layer].success)
         for node in order:
             if not node.screened:
@@ -206,8 +209,11 @@ class RebuiltSearch:
             node.undecided = Undecided(screening.inadmissible, node.layer)
 
     def _find(self, node: Node) -> None:
-        """Search for a motion of a robot."""
+        """Search for a motion of a robot, first with the values that it keeps."""
         robots = self.tasks[node.layer]
+        node.design = self._as_it_is(node)
+        if node.design is not None:
+            return
         sought = robots.motions(node.derivation, node.leaf.box, node.rank)
         design = sought.first()
         if design is not None:
@@ -222,6 +228,23 @@ class RebuiltSearch:
             robots.teaches(node.derivation)
         else:
             self._refute(node, BoxEvidence(node.layer, late))
+
+    def _as_it_is(self, node: Node) -> Design | None:
+        """A design with the values that kept modules of the existing robot have, if it has any."""
+        if node.layer or self.existing is None:
+            return None
+        values = {
+            self._parameter(node, new, name): value
+            for _, new, name, value in self._common(self.existing.robot, self._built(node))
+            if value is not None
+        }
+        whole, box = node.leaf.box, pinned(node.leaf.box, values)
+        if not values or not all(meet(single(v), ranges_of(whole[p])) for p, v in values.items()):
+            return None
+        screening = self.tasks[0].answer(node.derivation, box)
+        if screening.refutation.refuted or screening.inadmissible is not None:
+            return None
+        return self.tasks[0].motions(node.derivation, box, node.rank).best()
 
     def _refute(self, node: Node, evidence: BoxEvidence) -> None:
         """Record a refuted part of a robot's parameters; recompute the links of its other parts."""
@@ -240,7 +263,7 @@ class RebuiltSearch:
             for k, node in enumerate(nodes)
             if node.design is not None
         ]
-        groups, fixed = self._groups(nodes, candidates)
+        groups, fixed = self._groups(nodes)
         result = agreed(candidates, groups, fixed, nodes[0].rank)
         if result is not None:
             self.found = result.designs
@@ -300,9 +323,7 @@ class RebuiltSearch:
             nodes[0].undecided = Undecided(UNSUITED, 0, apart=True)
         self._blocked += pairwise(nodes)
 
-    def _groups(
-        self, nodes: Sequence[Node], candidates: Sequence[Candidate]
-    ) -> tuple[list[Group], dict[Group, Fraction]]:
+    def _groups(self, nodes: Sequence[Node]) -> tuple[list[Group], dict[Group, Fraction]]:
         """The parameters that must be equal along a path, and the groups whose value is given."""
         joined = _Joined()
         given: dict[tuple[int, int], Fraction] = {}
@@ -311,9 +332,9 @@ class RebuiltSearch:
             robot = self._built(node)
             if before is not None:
                 for old, new, name, value in self._common(before, robot):
-                    place = self._place(candidates[k], node, new, name)
+                    place = k, self._parameter(node, new, name)
                     if k:
-                        joined.join(self._place(candidates[k - 1], nodes[k - 1], old, name), place)
+                        joined.join((k - 1, self._parameter(nodes[k - 1], old, name)), place)
                     elif value is not None:
                         joined.join(place, place)
                         given[place] = value
@@ -335,15 +356,12 @@ class RebuiltSearch:
                 )
                 yield i, j, name, value
 
-    def _place(self, candidate: Candidate, node: Node, module: int, name: str) -> tuple[int, int]:
-        """A task, and the index of a parameter of its robot."""
-        symbols = [
-            index for index, each in enumerate(node.derivation.word) if each in self._modules
-        ]
-        for number, value in enumerate(candidate.design.parameters):
-            if value.parameter.symbol == symbols[module] and value.parameter.name == name:
-                return node.layer, number
-        raise LookupError(name)
+    def _parameter(self, node: Node, module: int, name: str) -> int:
+        """The index of a parameter of a module of a robot."""
+        symbols = [i for i, each in enumerate(node.derivation.word) if each in self._modules]
+        model = self.tasks[node.layer].model(node.derivation)
+        parameters = () if model is None else model.parameters
+        return [(each.symbol, each.name) for each in parameters].index((symbols[module], name))
 
     @property
     def cost(self) -> Fraction:

@@ -14,6 +14,7 @@ from typing import TypeAlias
 
 from compiler.missions.parameter_boxes import Box, Cut
 from compiler.missions.parameter_ranges import meet, ranges_of, single
+from compiler.time_limits.time_limit import OutOfTimeError
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.missions.joint_motions import joint_values, least_share
@@ -74,13 +75,18 @@ def agreed(
         return Agreed(found)
     boxes = [each.box for each in candidates]
     begun = [each.design for each in candidates] if found is None else found
-    together = joint_values(tasks, boxes, begun, groups, fixed)
-    if together is not None and together not in tried:
-        better = _designs(candidates, together, number)
-        if better is not None and (
-            found is None or least_share(tasks, better) > least_share(tasks, found)
-        ):
-            found = better
+    better = None
+    try:
+        together = joint_values(tasks, boxes, begun, groups, fixed)
+        if together is not None and together not in tried:
+            better = _designs(candidates, together, number)
+    except OutOfTimeError:
+        if found is None:
+            raise
+    if better is not None and (
+        found is None or least_share(tasks, better) > least_share(tasks, found)
+    ):
+        found = better
     return None if found is None else Agreed(found)
 
 
@@ -110,7 +116,8 @@ def _designs(
     sought: list[tuple[Candidate, MotionsSought | None]] = []
     for k, candidate in enumerate(candidates):
         own = {parameter: v for (task, parameter), v in values.items() if task == k}
-        robots, derivation, box = candidate.robots, candidate.derivation, pinned(candidate, own)
+        robots, derivation = candidate.robots, candidate.derivation
+        box = pinned(candidate.box, own, candidate.design)
         if all(candidate.value(parameter) == value for parameter, value in own.items()):
             better = robots.motions(derivation, box, number) if robots.minimizes else None
             sought.append((candidate, better))
@@ -128,14 +135,15 @@ def _designs(
     )
 
 
-def pinned(candidate: Candidate, values: Mapping[int, Fraction]) -> Box:
-    """The box of a candidate with some parameters fixed to one value."""
-    found = list(candidate.box)
+def pinned(box: Box, values: Mapping[int, Fraction], design: Design | None = None) -> Box:
+    """A box with some parameters fixed to one value; a design may have the value exactly."""
+    found = list(box)
     for parameter, value in values.items():
-        design = candidate.design.parameters[parameter]
         exact: ir.Expr = ir.Num(value)
-        if design.stated == value and not isinstance(design.exact, Fraction):
-            exact = design.exact
+        if design is not None:
+            own = design.parameters[parameter]
+            if own.stated == value and not isinstance(own.exact, Fraction):
+                exact = own.exact
         found[parameter] = ir.Choices((_choice(found[parameter], value, exact),))
     return tuple(found)
 

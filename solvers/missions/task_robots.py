@@ -23,6 +23,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.tasks.specification import recorded_effector
+from compiler.time_limits.time_limit import OutOfTimeError
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction, abstract
 from grammar_lang import ir
@@ -92,23 +93,45 @@ class MotionsSought:
     listener: Listener
     best_of: Callable[[Sequence[Design]], Design]
     state: StructureState = field(default_factory=StructureState)
+    late: bool = False
+    """Whether the time was up before all attempts were made."""
 
     def first(self) -> Design | None:
-        """The first proved design; None if nothing is left to try."""
-        while self.state.design is None and not self.state.is_over:
-            self.state = next(self.states)
-        return self.state.design
+        """The first proved design, or at the end of the time the best; None if none is left to try.
+
+        Raises:
+            OutOfTimeError: the time was up before a design was proved.
+        """
+        self._go_on(lambda: self.state.design is not None)
+        return self._proved if self.late else self.state.design
 
     def undecided(self, task: int) -> Undecided:
         """Why there is no design, for the task of this index."""
         return Undecided(f"{self.state.reason}{self.state.obstacle}", task, self.state.cause)
 
     def best(self) -> Design | None:
-        """The best design of all attempts, by the objectives of the task."""
-        while not self.state.is_over:
-            self.state = next(self.states)
+        """The best design, by the objectives of the task, of all attempts within the time.
+
+        Raises:
+            OutOfTimeError: the time was up before a design was proved.
+        """
+        self._go_on(lambda: False)
+        return self._proved or self.state.design
+
+    @property
+    def _proved(self) -> Design | None:
         found = self.listener.designs
-        return self.best_of(found) if found else self.state.design
+        return self.best_of(found) if found else None
+
+    def _go_on(self, enough: Callable[[], bool]) -> None:
+        """Make attempts until it is enough or none is left; a design outlives the time."""
+        try:
+            while not (self.late or self.state.is_over or enough()):
+                self.state = next(self.states)
+        except OutOfTimeError:
+            if not self.listener.designs:
+                raise
+            self.late = True
 
 
 @dataclass(slots=True, eq=False)

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
+from compiler.missions.parameter_ranges import Range
+from compiler.missions.robot_changes import built
+from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.load import load_text
 from solvers.missions import compared_structures, one_robot, rebuilt_robots, without_robots
-from solvers.missions.mission_result import MissionResult
+from solvers.missions.mission_result import Existing, MissionResult
 from solvers.missions.mission_search import solve
-from solvers.missions.task_robots import TaskRobots
+from solvers.missions.task_robots import Listener, MotionsSought, TaskRobots
 from solvers.run_context import RunContext
+from solvers.search.path_task import Design
+from solvers.search.search_state import StructureState
 
 ARMS = """\
 module Base {{ role base; const price = 1; }}
@@ -203,3 +209,37 @@ def test_of_too_many_structures_those_near_the_robot_there_is_are_compared(
     result = solved(fixed(text))
     assert (result.verdict, result.cost, result.least) == ("found", 2, 0)
     assert result.designs[0].derivation.word == tuple(word.split())
+
+
+def test_the_values_of_an_existing_robot_are_tried_first() -> None:
+    """Its length of 1.13 m does the task, so no other length is searched for."""
+    text = arms("reconfigure add 1, remove 1; minimize changes;", "1.13", lengths="[0.3, 1.5]")
+    program = load_text(text, "arms.srg", Path()).program
+    assert program is not None
+    word, length = ("Base", "eps", "J", "eps", "L", "eps", "Hand"), Fraction(113, 100)
+    values = {(word.index("L"), "length"): (Range(length, length),)}
+    existing = Existing(word, built(word, program.modules, values))
+    result = solve(program, program.missions["M"], RunContext(), existing)
+    assert (result.verdict, result.cost, result.counts["motion searches"]) == ("found", 0, 1)
+    assert [value.stated for value in result.designs[0].parameters] == [length]
+
+
+def test_a_design_proved_within_the_time_is_kept() -> None:
+    """The time ends while the motion of the first proof is being improved."""
+    design = solved(arms("one robot;", "0.9", lengths="{0.9}")).designs[0]
+
+    def sought(*designs: Design) -> MotionsSought:
+        def states() -> Iterator[StructureState]:
+            for each in designs:
+                listener.keep(each)
+            raise OutOfTimeError
+            yield StructureState()
+
+        listener = Listener()
+        return MotionsSought(states(), listener, lambda found: found[-1])
+
+    late = sought(design)
+    assert late.first() is design
+    assert late.best() is design
+    with pytest.raises(OutOfTimeError):
+        sought().first()
