@@ -6,8 +6,10 @@ they go on. So it is bounded without a clock and is repeatable.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from compiler.robots.state_and_input import input_bounds
 from solvers.explanation.change import Change
@@ -31,14 +33,14 @@ NOT_SOUGHT: dict[str, Recorded] = {"drives|": ["", ""], "boxes|": ""}
 class Suggestion:
     """A change with which a robot was found and its motion proved.
 
-    ``effort_unit`` is the unit of its drives, or both units if some turn and some slide.
+    ``efforts`` are the largest efforts in each unit of its drives, N m and N.
     """
 
     change: Change
     word: tuple[str, ...]
     effort_peak: float
     robustness: float
-    effort_unit: str
+    efforts: Mapping[str, float]
 
 
 @dataclass(slots=True)
@@ -118,10 +120,14 @@ class Runs:
             self.failed.append(change)
             return None
         outcome = design.configuration.outcome
-        bounds = input_bounds(design.model, change.posed.task)
-        units = " or ".join(dict.fromkeys(bound.unit for bound in bounds if bound.effort))
+        efforts = dict[str, float]()
+        for bound in input_bounds(design.model, change.posed.task):
+            if bound.effort:
+                used = outcome.trajectory.u[:, list(bound.inputs)]
+                sizes = np.linalg.norm(used, axis=1) if bound.norm2 else np.abs(used)
+                efforts[bound.unit] = max(efforts.get(bound.unit, 0.0), float(sizes.max()))
         word = design.derivation.word
-        found = Suggestion(change, word, outcome.effort_peak, outcome.robustness, units)
+        found = Suggestion(change, word, outcome.effort_peak, outcome.robustness, efforts)
         self.found.append(found)
         return found
 

@@ -6,7 +6,7 @@ nothing is tried at its far end first, and then nearer, within a few runs.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
@@ -183,7 +183,9 @@ class SuggestionSearch:
     def posable(self, scale: Scale, derivations: Sequence[Derivation]) -> None:
         """Try the least change for which there are poses, and then a few larger ones."""
         tasks = [scale.at(value).posed for value in scale.values]
-        first = first_with_poses(tasks, derivations, self.seed) if tasks else None
+        if not tasks:
+            return
+        first = first_with_poses(tasks, derivations, self.seed, self.runs.context.check_time)
         if first is None:
             return
         least = scale.values[first]
@@ -212,7 +214,9 @@ class SuggestionSearch:
 
     def by_peak(self, scale: Scale, best: Suggestion, low: Fraction, high: Fraction) -> None:
         """For an effort, try the peak of a motion as the bound; if that fails, more."""
-        wanted = rounded_up(Fraction(best.effort_peak))
+        kind = self.posed.task.effort[int(scale.line.key[0])].kind
+        unit = "N*m" if kind == "revolute" else "N"
+        wanted = rounded_up(Fraction(best.efforts[unit])) if best.efforts.get(unit) else low
         for _ in range(NEARER):
             if not low <= wanted < high:
                 return
@@ -222,7 +226,7 @@ class SuggestionSearch:
                 wanted = rounded_up(_between(low, high))
             else:
                 high = wanted
-                wanted = rounded_up(Fraction(found.effort_peak))
+                wanted = rounded_up(Fraction(found.efforts.get(unit) or low))
             if high < CLOSE * low:
                 return
 
@@ -342,17 +346,25 @@ def _answered(numeric: NumericRobot, posed: PosedTask, seed: int) -> bool:
 
 
 def first_with_poses(
-    posed_at: Sequence[PosedTask], derivations: Sequence[Derivation], seed: int
+    posed_at: Sequence[PosedTask],
+    derivations: Sequence[Derivation],
+    seed: int,
+    tick: Callable[[], None] = lambda: None,
 ) -> int | None:
     """The index of the first of weaker and weaker tasks for which poses are found, by bisection.
 
-    None if not even the last one has any.
+    The search may miss poses in a range that is far too wide, so if the last task seems to have
+    none, earlier ones are tried.  None if these have none either.  ``tick`` is called repeatedly.
     """
-    hopeful = with_poses(posed_at[-1], derivations, seed)
-    if not hopeful:
-        return None
-    low, high = 0, len(posed_at) - 1
+    high = len(posed_at) - 1
+    while not (hopeful := with_poses(posed_at[high], derivations, seed)):
+        tick()
+        if not high:
+            return None
+        high //= 2
+    low = 0
     while low < high:
+        tick()
         middle = (low + high) // 2
         if with_poses(posed_at[middle], hopeful, seed, robots=1):
             high = middle

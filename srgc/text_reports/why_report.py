@@ -120,10 +120,17 @@ def _suggested(found: Explanation) -> str:
     if found.suggestions:
         lines.append("It is possible, as runs have found and proved,")
         lines += [f"  {_suggestion(one)}" for one in found.suggestions]
-    elif found.runs or (found.most_runs and found.ended is None):
+    elif found.runs:
         lines.append("No change of a single line was found that makes it possible.")
-    else:
+    elif not found.most_runs:
         lines.append("No changes were tried.")
+    elif found.ended:
+        lines.append("No change was tried to the end.")
+    else:
+        lines.append(
+            "No change of a single line was found that makes it possible: no poses were found with "
+            "any of them."
+        )
     if found.failed:
         lines.append(f"Without success: {'; '.join(change.says for change in found.failed)}.")
     return "\n".join(lines)
@@ -131,9 +138,10 @@ def _suggested(found: Explanation) -> str:
 
 def _suggestion(one: Suggestion) -> str:
     robot = f"{one.change.says}: {_robot(one.word)}"
-    if not one.effort_unit:
+    if not one.efforts:
         return robot
-    return f"{robot}, effort peak {one.effort_peak:.4g} {one.effort_unit}"
+    peaks = ", ".join(f"{peak:.4g} {unit}" for unit, peak in one.efforts.items())
+    return f"{robot}, effort peak {peaks}"
 
 
 def ending(result: Synthesis, posed: PosedTask, context: RunContext, folder: str) -> str:

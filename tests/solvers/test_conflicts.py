@@ -9,14 +9,14 @@ import pytest
 from compiler.robots.normal_form import family_of
 from compiler.words.structures import derivations_of, structures
 from grammar_lang.load import load_text
-from solvers.explanation import explanation
+from solvers.explanation import explanation, suggestions
 from solvers.explanation.change import Change
 from solvers.explanation.conflict import ConflictSearch, separation_conflict
 from solvers.explanation.explanation import quick_conflict
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import without
 from solvers.explanation.run import Runs
-from solvers.explanation.suggestions import SuggestionSearch
+from solvers.explanation.suggestions import SuggestionSearch, first_with_poses
 from solvers.explanation.task_line import TaskLine, task_lines
 from solvers.run_context import RunContext
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
@@ -169,6 +169,22 @@ def test_effort_and_horizon_are_changed_before_ranges() -> None:
     lines = [x for x in task_lines(asked) if x.kind in ("parameter", "effort", "horizon")]
     SuggestionSearch(asked, runs).after_conflicts(lines, None)
     assert [change.line.kind for change in runs.failed] == ["effort", "horizon", "parameter"]
+
+
+@pytest.mark.parametrize(("some", "found"), [((5, 60), 5), ((0, 2), 0), ((137, 138), 137)])
+def test_poses_that_the_search_misses_in_a_range_far_too_wide(
+    monkeypatch: pytest.MonkeyPatch, some: tuple[int, int], found: int
+) -> None:
+    asked = [posed(TURNER) for _ in range(138)]
+
+    def with_poses(given: PosedTask, *_: object, **__: object) -> tuple[str, ...]:
+        place = next(i for i, each in enumerate(asked) if each is given)
+        return ("robot",) if some[0] <= place < some[1] else ()
+
+    monkeypatch.setattr(suggestions, "with_poses", with_poses)
+    assert first_with_poses(asked, (), 0) == found
+    nothing = asked[some[1] :] or asked[: some[0]]
+    assert first_with_poses(nothing, (), 0) is None
 
 
 WALLS = """\
