@@ -85,15 +85,13 @@ def refute_structure(
     """Try to prove that a structure cannot move effectors from the start to where they must be."""
     asked = _Asked(model, numeric, program.workspaces[task.workspace], task, context)
     for question in pose_questions(asked.workspace, task):
-        refuted = asked.poses(question) or asked.bodies(question)
+        refuted = asked.poses(question) or asked.unposed() or asked.bodies(question)
         if refuted is not None:
             return replace(refuted, unanswered=asked.unanswered)
     effector = _recorded(task, asked.witnesses[0])
-    found = asked.boxes() or asked.drives()
+    found = asked.covered(asked.boxes() or asked.drives())
     if found is not None:
-        return Refutation(
-            found.reason, None, None, asked.calls, found.boxes, unanswered=asked.unanswered
-        )
+        return replace(found, unanswered=asked.unanswered)
     if not asked.calls:
         return Refutation("poses were found", None, effector, 0)
     reason = "neither poses nor a refutation were found"
@@ -124,6 +122,22 @@ class _Asked:
         if not self.refutes(script, RESOURCES):
             return None
         return Refutation(_reason(self.model, question), script, None, self.calls)
+
+    def unposed(self) -> Refutation | None:
+        """A small covering, if no poses were found for the last question.
+
+        It often decides at once what solvers are asked for long in questions about bodies.
+        """
+        if self.witnesses[-1] is not None or body_conditions(self.workspace, self.task) is None:
+            return None
+        robot = self.model, self.numeric.graph, self.workspace, self.task
+        return self.covered(box_refutation(*robot, FOR_A_POSE))
+
+    def covered(self, found: BoxRefutation | None) -> Refutation | None:
+        """The refutation by a covering."""
+        if found is None:
+            return None
+        return Refutation(found.reason, None, None, self.calls, found.boxes)
 
     def bodies(self, question: PoseQuestion) -> Refutation | None:
         """Poses of the whole body: found, refuted, or neither."""

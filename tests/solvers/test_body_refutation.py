@@ -20,6 +20,7 @@ from solvers.impossibility import structure_refutation
 from solvers.impossibility.pose_search import clear_poses
 from solvers.impossibility.structure_refutation import Refutation, refute_structure
 from solvers.run_context import RunContext
+from solvers.verdict import Reason, Unknown
 from solvers.verifier.claims.certificate import ImpossibleClaim
 from solvers.verifier.claims.structure_claims import StructureClaim
 from solvers.verifier.refutations.impossibility_check import Impossibility, check_impossible
@@ -95,6 +96,23 @@ def test_a_limit_leaves_the_structure_open(monkeypatch: pytest.MonkeyPatch) -> N
     left = answer(3.9)
     assert (left.refuted, left.solver_calls, left.script) == (False, 2, None)
     assert asked[0][1] > asked[1][1] > 0  # both poses at once are harder to find
+
+
+def test_a_covering_is_looked_for_before_scripts_of_the_body(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """No arm of 4 m reaches 4.1 m; nobody answers the question about the effector alone."""
+    regions = f"{REGIONS.format(right=0.5)} target Far box [-0.2, 0.2] x [4.1, 4.3] m;"
+    clauses = SHELF.replace("reach T", "reach Far")
+    found = program(spec(f"{clauses} modules <= 6;", regions, arms=ARM))
+    numeric = NumericRobot(robot_graph(robot_of(found, found.tasks["P"]), (Fraction(0),) * 2))
+    silent = Unknown(Reason.RESOURCE_LIMIT, "")
+    monkeypatch.setattr(structure_refutation, "solve_script", lambda *_, **__: silent)
+    refuted = refute_structure(
+        numeric.graph.model, numeric, found, found.tasks["P"], RunContext(seed=0)
+    )
+    assert (refuted.script, refuted.solver_calls) == (None, 1)
+    assert refuted.boxes is not None
 
 
 @pytest.mark.parametrize("kind", ["target", "both", "margin", "other"])
