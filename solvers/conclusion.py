@@ -116,10 +116,11 @@ def conclude(
     open_ones = [r for r in records if r.verdict in ("unresolved", "inadmissible")]
     parts = []
     if open_ones:
-        first = open_ones[0]
+        count, first = len(open_ones), open_ones[0]
+        which = "it is" if count == 1 else "the first is"
         parts.append(
-            f"{len(open_ones)} of {tried} structures are neither built nor refuted; "
-            f"the first is {' '.join(first.word)}: {first.reason}"
+            f"{count} of {counted(tried, 'structure')} {'is' if count == 1 else 'are'} neither "
+            f"built nor refuted; {which} {' '.join(first.word)}: {first.reason}"
         )
     if stopped is not None:
         parts.append(stopped)

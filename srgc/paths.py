@@ -48,7 +48,7 @@ def unwritable(path: Path, error: OSError) -> UsageFault:
     elif error.errno in (errno.EEXIST, errno.ELOOP) and path.is_symlink():
         advice = ("; it is a link that leads to no folder",)
     elif error.errno in (errno.EEXIST, errno.ENOTDIR):
-        advice = ("; it is a file, and a folder is due",)
+        advice = ("; it is a file, and a folder is expected",)
     return UsageFault(f"{path}: {error.strerror}", *advice)
 
 

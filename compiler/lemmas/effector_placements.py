@@ -261,7 +261,7 @@ class _Reading:
         """The value of a frame; None as in ``value``."""
         found = self.value(expression)
         if found is not None and not isinstance(found, Placement):
-            raise NotPlaced("a frame is due")
+            raise NotPlaced("a frame is expected")
         return found
 
     def _frame(self, expression: ir.Expr) -> Placement:
@@ -285,7 +285,7 @@ class _Reading:
                 case ir.AttributeOf():
                     value = self._read(factor)
                     if not isinstance(value, Placement):
-                        raise NotPlaced("a frame is due")
+                        raise NotPlaced("a frame is expected")
                     yield value, False
                 case ir.Rot(axis, ir.DofOf()):
                     yield freely_turned(AXES[axis][0]), False
@@ -298,7 +298,7 @@ class _Reading:
                 case ir.Shift(vector):
                     yield placed(self._vector(vector)), True
                 case _:
-                    raise NotPlaced("a frame is due")
+                    raise NotPlaced("a frame is expected")
 
     def _signed(self, axis: ir.Axis, value: Ends) -> Ends:
         return value if AXES[axis][1] > 0 else INTERVALS.neg(value)
@@ -322,7 +322,7 @@ class _Reading:
                     return found
             case _:
                 pass
-        raise NotPlaced("a vector is due")
+        raise NotPlaced("a vector is expected")
 
     def _scalar(self, expression: ir.Expr) -> Ends:
         return total(evaluate_expression(expression, INTERVALS, self._leaf))
@@ -337,7 +337,7 @@ class _Reading:
                     return found
             case _:
                 pass
-        raise NotPlaced("a scalar is due")
+        raise NotPlaced("a scalar is expected")
 
     def _read(self, attribute: ir.AttributeOf) -> Value:
         found = self.placing.values.get(_key(self.number, self.application, attribute))

@@ -276,7 +276,7 @@ class AttributeValues:
                     return found
             case _:
                 pass
-        raise SemanticsError(f"a scalar is due, found {type(expression).__name__.lower()}")
+        raise SemanticsError(f"a scalar is expected, found {type(expression).__name__.lower()}")
 
     def vector(self, node: int, expression: ir.Expr) -> Triple:
         """The value of a vector expression in the block of ``node``: three indices in ``scalars``.
@@ -286,7 +286,7 @@ class AttributeValues:
         """
         found = self.value(node, expression)
         if not isinstance(found, tuple):
-            raise SemanticsError("a vector is due")
+            raise SemanticsError("a vector is expected")
         return found
 
     def frame(self, node: int, expression: ir.Expr) -> Frame:
@@ -302,7 +302,7 @@ class AttributeValues:
                 found = self.read(node, expression)
                 if not isinstance(found, int | tuple):
                     return found
-                raise SemanticsError("a frame is due, found an attribute of another sort")
+                raise SemanticsError("a frame is expected, found an attribute of another sort")
             case ir.World():
                 return None
             case ir.Rot(axis, ir.DofOf() as dof) | ir.Move(axis, ir.DofOf() as dof):
@@ -317,7 +317,7 @@ class AttributeValues:
             case ir.Shift(vector):
                 step = Offset(self.vector(node, vector))
             case _:
-                raise SemanticsError(f"a frame is due, found {type(expression).__name__.lower()}")
+                raise SemanticsError(f"a frame is expected, found {type(expression).__name__.lower()}")
         return Product(None, step)
 
     def _along(self, node: int, axis: ir.Axis, expression: ir.Expr) -> int:

@@ -272,6 +272,8 @@ def _beginning(item: RawItem, place: Place, sink: Sink) -> None:
         hint = f"write `const {word} = …;`, or {chosen}; {hint}"
     elif elsewhere is not None:
         hint = f"`{token}` stands in a {elsewhere}; {hint}"
+    elif token in RESERVED:
+        hint = f"`{token}` is reserved and cannot be a name; {hint}"
     message = f"no {noun} of a {block} begins with `{word}`"
     sink.error(Code.SYNTAX, message, tokens.span(place.first), hint)
 

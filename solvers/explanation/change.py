@@ -355,7 +355,7 @@ def index_above(value: Fraction) -> int:
         ValueError: ``value`` is not positive.
     """
     if value <= 0:
-        raise ValueError("a positive number is due")
+        raise ValueError("a positive number is expected")
     decade = 0
     while value >= Fraction(10) ** (decade + 1):
         decade += 1

@@ -351,7 +351,9 @@ def shortfall(problem: ControlProblem, outcome: ControlOutcome, *, posed: bool =
     if at.excess > problem.excess:
         if posed:
             return "lacks some of the margins to the sets around it, or its pose"
-        return f"lacks {1000 * at.excess:.2g} mm of the margins to the sets around it"
+        far = at.excess >= 0.1  # 600 mm would be written as 6e+02 mm
+        lacking = f"{at.excess:.2g} m" if far else f"{1000 * at.excess:.2g} mm"
+        return f"lacks {lacking} of the margins to the sets around it"
     if at.outside > LIMIT_EXCESS:
         return f"passes a limit of a joint or a rate by {at.outside:.2g} (SI)"
     if float(np.max(at.fictitious, initial=0.0)) >= DEFECT * problem.scale:

@@ -192,7 +192,7 @@ class Robot:
         except (TypeError, ValueError, OverflowError):
             raise UsageFault(f"`{name}` is not an array of numbers") from None
         if found.ndim not in (1, 2) or found.shape[-1] != n:
-            raise UsageFault(f"`{name}` has the shape {found.shape}: ({n},) or (K, {n}) is due")
+            raise UsageFault(f"`{name}` has the shape {found.shape}: ({n},) or (K, {n}) is expected")
         return np.atleast_2d(found), found.ndim == 1
 
     def __repr__(self) -> str:
@@ -273,7 +273,7 @@ def _value(parameter: RobotParameter, value: float) -> Fraction:
     except (TypeError, OverflowError):
         finite = False
     if not finite:
-        raise UsageFault(f"{name} is {value!r}: a finite number is due")
+        raise UsageFault(f"{name} is {value!r}: a finite number is expected")
     found = stated_value(parameter, shortest_decimal(value))
     if found is None:
         domain = domain_text(parameter.domain, parameter.unit)

@@ -82,7 +82,7 @@ def _finite(
 ) -> float | None:
     """Refuse nan, which passes every comparison, and infinity, which is no limit."""
     if value is not None and not math.isfinite(value):
-        raise click.BadParameter("a number of seconds is due", param=parameter)
+        raise click.BadParameter("a number of seconds is expected", param=parameter)
     return value
 
 

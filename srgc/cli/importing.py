@@ -49,7 +49,7 @@ def _finite(
 ) -> float | None:
     """Refuse nan, which passes every comparison, and infinity."""
     if value is not None and not math.isfinite(value):
-        raise click.BadParameter("a finite number is due", param=parameter)
+        raise click.BadParameter("a finite number is expected", param=parameter)
     return value
 
 

@@ -101,17 +101,20 @@ def verify(
         progress(f"verify {folder}", quiet=quiet, unit="parts", plain=False) as display,
     ):
         watch = Watch(part=display.part, each=each, begin=begin)
-        if mission is not None or (folder / MISSION).is_file():
+        of_mission = mission is not None or (folder / MISSION).is_file()
+        if of_mission:
             report, text = _mission(folder, spec, trust, watch, (mission, task, expect), as_json)
         else:
             report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
             text = verification_json(report) if as_json else verification_text(report)
     if not as_json:
         from srgc.terminal import with_verdict
+        from srgc.text_reports.next_step import WHY, WHY_MISSION
         from srgc.text_reports.verification_report import after_verification
 
         text = with_verdict(text, report.outcome.value)
-        text = f"{text}\n{after_verification(report, str(folder))}"
+        why = WHY_MISSION if of_mission else WHY
+        text = f"{text}\n{after_verification(report, str(folder), why)}"
     click.echo(text)
     statuses = {
         Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED,

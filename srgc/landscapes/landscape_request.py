@@ -96,7 +96,7 @@ def refuse_marks(axes: Sequence[Axis], marks: Sequence[Mark]) -> None:
     for mark in marks:
         said = ",".join(f"{value:g}" for value in mark.values)
         if len(mark.values) != len(axes):
-            due = f" {said}: {len(axes)} numbers are due, separated by a comma"
+            due = f" {said}: {len(axes)} numbers are expected, separated by a comma"
             raise UsageFault(MARK, due)
         for axis, value in zip(axes, mark.values, strict=True):
             low, high = float(axis.values[0]), float(axis.values[-1])

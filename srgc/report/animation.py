@@ -259,11 +259,11 @@ def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str
     holds = every if tube.disturbed else "the motion"
     apart = (
         " Their corners may reach into an obstacle where the motion itself does not: no collision "
-        "is drawn, and what is proved of distances stands under Margins."
+        "is drawn, and the proved distances are under Margins."
     )
     words = (
         f"Boxes: the certified tube; each box holds the effector throughout one of "
-        f"{len(tube.boxes)} intervals of time, so it is as long as the way that is made in it"
+        f"{len(tube.boxes)} intervals of time, so its length is the way covered in it"
     )
     if len(tube.boxes) < tube.segments:
         words += f" (the proof has {tube.segments}, drawn together)"

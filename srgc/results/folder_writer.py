@@ -79,7 +79,7 @@ def refuse_other(path: Path, due: str) -> None:
     kind = _kind(status)
     if kind != due:
         raise UsageFault(
-            f"{path} is {_NAMED[kind]}, and a plain {due} is due there: "
+            f"{path} is {_NAMED[kind]}, and a plain {due} is expected there: "
             "remove it, or use another result folder"
         )
 

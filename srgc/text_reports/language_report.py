@@ -68,7 +68,7 @@ def _finite(family: Language) -> str:
     if dfa is None:
         return "none: the form of the grammar does not show that its language is regular"
     live = sum(dfa.live())
-    return f"{live} states, minimal" + ("" if live == dfa.size else ", and one without a way out")
+    return f"{live} states, minimal" + ("" if live == dfa.size else ", and a dead one")
 
 
 def _shown_regular(family: Language) -> bool:

@@ -16,7 +16,7 @@ from grammar_lang.files.file_tree import visible
 from solvers.missions.mission_result import Existing, MissionResult
 from solvers.search.path_task import Design
 from solvers.verifier.missions.mission_check import MissionReport
-from srgc.text_reports.next_step import next_advice, next_command
+from srgc.text_reports.next_step import WHY_MISSION, next_advice, next_command
 from srgc.text_reports.verification_report import (
     answer,
     detail_lines,
@@ -79,7 +79,7 @@ def after_mission(result: MissionResult, folder: str) -> str:
         return next_command("srgc verify", folder)
     if result.ended is not None:
         return next_advice(f"try {result.ended.try_first}", "srgc why", folder)
-    return next_command("srgc why", folder, "what each task rules out")
+    return next_command("srgc why", folder, WHY_MISSION)
 
 
 def _claim(result: MissionResult) -> str:

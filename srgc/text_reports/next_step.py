@@ -7,6 +7,8 @@ import shlex
 WIDTH = 80
 """The most columns of the line."""
 HEAD = "next:    "
+WHY, WHY_MISSION = "what would make it possible", "what each task rules out"
+"""What `srgc why` says of an impossible task, and of an impossible mission."""
 
 
 def next_command(command: str, path: str, comment: str = "") -> str:

@@ -20,7 +20,7 @@ from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from solvers.verifier.claims.bound_claims import gap_above, share_text
 from solvers.verifier.claims.certificate import exact
 from srgc.text_reports.nearest_motion import first_to_try, stuck_at
-from srgc.text_reports.next_step import next_advice, next_command
+from srgc.text_reports.next_step import WHY, next_advice, next_command
 
 # --- How much of its inputs a design uses, bound by bound -----------------------------------------
 
@@ -128,6 +128,8 @@ def change_lines(change: Reconfiguration) -> list[str]:
 
 FRICTION_UNUSED = "motions that dry friction alone holds or brakes were not looked for"
 """The remark about a robot with dry friction that is undecided."""
+MORE_EFFORT = "which may use more effort than planned: see `srgc verify`"
+"""The remark about feedback against disturbances."""
 UNASKED_SELF = "self-collision was not asked for (`avoid self with body;`)"
 """The remark about a task that lets a robot pass through itself."""
 
@@ -138,6 +140,13 @@ def _winding(turns: Sequence[int]) -> Iterator[str]:
         if turn:
             times = "once" if abs(turn) == 1 else f"{abs(turn)} times"
             yield f"; joint {number} turns {times} a round"
+
+
+def _control(design: Design, task: ir.Task) -> str:
+    if design.controller is None:
+        return "open loop"
+    more = "" if task.robust is None else f", {MORE_EFFORT}"
+    return f"feedback{more}"
 
 
 def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
@@ -184,7 +193,7 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
         lines.append(f"motion:  {float(steps * task.step):g} s, {steps_taken(steps, task)}")
     lines += _inputs(design, task)
     if robot_inputs(design.model):
-        lines.append(f"control: {'open loop' if design.controller is None else 'feedback'}")
+        lines.append(f"control: {_control(design, task)}")
     if design.loop is not None:
         begins, ends = (float(k * task.step) for k in (design.loop.first, steps))
         winding = "".join(_winding(design.loop.turns or ()))
@@ -313,7 +322,7 @@ def after_synthesis(result: Synthesis, task: ir.Task, folder: str) -> str:
         return next_command("srgc verify", folder)
     advice = _advice(result, task) if result.verdict == "unknown" else None
     if advice is None:
-        return next_command("srgc why", folder, "what would make it possible")
+        return next_command("srgc why", folder, WHY)
     return next_advice(advice, "srgc why", folder)
 
 

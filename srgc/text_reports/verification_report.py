@@ -15,7 +15,7 @@ from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.energy_used import ENERGY
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.verification import Outcome, Report
-from srgc.text_reports.next_step import HEAD, WIDTH, next_command
+from srgc.text_reports.next_step import HEAD, WHY, WIDTH, next_command
 
 NAMES = 13
 """The least width of the column of names: a margin, a time and a planar position fit beside it."""
@@ -143,13 +143,13 @@ def by_map(conditions: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]
 # --- The next step --------------------------------------------------------------------------------
 
 
-def after_verification(report: Report, folder: str) -> str:
-    """The line about the next step, for results in a folder."""
+def after_verification(report: Report, folder: str, why: str = WHY) -> str:
+    """The line about the next step, for results in a folder; ``why`` is what `srgc why` says."""
     match report.outcome:
         case Outcome.VALID if report.verdict == "found":
             return next_command("srgc report", folder, "or srgc export")
         case Outcome.VALID:
-            return next_command("srgc why", folder, "what would make it possible")
+            return next_command("srgc why", folder, why)
         case Outcome.UNCHECKED:
             return next_command("srgc verify --trust z3", folder)
         case Outcome.UNEXPECTED:

@@ -313,8 +313,8 @@ def test_missing_rules_are_refused() -> None:
 
 def test_values_of_the_wrong_sort_are_refused() -> None:
     scalar = block((FRAME, ONE), emit=(ir.Effector(FRAME),))
-    with pytest.raises(SemanticsError, match="frame is due"):
+    with pytest.raises(SemanticsError, match="frame is expected"):
         mixed(block(), scalar)
     frame = block((FRAME, ir.World()), emit=(ir.PointMass(ir.World(), FRAME),))
-    with pytest.raises(SemanticsError, match="scalar is due"):
+    with pytest.raises(SemanticsError, match="scalar is expected"):
         mixed(block(), frame)

@@ -68,7 +68,7 @@ def test_a_block_with_local_values_is_the_robot_without() -> None:
 
 
 def test_numbers_are_put_in_and_frames_are_not() -> None:
-    """A constant stays one, so that it may stand where one is due; a joint occurs once."""
+    """A constant stays one, so that it may stand where one is expected; a joint occurs once."""
     program = load_text(MODULES + WITH, "t").program
     assert program is not None
     block = (program.grammars["G"].semantics or {})["limb"]

@@ -13,7 +13,7 @@ Check = Callable[[str], list[tuple[str, str]]]
 
 @pytest.fixture(scope="session")
 def in_move(build: Callable[..., str]) -> Callable[[str, str], str]:
-    """A specification with constants in L and an expression where a length is due."""
+    """A specification with constants in L and an expression where a length is expected."""
 
     def make(expression: str, constants: str = "") -> str:
         modules = f"""

@@ -190,11 +190,11 @@ def test_a_winding_loop_is_found(made: Callable[[str], Path]) -> None:
         pytest.param([10**4000], Outcome.UNDECIDED, BACK, marks=pytest.mark.slow),
         ([], Outcome.REFUTED, "the turns of the loop are not those of 1 joint"),
         ([1, 0], Outcome.REFUTED, "the turns of the loop are not those of 1 joint"),
-        ([1.0], Outcome.REFUTED, "a whole number is due"),
-        ([True], Outcome.REFUTED, "a whole number is due"),
-        (["1"], Outcome.REFUTED, "a whole number is due"),
-        (1, Outcome.REFUTED, "a list of turns is due"),
-        (None, Outcome.REFUTED, "a list of turns is due"),
+        ([1.0], Outcome.REFUTED, "a whole number is expected"),
+        ([True], Outcome.REFUTED, "a whole number is expected"),
+        (["1"], Outcome.REFUTED, "a whole number is expected"),
+        (1, Outcome.REFUTED, "a list of turns is expected"),
+        (None, Outcome.REFUTED, "a list of turns is expected"),
     ],
 )
 def test_false_turns(

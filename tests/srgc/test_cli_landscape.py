@@ -168,7 +168,7 @@ def test_what_cannot_vary_is_no_axis() -> None:
         ({"ranges": ("4.length=1:x",)}, "`x` is not a number"),
         ({"ranges": ("4.length=1:nan",)}, "`nan` is not a number"),
         ({"over": "4.angle", "ranges": ("4.length=1:2",)}, "which --over does not name"),
-        ({"marks": ("1.5",)}, "2 numbers are due"),
+        ({"marks": ("1.5",)}, "2 numbers are expected"),
         ({"marks": ("1.5,2",)}, "2 is not within [-1, 1]"),
         ({"marks": ("1.5,0",), "labels": ("a", "b")}, "more --label than --mark"),
     ],

@@ -134,7 +134,7 @@ def test_the_running_example(srgc, arm_file):
     assert found["nonterminals"] == "1"
     assert found["form"] == "left-linear"
     # after nothing, B, B eps; then after a module or an edge, with an effector or without; the sink
-    assert found["finite automaton"] == "7 states, minimal, and one without a way out"
+    assert found["finite automaton"] == "7 states, minimal, and a dead one"
     assert ", no conflict; " in found["LR(1) automaton"]
     assert found["words"] == "infinitely many"
     assert found["shortest word"] == "B eps JO eps EN"
@@ -184,7 +184,7 @@ def test_a_finite_language(srgc, file_of):
     assert found["words"] == "finitely many, the longest of 2 symbols"
     assert found["shortest word"] == "a"
     # start, a, the end; the sink
-    assert found["finite automaton"] == "3 states, minimal, and one without a way out"
+    assert found["finite automaton"] == "3 states, minimal, and a dead one"
 
 
 def test_a_nonterminal_that_derives_itself(srgc, file_of):

@@ -156,7 +156,7 @@ def test_a_robot_is_drawn_to_scale():
     assert upper / lower == pytest.approx(2, rel=0.01)
     turn = [np.arctan2(-(b - a)[1], (b - a)[0]) for a, b in ((first, second), (second, tool))]
     np.testing.assert_allclose(turn, [0.3, 1.5], atol=0.01)
-    with pytest.raises(srgc.SrgcError, match="is due"):
+    with pytest.raises(srgc.SrgcError, match="is expected"):
         arm.svg([0.3])
 
 

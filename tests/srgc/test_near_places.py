@@ -72,7 +72,7 @@ def test_outputs_that_cannot_be_written(srgc, place):
     assert err.startswith("error: none/a.dot: No such file or directory")
     assert "is there a folder none?" in err
     assert srgc("synth", "specs/turner.srg", "-o", "turner.txt").err == (
-        "error: turner.txt: File exists; it is a file, and a folder is due\n"
+        "error: turner.txt: File exists; it is a file, and a folder is expected\n"
     )
 
 

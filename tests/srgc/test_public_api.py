@@ -208,7 +208,7 @@ def test_a_traceback_ends_at_the_call(program):
         (lambda p: srgc.robot(p, WORD, {"5.length": 1}), "no parameter `5.length`"),
         (lambda p: srgc.robot(p, WORD, [1, 7]), r"8.length = 7 is not in \[0.5, 5\] m"),
         (lambda p: srgc.robot(p, WORD, [1, np.nan]), "8.length is nan"),
-        (lambda p: srgc.robot(p, WORD, [1, "1"]), "8.length is '1': a finite number is due"),
+        (lambda p: srgc.robot(p, WORD, [1, "1"]), "8.length is '1': a finite number is expected"),
         (lambda p: srgc.robot(p, WORD, 3), "`parameters` is numbers by their names"),
         (lambda p: srgc.robot(p, WORD, derivation=0), "counts from 1"),
         (lambda p: srgc.robot(p, WORD).mass_matrix("ab"), "`q` is not an array of numbers"),

@@ -26,7 +26,7 @@ WRONG = {
         lambda text: text.replace("base { this.frame = world; }", "base { }"), None, "frame",
     ),
     "wrong unit": (lambda text: text.replace("[0.5, 5] m;", "[0.5, 5] kg;"), None, "length"),
-    "a mass where a length is due": (
+    "a mass where a length is expected": (
         lambda text: text.replace("L.length, density: L", "3 kg, density: L"), "3 kg", "length",
     ),
     "start inside an obstacle": (

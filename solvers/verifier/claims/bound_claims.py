@@ -44,7 +44,7 @@ def bound_claim(item: dict[str, Any]) -> BoundClaim:
         raise ValueError("the share of a bound is at least 0 and less than 1")
     lemmas = fields["lemmas"]
     if not isinstance(lemmas, list) or not all(isinstance(each, dict) for each in lemmas):
-        raise TypeError("a list of lemmas is due")
+        raise TypeError("a list of lemmas is expected")
     return BoundClaim(
         fields["share"],
         None if fields["modules"] is None else number(fields["modules"]),

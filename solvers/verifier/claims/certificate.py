@@ -363,7 +363,7 @@ def _found(fields: dict[str, Any]) -> FoundClaim:
 
 def _cuts(items: object) -> tuple[CutClaim, ...]:
     if not isinstance(items, list) or not all(isinstance(i, list) and len(i) == 3 for i in items):
-        raise TypeError("a list of cuts is due, each a cell, a normal and an offset")
+        raise TypeError("a list of cuts is expected, each a cell, a normal and an offset")
     return tuple((number(cell), texts(normal), text(offset)) for cell, normal, offset in items)
 
 

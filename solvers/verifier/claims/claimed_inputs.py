@@ -63,9 +63,9 @@ def check_efforts(
     if all(condition.status is Status.HOLDS for condition in conditions):
         peak, rho, all_exact = stated_efforts(model, task, motion.inputs)
         for name, true in (("effort_peak", peak), ("robustness", rho)):
-            stated = exact(getattr(claim, name))
-            if not _states(stated, true, exactly=all_exact):
-                raise Refused(f"`{name}` is {float(true):.17g}, not {float(stated):.17g}")
+            stated = getattr(claim, name)
+            if not _states(exact(stated), true, exactly=all_exact):
+                raise Refused(f"`{name}` is {float(true):.17g}, not {stated}")
     return conditions
 
 

@@ -96,7 +96,7 @@ def further_claims(items: object) -> tuple[FurtherClaim, ...]:
         TypeError, KeyError, ValueError: the claims are malformed.
     """
     if not isinstance(items, (list, tuple)) or not all(isinstance(item, dict) for item in items):
-        raise TypeError("a list of claims is due")
+        raise TypeError("a list of claims is expected")
     found: list[FurtherClaim] = []
     for item in items:
         match text(item.get("kind")):
@@ -121,7 +121,7 @@ def further_claims(items: object) -> tuple[FurtherClaim, ...]:
 def _controller(item: dict[str, Any]) -> ControllerClaim:
     (fields,) = objects([{"rounding": None, **item}], ControllerClaim)
     if not isinstance(fields["gains"], list):
-        raise TypeError("a list of gains is due")
+        raise TypeError("a list of gains is expected")
     gains = tuple(rows(gain) for gain in fields["gains"])
     rounding = texts(fields["rounding"]) if "rounding" in item else None
     return ControllerClaim(rows(fields["reference"]), gains, rounding)
@@ -132,7 +132,7 @@ def _loop(item: dict[str, Any]) -> LoopClaim:
     turns = None
     if "turns" in item:
         if not isinstance(fields["turns"], list):
-            raise TypeError("a list of turns is due")
+            raise TypeError("a list of turns is expected")
         turns = tuple(map(number, fields["turns"]))
     first, centre = number(fields["first"]), texts(fields["centre"])
     return LoopClaim(first, centre, rows(fields["generators"]), turns)

@@ -28,7 +28,7 @@ def texts(items: object) -> tuple[str, ...]:
         TypeError: the value is something else.
     """
     if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
-        raise TypeError("a list of strings is due")
+        raise TypeError("a list of strings is expected")
     return tuple(items)
 
 
@@ -39,7 +39,7 @@ def number(value: object) -> int:
         TypeError: the value is something else.
     """
     if not isinstance(value, int) or isinstance(value, bool):
-        raise TypeError("a whole number is due")
+        raise TypeError("a whole number is expected")
     return value
 
 
@@ -50,7 +50,7 @@ def text(value: object) -> str:
         TypeError: the value is something else.
     """
     if not isinstance(value, str):
-        raise TypeError("a string is due")
+        raise TypeError("a string is expected")
     return value
 
 
@@ -62,7 +62,7 @@ def objects(items: object, kind: type) -> list[dict[str, Any]]:
         KeyError: a field is missing or unknown.
     """
     if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
-        raise TypeError("a list of objects is due")
+        raise TypeError("a list of objects is expected")
     for item in items:
         expect_keys(item, kind)
     return items
@@ -75,5 +75,5 @@ def rows(items: object) -> tuple[tuple[str, ...], ...]:
         TypeError: the value is something else.
     """
     if not isinstance(items, list):
-        raise TypeError("a list of lists of strings is due")
+        raise TypeError("a list of lists of strings is expected")
     return tuple(texts(row) for row in items)

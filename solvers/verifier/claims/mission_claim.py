@@ -223,7 +223,7 @@ def _existing(content: object) -> ExistingClaim | None:
 def _task(item: Mapping[str, Any]) -> TaskClaim:
     lemmas = item["lemmas"]
     if not isinstance(lemmas, list) or not all(isinstance(each, dict) for each in lemmas):
-        raise TypeError("a list of lemmas is due")
+        raise TypeError("a list of lemmas is expected")
     return TaskClaim(
         text(item["task"]),
         structure_claims(item["structures"]),

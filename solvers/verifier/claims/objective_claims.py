@@ -69,7 +69,7 @@ def objectives_claim(item: dict[str, Any]) -> ObjectivesClaim:
     (fields,) = objects([item], ObjectivesClaim)
     dearer, time = fields["dearer"], fields["time"]
     if not isinstance(dearer, list):
-        raise TypeError("a list of words is due")
+        raise TypeError("a list of words is expected")
     return ObjectivesClaim(
         tuple(_value(each) for each in objects(fields["values"], ObjectiveValue)),
         None if fields["modules"] is None else number(fields["modules"]),
@@ -92,7 +92,7 @@ def _time(content: object) -> TimeClaim:
 
 def _lemmas(items: object) -> tuple[LemmaClaim, ...]:
     if not isinstance(items, list) or not all(isinstance(each, dict) for each in items):
-        raise TypeError("a list of lemmas is due")
+        raise TypeError("a list of lemmas is expected")
     return tuple(lemma_claim(each) for each in items)
 
 

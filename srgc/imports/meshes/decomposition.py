@@ -104,7 +104,7 @@ def _refuse(triangles: Ints, detail: float, pieces: int | None) -> None:
     if not 0 < detail < float("inf"):
         raise UsageFault(f"a detail of {detail} is no positive share of the volume")
     if pieces is not None and pieces < 1:
-        raise UsageFault("at least one piece is due")
+        raise UsageFault("at least one piece is expected")
 
 
 def reference_volume(parts: Anatomy) -> float:

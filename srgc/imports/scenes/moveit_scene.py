@@ -57,7 +57,7 @@ class _Lines:
 
     def line(self, due: str) -> str:
         if self.at >= len(self.rows):
-            raise self.fault(f"the file ends where {due} is due; was it cut off?")
+            raise self.fault(f"the file ends where {due} is expected; was it cut off?")
         self.at += 1
         return self.rows[self.at - 1].strip()
 
@@ -74,15 +74,15 @@ class _Lines:
             try:
                 found += [float(word) for word in words]
             except ValueError:
-                raise self.fault(f"{due} is due, and no numbers stand here") from None
+                raise self.fault(f"{due} is expected, and no numbers stand here") from None
         if len(found) != count or not np.isfinite(found).all():
-            raise self.fault(f"{due} is due: {count} finite numbers")
+            raise self.fault(f"{due} is expected: {count} finite numbers")
         return found
 
     def count(self, due: str) -> int:
         (number,) = self.numbers(1, due)
         if number != int(number) or not 0 <= number <= 2**31:
-            raise self.fault(f"{due} is due: a number of things")
+            raise self.fault(f"{due} is expected: a number of things")
         return int(number)
 
     def pose(self, what: str) -> Pose:
@@ -105,7 +105,7 @@ def moveit_scene(path: Path) -> Scene:
     new: bool | None = None
     while (head := lines.line("`*` with an object, or `.`")) != ".":
         if not head.startswith("*"):
-            raise lines.fault(f"`* NAME` or `.` is due, not `{head[:40]}`")
+            raise lines.fault(f"`* NAME` or `.` is expected, not `{head[:40]}`")
         name = head[1:].strip() or "object"
         new = len(lines.peeked().split()) == 3 if new is None else new
         _object(lines, scene, name, own_pose=new)

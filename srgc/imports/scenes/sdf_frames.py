@@ -122,7 +122,7 @@ class Scope:
         own = None if self.include is None else self.include.find("placement_frame")
         if own is not None:
             if by is not self.include:
-                raise outer.file.fault(own, "a placement frame is due with a pose, which places it")
+                raise outer.file.fault(own, "a placement frame is expected with a pose, which places it")
             frame = (own.text or "").strip()
         self._begin(by, file, self.name)
         given = outer._posed(by, file)
@@ -227,7 +227,7 @@ def _pose(pose: Element, file: XmlFile) -> Pose:
     if pose.get("rotation_format") == "quat_xyzw" and len(numbers) == 7:
         return quaternion_pose(numbers[:3], numbers[3:], fault, words[:3])
     if len(numbers) != 6:
-        raise fault(f"its pose has {len(numbers)} numbers, and 6 are due")
+        raise fault(f"its pose has {len(numbers)} numbers, and 6 are expected")
     angles = numbers[3:]
     if is_true(pose.get("degrees")):
         angles = [math.radians(angle) for angle in angles]

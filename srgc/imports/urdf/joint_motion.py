@@ -92,7 +92,7 @@ class JointMotions:
                 held += f", outside of its range from {low:g} to {high:g}"
         self.remarks.append(
             f"joint `{visible(name)}` mimics `{visible(leader)}` and is held at {held}: "
-            "joints of srgc move by themselves"
+            "joints in srgc move independently"
         )
         return JointMotion((), self._at(joint, value))
 

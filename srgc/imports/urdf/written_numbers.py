@@ -115,7 +115,7 @@ def _check_quaternion(file: XmlFile, element: Element) -> None:
 def _check_geometry(file: XmlFile, element: Element) -> None:
     kinds = [str(child.tag) for child in element]
     if len(kinds) != 1:
-        raise file.fault(element, f"a <geometry> of {len(kinds)} shapes, where one is due")
+        raise file.fault(element, f"a <geometry> of {len(kinds)} shapes, where one is expected")
     if kinds[0] not in GEOMETRIES:
         hint = f"known: {', '.join(GEOMETRIES)}"
         raise file.fault(element, f"a <geometry> of <{visible(kinds[0])}>", hint)

@@ -172,7 +172,7 @@ def test_what_stands_behind_the_end_is_listed(tmp_path):
         ("cell\n* a\n0 0 0\n0 0 0 1\n1\nsphere\nnan\n", "finite"),
         ("cell\n* a\n0 0 0\n0 0 0 1\n1\nmesh\n99999999999 9999999999\n", "may have"),
         ("cell\n* a\n0 0 0\n0 0 0 1\n1\nmesh\n3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 7\n", "not there"),
-        ("cell\nbox\n", "is due"),
+        ("cell\nbox\n", "is expected"),
         ("cell\n.\n", "nothing in it collides"),
     ],
 )

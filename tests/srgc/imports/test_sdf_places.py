@@ -195,7 +195,7 @@ def test_frames_that_are_not_there_and_circles(tmp_path, text, said):
 def test_a_placement_frame_without_a_pose(tmp_path):
     included(tmp_path, frame("f", Q), link("a"))
     include = "<include><uri>model://part</uri><placement_frame>f</placement_frame></include>"
-    with pytest.raises(UsageFault, match="a placement frame is due with a pose"):
+    with pytest.raises(UsageFault, match="a placement frame is expected with a pose"):
         read_scene(world(tmp_path, include))
 
 
