@@ -317,7 +317,9 @@ class AttributeValues:
             case ir.Shift(vector):
                 step = Offset(self.vector(node, vector))
             case _:
-                raise SemanticsError(f"a frame is expected, found {type(expression).__name__.lower()}")
+                raise SemanticsError(
+                    f"a frame is expected, found {type(expression).__name__.lower()}"
+                )
         return Product(None, step)
 
     def _along(self, node: int, axis: ir.Axis, expression: ir.Expr) -> int:

@@ -192,7 +192,9 @@ class Robot:
         except (TypeError, ValueError, OverflowError):
             raise UsageFault(f"`{name}` is not an array of numbers") from None
         if found.ndim not in (1, 2) or found.shape[-1] != n:
-            raise UsageFault(f"`{name}` has the shape {found.shape}: ({n},) or (K, {n}) is expected")
+            raise UsageFault(
+                f"`{name}` has the shape {found.shape}: ({n},) or (K, {n}) is expected"
+            )
         return np.atleast_2d(found), found.ndim == 1
 
     def __repr__(self) -> str:

@@ -122,7 +122,9 @@ class Scope:
         own = None if self.include is None else self.include.find("placement_frame")
         if own is not None:
             if by is not self.include:
-                raise outer.file.fault(own, "a placement frame is expected with a pose, which places it")
+                raise outer.file.fault(
+                    own, "a placement frame is expected with a pose, which places it"
+                )
             frame = (own.text or "").strip()
         self._begin(by, file, self.name)
         given = outer._posed(by, file)
