@@ -48,9 +48,8 @@ def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
             if not start.fault and _fits(model, start.values)
         ]
         if not inside:
-            message = f"no robot of `{task.grammar}` has these values in the ranges of its joints"
-            hint = "write others, at rest; as it is, `synth` finds none"
-            sink.warning(Code.START_OF_NO_ROBOT, message, task.start.span, hint)
+            outside = [_outside_of(m, start.values) for m, start in robots if not start.fault]
+            _report_unfit(task, task.start, outside, sink)
         elif task.robust is not None:
             radii = task.robust.start
             found = [list(_beyond(model, values, radii)) for model, values in inside]
@@ -62,8 +61,32 @@ def given_start_diagnostics(program: ir.Program, sink: Sink) -> None:
 
 def _fits(model: RobotModel, values: Sequence[ir.Expr]) -> bool:
     """Whether coordinates may be in their ranges, and a rate of zero in those of the rates."""
+    at_rest = not any(_outside(AT_REST, dof.rate) for dof in model.dofs)
+    return at_rest and not _outside_of(model, values)
+
+
+def _outside_of(model: RobotModel, values: Sequence[ir.Expr]) -> frozenset[int]:
+    """The numbers, from 0, of the values of a start that are certainly outside a range."""
     pairs = zip(model.dofs, values, strict=True)
-    return not any(_outside(x, dof.range) or _outside(AT_REST, dof.rate) for dof, x in pairs)
+    out = {k for k, (dof, value) in enumerate(pairs) if _outside(value, dof.range)}
+    return frozenset(i for i, joint in enumerate(model.word_dofs) if joint.dof in out)
+
+
+def _report_unfit(
+    task: ir.Task, start: ir.StartAt, outside: Sequence[frozenset[int]], sink: Sink
+) -> None:
+    """Report a start outside the ranges of all robots: the first value that fits none of them."""
+    message = f"no robot of `{task.grammar}` has these values in the ranges of its joints"
+    hint, span = "write others, at rest; as it is, `synth` finds none", start.span
+    common = frozenset.intersection(*outside) if outside else frozenset[int]()
+    if common:
+        number = min(common)
+        message = f"value {number + 1} of the start is outside the range of its joint"
+        hint = "write another one; as it is, `synth` finds no robot"
+        if len(outside) > 1:
+            message += f" in each robot of `{task.grammar}`"
+        span = start.places[number] if start.places else span
+    sink.warning(Code.START_OF_NO_ROBOT, message, span, hint)
 
 
 def _beyond(model: RobotModel, values: Sequence[ir.Expr], radii: ir.Radii) -> Iterator[_Beyond]:

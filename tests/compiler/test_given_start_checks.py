@@ -113,5 +113,26 @@ def test_coordinates_out_of_range(word: str, start: str, told: bool) -> None:
         assert bool(wide) is told
         if told:
             assert sink.found == wide
-            assert text[wide[0].span.start : wide[0].span.end] == f"start at ({start});"
+            marked = text[wide[0].span.start : wide[0].span.end]
+            assert marked in (f"start at ({start});", *start.split(", "))
             assert wide[0].severity.value == "warning"
+
+
+@pytest.mark.parametrize(
+    ("word", "start", "marked", "said"),
+    [
+        (TWO, "0 deg, 2.5 m", "2.5 m", "value 2 of the start is outside the range of its joint"),
+        (TWO, "-31 deg, 2.5 m", "-31 deg", "value 1 of the start is outside"),
+        (MERGED, "91 deg, 0 deg", "start at (91 deg, 0 deg);", "no robot of `G` has these values"),
+        ("B eps (J | F) eps K eps L eps E", "99 deg, 3 m", "3 m", "in each robot of `G`"),
+        # Either value fits one of the robots.
+        ("B eps (J eps K | K eps J) eps L eps E", "99 deg, 1 m", "99 deg", "range of its joint"),
+        ("B eps R eps L eps E", "0 deg", "start at (0 deg);", "no robot of `G` has these values"),
+    ],
+)
+def test_values_outside_every_range_are_named(
+    word: str, start: str, marked: str, said: str
+) -> None:
+    ((severity, text, _, message),) = found(word, start, "0.1 deg, 0.1 mm")
+    assert (severity, text) == ("warning", marked)
+    assert said in message
