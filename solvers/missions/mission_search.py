@@ -15,7 +15,7 @@ from compiler.missions.robot_changes import built
 from compiler.objectives.least_values import Amount, amounts
 from compiler.objectives.objective_text import objective_unit
 from compiler.objectives.ordered_structures import Limit, words_below
-from compiler.time_limits.time_limit import OutOfTimeError
+from compiler.time_limits.time_limit import OutOfTimeError, time_limit
 from compiler.words.derivation import Derivation
 from compiler.words.structures import InfiniteAmbiguityError, structures_of
 from grammar_lang import ir
@@ -175,19 +175,26 @@ def _one_robot(mission: ir.Mission, tasks: Sequence[TaskRobots]) -> MissionResul
     try:
         search.search()
     except OutOfTimeError:
-        late = True
+        late, search.found = True, search.found or search.incumbent
     counts = counts_of(tasks, len(search.words) * len(tasks))
     bound = search.task.modules
     cut = tuple(search.cut.values())
     try:
         known = [_known(each, covered=bool(search.found)) for each in tasks]
     except OutOfTimeError:
-        late, known = True, []
+        late, known = True, [_Known((), ()) for _ in tasks]
     evidence = tuple(each.evidence for each in known)
     undecided = grouped((search.words[key], why) for key, why in search.undecided.items())
     if search.found:
         parts = RefutedParts(tasks, shared=True)
-        values = _values(search, known, parts)
+        try:
+            values = _values(search, known, parts)
+        except OutOfTimeError:
+            # A lower bound without refutations takes no search.
+            late, known = True, [_Known((), ()) for _ in tasks]
+            with time_limit(None):
+                values = _values(search, known, parts)
+            evidence = tuple(each.evidence for each in known)
         return MissionResult(
             mission, "found", None, search.found, (None,) * len(tasks), values=values,
             evidence=evidence, cut=(*cut, *parts.cut.values()), modules=bound,
@@ -263,6 +270,7 @@ def _rebuilt(
         search.search()
     except OutOfTimeError:
         late = True
+        search.take_incumbent()
     try:
         known = [_known(each, covered=bool(search.found)) for each in tasks]
     except OutOfTimeError:
@@ -270,7 +278,10 @@ def _rebuilt(
     undecided = grouped(all_undecided(search))
     parts = RefutedParts(tasks, shared=False)
     cost = search.cost
-    least = None if compared.left_out else _least_cost(search, known, parts)
+    try:
+        least = None if compared.left_out else _least_cost(search, known, parts)
+    except OutOfTimeError:
+        late, least = True, None
     common = MissionResult(
         mission, "unknown", None, evidence=tuple(each.evidence for each in known),
         cut=(*search.cut.values(), *parts.cut.values()), existing=existing,

@@ -17,6 +17,7 @@ from compiler.objectives.ordered_structures import Limit, structures_by
 from compiler.robots.candidate import Candidate as Structure
 from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot_key import robot_key_in_task
+from compiler.time_limits.time_limit import current_limit
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.conclusion import MOTION_SEARCHES
@@ -28,6 +29,7 @@ from solvers.missions.shared_values import (
     agreed,
     cut_between,
     is_within,
+    proved_at_once,
     widest_disagreement,
 )
 from solvers.missions.task_robots import NO_COVERING, Labels, TaskRobots
@@ -49,6 +51,8 @@ class OneRobotSearch:
     tasks: Sequence[TaskRobots]
     mission: ir.Mission
     found: tuple[Design, ...] = ()
+    incumbent: tuple[Design, ...] = ()
+    """Designs that were proved at once, in case the time is up before better ones."""
     stopped: str | None = None
     cut: dict[Labels, CutRobot] = field(default_factory=dict[Labels, CutRobot])
     undecided: dict[Labels, Undecided] = field(default_factory=dict[Labels, Undecided])
@@ -182,7 +186,7 @@ class OneRobotSearch:
                     waiting += box.split(choices)
                 continue
             known += candidates
-            groups = self._groups(candidates)
+            groups = self._groups(len(box.box))
             result = agreed(candidates, groups, {}, structure.number)
             if result is not None:
                 self.found, self._best = result.designs, structure
@@ -210,12 +214,21 @@ class OneRobotSearch:
             reason = self._screened(k, structure, box, cut)
             if reason is None or reason:
                 return None if reason is None else Undecided(reason, k)
+        if len(due) == len(self.tasks) > 1 and current_limit() and not self.found:
+            self._prove_at_once(structure, box)
         for k in due:
             moving = self._moving(k, structure, box, cut)
             if not isinstance(moving, Candidate):
                 return moving
             found[k] = moving
         return [found[k] for k in range(len(self.tasks))]
+
+    def _prove_at_once(self, structure: Structure, box: BoxTree) -> None:
+        """Look for first designs with parameters in a box, if there are none of any structure."""
+        if not self.incumbent:
+            robots = [(each, structure.derivation, box.box) for each in self.tasks]
+            groups = self._groups(len(box.box))
+            self.incumbent = proved_at_once(robots, groups, {}, structure.number) or ()
 
     def _screened(self, k: int, structure: Structure, box: BoxTree, cut: CutRobot) -> str | None:
         """None if a task refutes a box; else why no motion is sought, or an empty text."""
@@ -246,10 +259,9 @@ class OneRobotSearch:
             self._learn(robots, derivation)
         return None
 
-    def _groups(self, candidates: Sequence[Candidate]) -> list[Group]:
-        """Groups of equal parameters: every parameter has one value in all tasks."""
-        count = len(candidates[0].design.parameters)
-        return [tuple((k, p) for k in range(len(candidates))) for p in range(count)]
+    def _groups(self, count: int) -> list[Group]:
+        """Groups of equal parameters: each of the ``count`` has one value in all tasks."""
+        return [tuple((k, p) for k in range(len(self.tasks))) for p in range(count)]
 
 
 def _bounded(tasks: Sequence[TaskRobots], mission: ir.Mission) -> ir.Task:

@@ -8,7 +8,7 @@ modules cannot share, boxes of parameters are cut, and the search for a path con
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
@@ -18,9 +18,11 @@ from compiler.missions.open_layers import fixes
 from compiler.missions.parameter_boxes import BoxTree, Cut, choices_halved, whole_box
 from compiler.missions.parameter_ranges import Ranges, meet, ranges_of, single
 from compiler.missions.robot_changes import Built, Changes, built, built_of, changes
+from compiler.time_limits.time_limit import current_limit
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.conclusion import MOTION_SEARCHES
+from solvers.missions.kept_parameters import KeptParameters, LinkedRobot
 from solvers.missions.mission_result import BoxEvidence, CutRobot, Existing
 from solvers.missions.shared_values import (
     Candidate,
@@ -29,6 +31,7 @@ from solvers.missions.shared_values import (
     cut_between,
     is_within,
     pinned,
+    proved_at_once,
     widest_disagreement,
 )
 from solvers.missions.task_robots import NO_COVERING, Labels, TaskRobots
@@ -77,7 +80,10 @@ class RebuiltSearch:
         default_factory=dict[tuple[int, Labels], CutRobot]
     )
     """Robots whose boxes were cut, by index of the task and derivation."""
+    incumbent: tuple[Design, ...] = ()
+    """Designs of a chain that were proved at once, in case the time is up before better ones."""
     costs: ChainCosts = field(init=False)
+    kept: KeptParameters = field(init=False)
     layers: list[list[Node]] = field(init=False)
     _modules: frozenset[str] = field(init=False)
     _blocked: list[tuple[Node, Node]] = field(default_factory=list[tuple[Node, Node]])
@@ -89,6 +95,7 @@ class RebuiltSearch:
         if self.existing is not None:
             given = Link(self.existing.robot, narrow=True)
         self.costs = ChainCosts(self.prices, self.mission.free, given)
+        self.kept = KeptParameters(self.prices, self.mission.free)
         self.layers = [
             [
                 self._node(layer, rank, derivation)
@@ -141,11 +148,19 @@ class RebuiltSearch:
             if not node.screened:
                 self._screen(node)
                 return
+        if len(nodes) > 1 and current_limit() and not any(node.design for node in nodes):
+            self._prove_at_once(nodes)
         for node in order:
             if node.design is None:
                 self._find(node)
                 return
         self._agree(nodes)
+
+    def _prove_at_once(self, nodes: Sequence[Node]) -> None:
+        """Look for first designs of all robots of a path, if there is no such path yet."""
+        if not self.incumbent:
+            robots = [(self.tasks[k], n.derivation, n.leaf.box) for k, n in enumerate(nodes)]
+            self.incumbent = proved_at_once(robots, *self._groups(nodes), nodes[0].rank) or ()
 
     def _cheapest(self) -> list[Node] | None:
         """The cheapest path of robots that are not undecided; None if it costs too much."""
@@ -233,11 +248,7 @@ class RebuiltSearch:
         """A design with the values that kept modules of the existing robot have, if it has any."""
         if node.layer or self.existing is None:
             return None
-        values = {
-            self._parameter(node, new, name): value
-            for _, new, name, value in self._common(self.existing.robot, self._built(node))
-            if value is not None
-        }
+        values = self.kept.values(self.existing.robot, self._linked(node))
         whole, box = node.leaf.box, pinned(node.leaf.box, values)
         if not values or not all(meet(single(v), ranges_of(whole[p])) for p, v in values.items()):
             return None
@@ -245,6 +256,21 @@ class RebuiltSearch:
         if screening.refutation.refuted or screening.inadmissible is not None:
             return None
         return self.tasks[0].motions(node.derivation, box, node.rank).best()
+
+    def _linked(self, node: Node) -> LinkedRobot:
+        """The robot of a node as a link of a chain."""
+        model = self.tasks[node.layer].model(node.derivation)
+        parameters = () if model is None else model.parameters
+        return LinkedRobot(
+            self._built(node),
+            tuple(i for i, each in enumerate(node.derivation.word) if each in self._modules),
+            tuple((each.symbol, each.name) for each in parameters),
+        )
+
+    def _groups(self, nodes: Sequence[Node]) -> tuple[list[Group], dict[Group, Fraction]]:
+        """The parameters that must be equal along a path, and the groups whose value is given."""
+        before = None if self.existing is None else self.existing.robot
+        return self.kept.groups(before, [self._linked(node) for node in nodes])
 
     def _refute(self, node: Node, evidence: BoxEvidence) -> None:
         """Record a refuted part of a robot's parameters; recompute the links of its other parts."""
@@ -265,16 +291,25 @@ class RebuiltSearch:
         ]
         groups, fixed = self._groups(nodes)
         result = agreed(candidates, groups, fixed, nodes[0].rank)
-        if result is not None:
-            self.found = result.designs
-            if self.mission.most is None or self.cost <= self.mission.most:
-                return
-            self.found = ()  # irrational values may compare as equal although they are not
+        if result is not None and self._takes(result.designs):
+            return
         whole = [node.cut.tree.box for node in nodes]
         widest = widest_disagreement(candidates, groups, whole, fixed)
         parted = widest is not None and self._part(nodes, *widest)
         if not parted:
             self._block(nodes)
+
+    def _takes(self, designs: tuple[Design, ...]) -> bool:
+        """Take designs as the result, unless they cost too much; return whether they are taken."""
+        self.found = designs
+        if self.mission.most is not None and self.cost > self.mission.most:
+            self.found = ()  # irrational values may compare as equal although they are not
+        return bool(self.found)
+
+    def take_incumbent(self) -> None:
+        """Once the time is up, take the designs proved at once, if there are no others."""
+        if self.incumbent and not self.found:
+            self._takes(self.incumbent)
 
     def _part(self, nodes: Sequence[Node], group: Group, low: Fraction, high: Fraction) -> bool:
         """Cut the boxes of the robots of a group between two values; return whether one was cut."""
@@ -323,46 +358,6 @@ class RebuiltSearch:
             nodes[0].undecided = Undecided(UNSUITED, 0, apart=True)
         self._blocked += pairwise(nodes)
 
-    def _groups(self, nodes: Sequence[Node]) -> tuple[list[Group], dict[Group, Fraction]]:
-        """The parameters that must be equal along a path, and the groups whose value is given."""
-        joined = _Joined()
-        given: dict[tuple[int, int], Fraction] = {}
-        before: Built | None = None if self.existing is None else self.existing.robot
-        for k, node in enumerate(nodes):
-            robot = self._built(node)
-            if before is not None:
-                for old, new, name, value in self._common(before, robot):
-                    place = k, self._parameter(node, new, name)
-                    if k:
-                        joined.join((k - 1, self._parameter(nodes[k - 1], old, name)), place)
-                    elif value is not None:
-                        joined.join(place, place)
-                        given[place] = value
-            before = robot
-        groups = joined.groups()
-        fixed = {group: given[place] for group in groups for place in group if place in given}
-        return groups, fixed
-
-    def _common(self, old: Built, new: Built) -> Iterator[tuple[int, int, str, Fraction | None]]:
-        """The parameters that kept modules retain: indices of modules, the name, the old value."""
-        way = changes(old, new, self.prices, self.mission.free)
-        for i, j in way.kept:
-            for name, ranges in old[i].values.items():
-                free = (old[i].name, name) in self.mission.free and not self.prices.change
-                if name not in new[j].values or free or (i, j, name) in way.changed:
-                    continue
-                value = (
-                    ranges[0].low if len(ranges) == 1 and ranges[0].low == ranges[0].high else None
-                )
-                yield i, j, name, value
-
-    def _parameter(self, node: Node, module: int, name: str) -> int:
-        """The index of a parameter of a module of a robot."""
-        symbols = [i for i, each in enumerate(node.derivation.word) if each in self._modules]
-        model = self.tasks[node.layer].model(node.derivation)
-        parameters = () if model is None else model.parameters
-        return [(each.symbol, each.name) for each in parameters].index((symbols[module], name))
-
     @property
     def cost(self) -> Fraction:
         """The cost of all changes, by the values of the designs found."""
@@ -381,20 +376,3 @@ class RebuiltSearch:
             found.append(way)
             before = robot
         return tuple(found)
-
-
-class _Joined:
-    """Disjoint sets of places, joined pair by pair."""
-
-    def __init__(self) -> None:
-        self._of: dict[tuple[int, int], set[tuple[int, int]]] = {}
-
-    def join(self, one: tuple[int, int], other: tuple[int, int]) -> None:
-        """Join the sets of two places."""
-        both = self._of.get(one, {one}) | self._of.get(other, {other})
-        for place in both:
-            self._of[place] = both
-
-    def groups(self) -> list[Group]:
-        """The sets, in order of their places."""
-        return sorted({tuple(sorted(each)) for each in self._of.values()})

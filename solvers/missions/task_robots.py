@@ -7,7 +7,7 @@ own proof accepts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
@@ -23,7 +23,6 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.robot_key import robot_key_in_task
 from compiler.tasks.obstacle_pieces import expanded
 from compiler.tasks.specification import recorded_effector
-from compiler.time_limits.time_limit import OutOfTimeError
 from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction, abstract
 from grammar_lang import ir
@@ -34,7 +33,7 @@ from solvers.impossibility.disconnection import disconnected, separation_text
 from solvers.impossibility.distance_lemmas import distance_lemma
 from solvers.impossibility.variant_lemmas import variant_lemma, weights_lemma
 from solvers.lemma import Lemma
-from solvers.missions.undecided_robots import Undecided
+from solvers.missions.motions_sought import Listener, MotionsSought
 from solvers.run_context import Journal, Memory, Recorded, RunContext
 from solvers.search.design_values import design_values, limits_of
 from solvers.search.objective_search import ObjectiveSearch
@@ -42,7 +41,6 @@ from solvers.search.path_search import PathSearch, StructureTask
 from solvers.search.path_task import Design
 from solvers.search.prefetch import Screening, screen, screening_of
 from solvers.search.round_task import round_tasks
-from solvers.search.search_state import NearestMotion, StructureState
 from solvers.search.shorter_motion import problem_along
 from solvers.search.structure_search import StructureSearch
 from solvers.trajectory.path_following import PathProblem
@@ -67,71 +65,6 @@ class Part:
     def record(self, key: str, value: Recorded) -> None:
         """Store the result of a finished step."""
         self.journal.record(f"{self.name}|{key}", value)
-
-
-@dataclass(slots=True)
-class Listener:
-    """Collects the results of a search for motions before it ends."""
-
-    designs: list[Design] = field(default_factory=list[Design])
-    nearest: NearestMotion | None = None
-
-    def keep(self, design: Design) -> None:
-        """Store a proved design."""
-        self.designs.append(design)
-
-    def see(self, motion: NearestMotion) -> None:
-        """Store a motion that may still become a design."""
-        self.nearest = motion
-
-
-@dataclass(slots=True, eq=False)
-class MotionsSought:
-    """The search for motions of a robot in a box, attempt by attempt."""
-
-    states: Iterator[StructureState]
-    listener: Listener
-    best_of: Callable[[Sequence[Design]], Design]
-    state: StructureState = field(default_factory=StructureState)
-    late: bool = False
-    """Whether the time was up before all attempts were made."""
-
-    def first(self) -> Design | None:
-        """The first proved design, or at the end of the time the best; None if none is left to try.
-
-        Raises:
-            OutOfTimeError: the time was up before a design was proved.
-        """
-        self._go_on(lambda: self.state.design is not None)
-        return self._proved if self.late else self.state.design
-
-    def undecided(self, task: int) -> Undecided:
-        """Why there is no design, for the task of this index."""
-        return Undecided(f"{self.state.reason}{self.state.obstacle}", task, self.state.cause)
-
-    def best(self) -> Design | None:
-        """The best design, by the objectives of the task, of all attempts within the time.
-
-        Raises:
-            OutOfTimeError: the time was up before a design was proved.
-        """
-        self._go_on(lambda: False)
-        return self._proved or self.state.design
-
-    @property
-    def _proved(self) -> Design | None:
-        found = self.listener.designs
-        return self.best_of(found) if found else None
-
-    def _go_on(self, enough: Callable[[], bool]) -> None:
-        """Make attempts until it is enough or none is left; a design outlives the time."""
-        try:
-            while not (self.late or self.state.is_over or enough()):
-                self.state = next(self.states)
-        except OutOfTimeError:
-            if not self.listener.designs:
-                raise
-            self.late = True
 
 
 @dataclass(slots=True, eq=False)

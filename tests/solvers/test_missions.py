@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 from compiler.missions.parameter_ranges import Range
 from compiler.missions.robot_changes import built
-from compiler.time_limits.time_limit import OutOfTimeError
+from compiler.time_limits.time_limit import OutOfTimeError, time_limit
 from grammar_lang import ir
 from grammar_lang.load import load_text
 from solvers.missions import compared_structures, one_robot, rebuilt_robots, without_robots
 from solvers.missions.mission_result import Existing, MissionResult
 from solvers.missions.mission_search import solve
-from solvers.missions.task_robots import Listener, MotionsSought, TaskRobots
+from solvers.missions.motions_sought import Listener, MotionsSought
+from solvers.missions.task_robots import TaskRobots
 from solvers.run_context import RunContext
 from solvers.search.path_task import Design
 from solvers.search.search_state import StructureState
@@ -243,3 +245,47 @@ def test_a_design_proved_within_the_time_is_kept() -> None:
     assert late.best() is design
     with pytest.raises(OutOfTimeError):
         sought().first()
+
+
+@pytest.mark.parametrize(
+    ("clauses", "search"),
+    [
+        ("one robot;", one_robot),
+        ("one robot; minimize modules;", one_robot),
+        ("reconfigure add 2, remove 1; minimize changes;", rebuilt_robots),
+    ],
+)
+def test_designs_proved_at_once_outlive_the_time(
+    monkeypatch: pytest.MonkeyPatch, clauses: str, search: ModuleType
+) -> None:
+    """The time is up as soon as there is a design for every task, before any is improved."""
+    late = False
+    original = search.proved_at_once
+
+    def proved(*asked: object) -> tuple[Design, ...] | None:
+        nonlocal late
+        found = original(*asked)
+        late = True
+        return found
+
+    monkeypatch.setattr(search, "proved_at_once", proved)
+    text = arms(clauses, "0.9", "0.92", lengths="[0.3, 1.5]")
+    with time_limit(lambda: late):
+        result = solved(text, RunContext(out_of_time=lambda: late))
+    assert late
+    assert (result.verdict, result.unfinished, len(result.designs)) == ("found", True, 2)
+    first, second = ([value.stated for value in each.parameters] for each in result.designs)
+    assert first == second
+    assert Fraction(87, 100) <= first[0] <= Fraction(95, 100)
+
+
+@pytest.mark.parametrize("search", [one_robot, rebuilt_robots])
+def test_without_a_limit_nothing_is_proved_at_once(
+    monkeypatch: pytest.MonkeyPatch, search: ModuleType
+) -> None:
+    def proved(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(search, "proved_at_once", proved)
+    clauses = "one robot;" if search is one_robot else "reconfigure add 2, remove 1;"
+    assert solved(arms(clauses, "0.9", "0.9", lengths="{0.9}")).verdict == "found"
