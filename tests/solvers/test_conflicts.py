@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import pytest
@@ -175,7 +176,8 @@ def test_effort_and_horizon_are_changed_before_ranges() -> None:
 def test_poses_that_the_search_misses_in_a_range_far_too_wide(
     monkeypatch: pytest.MonkeyPatch, some: tuple[int, int], found: int
 ) -> None:
-    asked = [posed(TURNER) for _ in range(138)]
+    one = posed(TURNER)
+    asked = [replace(one) for _ in range(138)]
 
     def with_poses(given: PosedTask, *_: object, **__: object) -> tuple[str, ...]:
         place = next(i for i, each in enumerate(asked) if each is given)

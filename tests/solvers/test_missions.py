@@ -254,6 +254,7 @@ def test_a_design_proved_within_the_time_is_kept() -> None:
         ("one robot; minimize modules;", one_robot),
         ("reconfigure add 2, remove 1; minimize changes;", rebuilt_robots),
     ],
+    ids=["one-robot", "fewest-modules", "rebuilt"],
 )
 def test_designs_proved_at_once_outlive_the_time(
     monkeypatch: pytest.MonkeyPatch, clauses: str, search: ModuleType
@@ -279,7 +280,7 @@ def test_designs_proved_at_once_outlive_the_time(
     assert Fraction(87, 100) <= first[0] <= Fraction(95, 100)
 
 
-@pytest.mark.parametrize("search", [one_robot, rebuilt_robots])
+@pytest.mark.parametrize("search", [one_robot, rebuilt_robots], ids=["one-robot", "rebuilt"])
 def test_without_a_limit_nothing_is_proved_at_once(
     monkeypatch: pytest.MonkeyPatch, search: ModuleType
 ) -> None:
