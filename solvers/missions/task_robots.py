@@ -182,7 +182,11 @@ class TaskRobots:
         self.context.reporter.note(f"{self.task.name}: {' '.join(derivation.word)}: {own.reason}")
 
     def answer(self, derivation: Derivation, box: Box) -> Screening:
-        """The screening of a structure with parameters in a box; the journal is consulted first."""
+        """The screening of a structure with parameters in a box; the journal is consulted first.
+
+        Raises:
+            ValueError: the structure is not a robot.
+        """
         model = self.model(derivation)
         if model is None:
             raise ValueError(f"{' '.join(derivation.word)} is no robot")
@@ -246,7 +250,11 @@ class TaskRobots:
     # --- motions --------------------------------------------------------------------------------
 
     def motions(self, derivation: Derivation, box: Box, number: int) -> MotionsSought:
-        """The search for motions of a structure with parameters in a box."""
+        """The search for motions of a structure with parameters in a box.
+
+        Raises:
+            ValueError: the structure is not a robot.
+        """
         model = self.model(derivation)
         if model is None:
             raise ValueError(f"{' '.join(derivation.word)} is no robot")

@@ -260,7 +260,7 @@ class BayesianSearch:
         return new
 
     def learn(self, point: Array, value: float) -> None:
-        """Nothing is stored beyond the record of the search."""
+        """Nothing is stored of a point (p,) beyond the record of the search."""
 
     def _candidates(self, record: Record) -> Array:
         """Distinct points of the cube (c, p), neither known nor pending."""

@@ -245,7 +245,7 @@ def begun(
     radius: float = 0.5,
     weights: Weights | None = None,
 ) -> Iteration | None:
-    """The iteration at its start, as for ``synthesise_control``; None if it cannot be evaluated."""
+    """The iteration at its start, with ``theta_box`` sides (p,); None if it cannot be evaluated."""
     current = measured(problem, start)
     if current is None:
         return None

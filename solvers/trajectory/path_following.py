@@ -312,7 +312,10 @@ class PathProblem:
         budget: IterationBudget,
         radius: float,
     ) -> ControlOutcome:
-        """Control synthesis as in ``solve``, but without the cells between the ends of the path."""
+        """Control synthesis as in ``solve``, but without the cells between the ends of the path.
+
+        The sides of ``box`` have the shape (p,).
+        """
         return self.solved(self.problem(entries, released=True), start, box, budget, radius)
 
     def solved(

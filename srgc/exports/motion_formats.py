@@ -217,7 +217,10 @@ def trajectory_arrays(motion: ExportedMotion) -> bytes:
 
 
 def array_file(numbers: Mapping[str, Array], texts: Mapping[str, Sequence[str]]) -> bytes:
-    """An uncompressed npz file of named arrays, without pickles; equal content, equal bytes."""
+    """An uncompressed npz file of named arrays of any shape, without pickles.
+
+    Equal content gives equal bytes.
+    """
     arrays: dict[str, NDArray[np.generic]] = {
         name: np.ascontiguousarray(value, dtype="<f8") for name, value in numbers.items()
     }

@@ -103,7 +103,7 @@ class Place:
         return tuple(entry.number(least=least) for entry in entries)
 
     def matrix(self, rows: int, columns: int) -> NDArray[np.float64]:
-        """The value as a list of rows of finite numbers."""
+        """The value as an array (rows, columns) of finite numbers."""
         entries = self.entries()
         if len(entries) != rows:
             raise self.fault(f"expected {rows} rows, found {len(entries)}")

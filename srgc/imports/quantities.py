@@ -31,7 +31,11 @@ _STEP = 15
 
 
 def decimal_text(value: float | Decimal, digits: int = DIGITS) -> str:
-    """A number to ``digits`` significant digits without an exponent; below 1e-12 it is 0."""
+    """A number to ``digits`` significant digits without an exponent; below 1e-12 it is 0.
+
+    Raises:
+        ValueError: the number is not finite.
+    """
     number = value if isinstance(value, Decimal) else Decimal(repr(float(value)))
     if not number.is_finite():
         raise ValueError(f"{value} is not a finite number")

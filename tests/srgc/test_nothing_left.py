@@ -41,6 +41,7 @@ RUNS = [
     "completion bash",
     *(f"export out --to {form} -o written/arm.{form}" for form in ("urdf", "mjcf", "ros2", "npz")),
     *(f"export out --to {form} -o written/arm.{form}" for form in ("gltf", "mcap")),
+    "import urdf written/arm.urdf -o written/imported.srg",
     "export out --to ros2-package -o written/package",
     "export out --to controller -o written/controller",
     "export out --to all -o written/all",

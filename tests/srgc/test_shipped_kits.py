@@ -82,6 +82,10 @@ def claimed(folder: Path) -> dict[str, Any]:
 
 @pytest.mark.parametrize("path", some(CHEAPEST_FIRST, 1), ids=lambda path: path.stem)
 def test_an_expanded_kit_has_the_same_certificate(path: Path, tmp_path: Path, srgc: Run) -> None:
+    # Maps and meshes are looked for beside the spec.
+    shutil.copytree(
+        path.parent, tmp_path, ignore=shutil.ignore_patterns("*.srg"), dirs_exist_ok=True
+    )
     (tmp_path / "again.srg").write_text(expanded(load(path)), encoding="utf-8")
     for name, file in (("first", path), ("second", tmp_path / "again.srg")):
         assert srgc("synth", file, "-o", tmp_path / name, "-q").status == 0

@@ -54,7 +54,11 @@ def read(before: str, text: object, behind: str, name: str, what: str) -> Any:
 def read_all(
     before: str, text: object, behind: str, name: str, what: str, most: int | None = None
 ) -> tuple[Any, ...]:
-    """Like :func:`read`, but return all statements of the item, or the blocks of semantics."""
+    """Like :func:`read`, but return all statements of the item, or the blocks of semantics.
+
+    Raises:
+        UsageFault: as of :func:`read`.
+    """
     if not isinstance(text, str):
         raise UsageFault(f"`{name}` is {what}, not {shown(text)}")
     sink = Sink()

@@ -123,7 +123,18 @@ def covering(
     regions: Sequence[Region],
     places: ExactPlaces | None = None,
 ) -> tuple[list[ConvexPiece], set[int]]:
-    """Pieces that exactly hold every triangle and the solids, and the indices of thickened ones."""
+    """Pieces that exactly hold every triangle and the solids, and the indices of thickened ones.
+
+    Args:
+        vertices: the points (n, 3) of a mesh, in metres.
+        triangles: indices (m, 3) of vertices.
+        parts: the solids and shells of the mesh.
+        regions: a division of them.
+        places: the exact vertices, if they are known.
+
+    Raises:
+        ArithmeticError: pieces that grow again and again do not hold all triangles, a bug.
+    """
     held = [region.points for region in regions]
     found = [region.enclosed for region in regions]
     for turn in range(ROUNDS):

@@ -40,6 +40,9 @@ def enclosing(points: Floats, fine: int = FINE, slack: float = 0.0) -> Enclosed:
     ``fine`` is the least number of grid steps in its least width.  With a ``slack`` (m) it holds
     the points to within that in each coordinate, and coordinates this close to a grid step are
     rounded to it: 0.1 as a double is slightly more than the 1/10 that was meant.
+
+    Raises:
+        ArithmeticError: no piece of the grid holds the points, a bug.
     """
     points, thickened, width = _full(np.unique(points, axis=0))
     corners = few_corners(points, MOST_CORNERS)

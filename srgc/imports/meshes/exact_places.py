@@ -78,7 +78,7 @@ class ExactPlaces:
         return NEAR * max(sizes) + 1e-300
 
     def part(self, numbers: NDArray[np.int64]) -> ExactPlaces:
-        """The vertices with these indices."""
+        """The vertices with these indices (n,)."""
         if not self.longer:
             return replace(self, read=self.read[numbers])
         longer = {

@@ -48,19 +48,19 @@ def sphere_directions(count: int) -> Floats:
 
 
 def hull_volume(points: Floats) -> float:
-    """The volume of the hull of points; zero if they are flat."""
+    """The volume of the hull of points (n, 3); zero if they are flat."""
     from manifold3d import Manifold
 
     return float(Manifold.hull_points(points).volume()) if len(points) > 3 else 0.0
 
 
 def hull_corners(points: Floats) -> Floats:
-    """The points that are corners of the hull; all of them if they are flat."""
+    """The points, of some (n, 3), that are corners of the hull; all of them if they are flat."""
     return hull_of(points)[0]
 
 
 def hull_of(points: Floats) -> tuple[Floats, float]:
-    """The corners of the hull of points and its volume; all points and 0 if they are flat."""
+    """The corners (k, 3) of the hull of points and its volume; all and 0 if they are flat."""
     from scipy.spatial import ConvexHull, QhullError
 
     if len(points) < 4:
@@ -82,7 +82,7 @@ def _box(points: Floats) -> Floats:
 
 
 def principal_axes(points: Floats) -> Floats:
-    """The principal axes of points as rows, the longest first, with fixed signs."""
+    """The principal axes (3, 3) of points (n, 3) as rows, the longest first, with fixed signs."""
     spread = points - points.mean(axis=0)
     axes = np.linalg.eigh(spread.T @ spread)[1].T[::-1]
     signs = np.sign(axes[np.arange(3), np.abs(axes).argmax(axis=1)])

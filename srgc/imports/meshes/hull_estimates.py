@@ -35,7 +35,10 @@ class Estimates:
         self.near = 1e-9 * float(np.ptp(points, axis=0).max())
 
     def both_sides(self, normal: Floats, offset: float) -> float:
-        """The estimated sum of hull volumes below and above a plane; inf if a side is empty."""
+        """The estimated sum of hull volumes below and above a plane; inf if a side is empty.
+
+        The plane has a ``normal`` (3,) and an ``offset`` in metres.
+        """
         below, above, between = self._cut(normal, offset)
         if not below.any() or not above.any():
             return float("inf")
@@ -43,7 +46,10 @@ class Estimates:
         return self._side(below, between, cut) + self._side(above, between, cut)
 
     def both_hulls(self, normal: Floats, offset: float) -> float:
-        """The sum of the hull volumes on both sides, from all points; inf if a side is empty."""
+        """The sum of the hull volumes on both sides, from all points; inf if a side is empty.
+
+        The plane is that of ``both_sides``, with a ``normal`` (3,).
+        """
         below, above, between = self._cut(normal, offset)
         sides = [np.concatenate([self.points[side], between]) for side in (below, above)]
         return sum(map(hull_volume, sides)) if below.any() and above.any() else float("inf")

@@ -47,7 +47,7 @@ def measured(
     vertices: Floats,
     triangles: Ints,
 ) -> Measures:
-    """The volumes of a mesh and its pieces."""
+    """The volumes of a mesh with vertices (n, 3) and triangles (m, 3), and of its pieces."""
     union = float(union_of(pieces).volume())
     volume = float(sum(each.volume() for each in parts.solids))
     added = max(union - volume, 0.0)

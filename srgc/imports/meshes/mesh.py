@@ -72,7 +72,7 @@ class Mesh:
 
 
 def joined(parts: Sequence[tuple[str, tuple[Floats, Ints]]]) -> Mesh:
-    """Concatenate parts, each an object with its name."""
+    """Concatenate parts: each is a name with vertices (n, 3) and triangles (m, 3)."""
     vertices, triangles, objects = list[Floats](), list[Ints](), list[MeshObject]()
     before = start = 0
     for name, (points, faces) in parts:

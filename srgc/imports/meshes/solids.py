@@ -137,7 +137,7 @@ def _edges(faces: Ints) -> Ints:
 
 
 def parts(faces: Ints) -> list[Ints]:
-    """The triangles grouped by connection across edges, the largest group first."""
+    """The triangles (m, 3) grouped by connection across edges, the largest group first."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -156,7 +156,7 @@ def parts(faces: Ints) -> list[Ints]:
 
 
 def balanced(faces: Ints) -> bool:
-    """Whether every edge is traversed equally often in both directions."""
+    """Whether triangles (m, 3) traverse every edge equally often in both directions."""
     edges = _edges(faces)
     _, numbers = np.unique(_undirected(edges), return_inverse=True)
     return not np.bincount(numbers.reshape(-1), weights=_signs(edges)).any()
@@ -212,7 +212,10 @@ def _rewound(faces: Ints) -> Ints:
 
 
 def filled_holes(corners: Floats, faces: Ints) -> tuple[Floats, Ints] | None:
-    """The surface with its holes filled by cones; None if they are larger than :data:`HOLES`."""
+    """The surface with its holes filled by cones; None if they are larger than :data:`HOLES`.
+
+    Corners have the shape (n, 3), faces (m, 3).
+    """
     rings = _borders(faces)
     caps, tops = list[tuple[int, int, int]](), list[Floats]()
     for ring in rings:
@@ -262,7 +265,10 @@ def _signed_volume(sides: Floats) -> float:
 
 
 def manifold_of(corners: Floats, faces: Ints) -> Manifold | None:
-    """The solid bounded by triangles that face outwards; None if manifold3d rejects it."""
+    """The solid bounded by triangles that face outwards; None if manifold3d rejects it.
+
+    Corners have the shape (n, 3), faces (m, 3).
+    """
     from manifold3d import Error, Manifold, Mesh64
 
     if _signed_volume(corners[faces]) < 0:

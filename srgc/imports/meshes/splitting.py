@@ -28,7 +28,10 @@ ROUGH, JOINED = 0.6, 1.1
 def regions_of(
     parts: Anatomy, vertices: Floats, triangles: Ints, budget: float, most: int
 ) -> list[Region]:
-    """At most ``most`` parts of solids and shells whose hulls add about the budget (m^3)."""
+    """At most ``most`` parts of solids and shells whose hulls add about the budget (m^3).
+
+    Vertices have the shape (n, 3), triangles (m, 3).
+    """
     solids: list[Region] = [SolidRegion(each) for each in parts.solids]
     solids = _split_up(solids, ROUGH * budget, 2 * most + 8)
     shells: list[Region] = []

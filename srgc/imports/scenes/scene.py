@@ -146,7 +146,10 @@ class Scene:
     notes: list[str] = field(default_factory=list)
 
     def plane(self, name: str, normal: Floats, through: Floats) -> None:
-        """Record an unbounded plane, which cannot be an obstacle; if it faces up it is a floor."""
+        """Record an unbounded plane, which cannot be an obstacle; if it faces up it is a floor.
+
+        It is perpendicular to ``normal`` (3,), ``through`` a point (3,).
+        """
         if normal[2] > 0 and np.abs(normal[:2]).max() <= ALIGNED * normal[2]:
             height = float(through[2])
             self.ground = height if self.ground is None else max(height, self.ground)
@@ -243,7 +246,7 @@ def positive(values: Sequence[float], fault: Fault) -> None:
 
 
 def cone_points(radius: float, length: float) -> Floats:
-    """Points whose hull contains a cone about its centre, with the tip up; the base is a 16-gon."""
+    """Points (17, 3) whose hull contains a cone about its centre, tip up, base a 16-gon."""
     angles = 2 * np.pi * np.arange(16) / 16
     wide = radius / math.cos(np.pi / 16)
     base = [wide * np.cos(angles), wide * np.sin(angles), np.full(16, -length / 2)]
@@ -251,7 +254,7 @@ def cone_points(radius: float, length: float) -> Floats:
 
 
 def ellipsoid_points(radii: Sequence[float]) -> Floats:
-    """Points whose hull contains an ellipsoid."""
+    """Points (n, 3) whose hull contains an ellipsoid."""
     from trimesh.creation import icosphere
 
     ball = icosphere(subdivisions=2)
