@@ -252,10 +252,8 @@ class RebuiltSearch:
         whole, box = node.leaf.box, pinned(node.leaf.box, values)
         if not values or not all(meet(single(v), ranges_of(whole[p])) for p, v in values.items()):
             return None
-        screening = self.tasks[0].answer(node.derivation, box)
-        if screening.refutation.refuted or screening.inadmissible is not None:
-            return None
-        return self.tasks[0].motions(node.derivation, box, node.rank).best()
+        motions = self.tasks[0].open_motions(node.derivation, box, node.rank)
+        return None if motions is None else motions.best()
 
     def _linked(self, node: Node) -> LinkedRobot:
         """The robot of a node as a link of a chain."""

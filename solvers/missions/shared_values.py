@@ -123,11 +123,8 @@ def _designs(
             better = robots.motions(derivation, box, number) if robots.minimizes else None
             sought.append((candidate, better))
             continue
-        screening = robots.answer(derivation, box)
-        if screening.refutation.refuted or screening.inadmissible is not None:
-            return None
-        motions = robots.motions(derivation, box, number)
-        if motions.first() is None:
+        motions = robots.open_motions(derivation, box, number)
+        if motions is None or motions.first() is None:
             return None
         sought.append((candidate, motions))
     return tuple(
@@ -170,10 +167,8 @@ def _at_once(candidate: Candidate, values: Mapping[int, Fraction], number: int) 
     if all(candidate.value(parameter) == value for parameter, value in values.items()):
         return candidate.design
     box = pinned(candidate.box, values, candidate.design)
-    screening = candidate.robots.answer(candidate.derivation, box)
-    if screening.refutation.refuted or screening.inadmissible is not None:
-        return None
-    return candidate.robots.motions(candidate.derivation, box, number).at_once()
+    motions = candidate.robots.open_motions(candidate.derivation, box, number)
+    return None if motions is None else motions.at_once()
 
 
 def pinned(box: Box, values: Mapping[int, Fraction], design: Design | None = None) -> Box:

@@ -266,6 +266,17 @@ class TaskRobots:
         states = search(given, self.cells).states(self.effectors(derivation, narrow, box))
         return MotionsSought(states, listener, self.best_of)
 
+    def open_motions(self, derivation: Derivation, box: Box, number: int) -> MotionsSought | None:
+        """The search for motions as of ``motions``; None if the robot is refuted or inadmissible.
+
+        Raises:
+            ValueError: the structure is not a robot.
+        """
+        screening = self.answer(derivation, box)
+        if screening.refutation.refuted or screening.inadmissible is not None:
+            return None
+        return self.motions(derivation, box, number)
+
     def _given(
         self, derivation: Derivation, box: Box, model: RobotModel, number: int, listener: Listener
     ) -> StructureTask:

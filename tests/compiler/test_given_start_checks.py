@@ -90,31 +90,31 @@ def test_rates_and_merged_joints_are_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "start", "told"),
+    ("word", "start", "marked"),
     [
-        (ONE, "91 deg", True),
-        (ONE, "-30.1 deg", True),
-        (ONE, "90 deg", False),
-        (TWO, "0, 2.1 m", True),
-        ("B eps (J | F) eps L eps E", "91 deg", False),
+        (ONE, "91 deg", "91 deg"),
+        (ONE, "-30.1 deg", "-30.1 deg"),
+        (ONE, "90 deg", None),
+        (TWO, "0, 2.1 m", "2.1 m"),
+        ("B eps (J | F) eps L eps E", "91 deg", None),
         # Merged joints have their ranges one by one, too.
-        (MERGED, "91 deg, 0 deg", True),
-        (MERGED, "90 deg, 90 deg", False),
-        (MANY, "0 deg, 91 deg", True),
-        ("B eps R eps L eps E", "0 deg", True),  # it cannot rest
+        (MERGED, "91 deg, 0 deg", "start at (91 deg, 0 deg);"),
+        (MERGED, "90 deg, 90 deg", None),
+        (MANY, "0 deg, 91 deg", "91 deg"),
+        ("B eps R eps L eps E", "0 deg", "start at (0 deg);"),  # it cannot rest
     ],
 )
-def test_coordinates_out_of_range(word: str, start: str, told: bool) -> None:
+def test_coordinates_out_of_range(word: str, start: str, marked: str | None) -> None:
     for radii in ("", "; robust start 0.001 deg"):
         text = chain_spec(JOINTS, word, start, modules=40)
         sink = Sink([])
         given_start_diagnostics(program(text.replace(f"({start})", f"({start}){radii}")), sink)
         wide = [each for each in sink.found if each.code is Code.START_OF_NO_ROBOT]
-        assert bool(wide) is told
-        if told:
+        assert bool(wide) is (marked is not None)
+        if marked is not None:
             assert sink.found == wide
-            marked = text[wide[0].span.start : wide[0].span.end]
-            assert marked in (f"start at ({start});", *start.split(", "))
+            span = wide[0].span
+            assert text[span.start : span.end] == marked
             assert wide[0].severity.value == "warning"
 
 
