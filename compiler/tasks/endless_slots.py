@@ -16,7 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from compiler.tasks.formula_slots import TRUE, Node, Row, Slots
+from compiler.tasks.formula_slots import Slots
+from compiler.tasks.region_slots import TRUE, Node, Row
 
 COMPARED = 4
 """Each window is compared with at most this many other, latest windows of the same subformula."""

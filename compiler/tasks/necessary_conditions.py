@@ -6,15 +6,16 @@ is assumed about anything else, nor about the robot itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from compiler.robots.effector_counts import several_effectors
 from compiler.tasks.endless_slots import EndlessSlots
-from compiler.tasks.formula_slots import Clause, Node, Slots, TooManySlotsError, common_step
-from compiler.workspaces.partition import remainder
+from compiler.tasks.formula_slots import Slots, common_step
+from compiler.tasks.region_signatures import region_signatures
+from compiler.tasks.region_slots import Clause, Node, TooManySlotsError
 from compiler.workspaces.polytope import Polytope, polytope_of, refuting_polytope
 from grammar_lang import ir
 from grammar_lang.ir.formula_parts import operands, subformulas
@@ -24,6 +25,7 @@ Temporal: TypeAlias = ir.Until | ir.Always | ir.Eventually | ir.Next | ir.Last
 
 SLOT_LIMIT = 1000
 SIGNATURE_LIMIT = 64
+AT_ANY_TIME: Final = ir.Window(Fraction(0), None)
 SOME_EFFECTOR = 0
 """The number of the recorded effector if a task for several effectors names none."""
 
@@ -47,7 +49,7 @@ class NecessaryConditions:
 
     clauses: tuple[Clause, ...]
     demands: tuple[NecessaryCondition, ...]
-    _writer: _Writer
+    _writer: ConditionWriter
 
     def denial(self, formula: ir.Formula) -> tuple[NecessaryCondition, tuple[Clause, ...]]:
         """The demand that a formula over the atoms of the task does not hold, and its clauses.
@@ -173,14 +175,14 @@ def _avoids(task: ir.Task) -> Iterator[ir.Avoid]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Regions:
+class Regions:
     """The regions considered, numbered, and the signatures over these numbers."""
 
     numbers: Mapping[str, int]
     signatures: tuple[int, ...]
 
 
-def _regions(workspace: ir.Workspace, names: frozenset[str]) -> _Regions | None:
+def _regions(workspace: ir.Workspace, names: frozenset[str]) -> Regions | None:
     """The named regions; None if there are too many signatures, or a shape is invalid."""
     bounds = polytope_of(workspace.bounds.shape, workspace.dimension)
     if not bounds.is_bounded or not bounds.has_interior:
@@ -192,25 +194,33 @@ def _regions(workspace: ir.Workspace, names: frozenset[str]) -> _Regions | None:
     signatures = region_signatures(bounds, shapes, SIGNATURE_LIMIT)
     if signatures is None:
         return None
-    return _Regions({region.name: k for k, region in enumerate(chosen)}, signatures)
+    return Regions({region.name: k for k, region in enumerate(chosen)}, signatures)
 
 
 @dataclass(slots=True)
-class _Writer:
+class ConditionWriter:
+    """Writes the demands of a task as clauses about slots of ``step`` seconds."""
+
     slots: Slots
-    regions: _Regions
+    regions: Regions
     task: ir.Task
     step: Fraction
-    demands: list[NecessaryCondition]
+    demands: list[NecessaryCondition] = field(default_factory=list)
 
     def intervals(self, time: Fraction) -> int:
         """A time in steps, rounded up; at most one more than there are, if it is beyond the end."""
         return min(self.slots.count + 1, -(-time // self.step))
 
+    def required(self, formula: ir.Formula) -> int:
+        """A literal that is true only if a formula may hold at time 0."""
+        return self.slots.row(self.node(formula)).some[0]
+
     def atom(self, region: str, effector: int) -> Node:
+        """An effector is in a region."""
         return self.slots.region(effector, self.regions.numbers[region])
 
     def node(self, formula: ir.Formula) -> Node:
+        """The subformula of the slots that a formula is."""
         slots = self.slots
         match formula:
             case ir.Atom(region=region, effector=effector, poses=poses):
@@ -231,6 +241,7 @@ class _Writer:
                 return self.temporal(formula)
 
     def temporal(self, formula: Temporal) -> Node:
+        """The same for an operator about other times than the present."""
         slots = self.slots
         match formula:
             case ir.Until(left=left, right=right):
@@ -246,6 +257,7 @@ class _Writer:
                 return slots.last_part(self.node(operand), self.intervals(duration))
 
     def window(self, window: ir.Window) -> tuple[int, int]:
+        """The ends of a window in steps; beyond the end of the slots if it has no end."""
         last = self.slots.count + 1
         upper = last if window.upper is None else self.intervals(window.upper)
         return self.intervals(window.lower), upper
@@ -265,23 +277,23 @@ class _Writer:
         self.demands.append(NecessaryCondition(selector, span, text, formula))
 
     def clauses(self, ends: _Ends, effectors: Iterable[int]) -> None:
+        """Write all the demands of the task."""
         start, reach, slots = self.task.start, self.task.reach, self.slots
         for number, clause in enumerate(self.task.satisfy):
             for part in conjuncts(clause.formula):
-                literal = slots.row(self.node(part)).some[0]
-                self.demand([literal], part.span, "this formula holds", number)
+                self.demand([self.required(part)], part.span, "this formula holds", number)
         for carry in self.task.carries:
-            literal = slots.row(self.node(carry.visits)).some[0]
             text = f"the load comes from `{carry.source}` to `{carry.target}`"
-            self.demand([literal], carry.span, text)
+            self.demand([self.required(carry.visits)], carry.span, text)
         if isinstance(start, ir.StartIn) and ends.start is not None:
             literal = slots.row(self.atom(start.region, ends.start)).some[0]
             self.demand([literal], start.span, f"the effector starts in `{start.region}`")
         if reach is not None and ends.reach is not None:
-            node, text = self.atom(reach.region, ends.reach), "ends in"
+            there = ir.Atom(reach.region, ends.reach)
             if self.task.repeat:
-                node, text = slots.eventually(node, 0, slots.count + 1), "comes to"
-            literal = slots.row(node).some[0 if self.task.repeat else -1]
+                literal, text = self.required(ir.Eventually(there, AT_ANY_TIME)), "comes to"
+            else:
+                literal, text = slots.row(self.node(there)).some[-1], "ends in"
             self.demand([literal], reach.span, f"the effector {text} `{reach.region}`")
         for avoid in _avoids(self.task):
             for region in avoid.regions:
@@ -292,99 +304,58 @@ class _Writer:
 
 
 def necessary_conditions(program: ir.Program, task: ir.Task) -> NecessaryConditions | None:
-    """The demands of a task; None if they are too large.
+    """The demands of a task between the times that its formulas name; None if they are too large.
 
     Also None for an endless motion with a last part, which is reported where it is read, and if a
-    motion may end at several times. If the demands are too large with the regions that are only
-    avoided, they are given without these regions.
+    motion may end at several times.
     """
     if task.at_most and not task.repeat:
         return None
     grid = _grid(task)
-    parts = (node for clause in task.demanded for node in subformulas(clause.formula))
-    if grid is None or (task.repeat and any(isinstance(node, ir.Last) for node in parts)):
+    if grid is None or has_no_last_part(task):
         return None
-    ends = _ends(program, task)
-    for avoided in (True, False):
-        names = _mentioned(task, avoided=avoided)
-        regions = _regions(program.workspaces[task.workspace], names)
-        found = None if regions is None else _demands(task, grid, ends, regions)
-        if found is not None:
-            return found
-    return None
+
+    def writer(regions: Regions, effectors: Sequence[int]) -> ConditionWriter:
+        return ConditionWriter(grid.slots(regions.signatures, effectors), regions, task, grid.step)
+
+    return written_conditions(program, task, writer)
 
 
-def _demands(
-    task: ir.Task, grid: _Grid, ends: _Ends, regions: _Regions
+def has_no_last_part(task: ir.Task) -> bool:
+    """Whether a formula is about the last part of a motion without an end."""
+    parts = (node for clause in task.demanded for node in subformulas(clause.formula))
+    return task.repeat and any(isinstance(node, ir.Last) for node in parts)
+
+
+def written_conditions(
+    program: ir.Program,
+    task: ir.Task,
+    writer: Callable[[Regions, Sequence[int]], ConditionWriter],
 ) -> NecessaryConditions | None:
-    effectors = {
+    """The demands of a task as a writer for some regions and effectors writes them.
+
+    If they are too large with the regions that are only avoided, they are given without these
+    regions; None if they are too large even so.
+    """
+    ends = _ends(program, task)
+    named = {
         node.effector
         for clause in task.demanded
         for node in subformulas(clause.formula)
         if isinstance(node, ir.Atom)
     }
-    ending = {number for number in (ends.start, ends.reach) if number is not None}
-    numbers = sorted(effectors | ending)
-    try:
-        slots = grid.slots(regions.signatures, numbers)
-        writer = _Writer(slots, regions, task, grid.step, [])
-        writer.clauses(ends, numbers)
-    except TooManySlotsError:
-        return None
-    return NecessaryConditions(tuple(slots.clauses), tuple(writer.demands), writer)
-
-
-# --------------------------------------------------------------------------------------------------
-# Which sets of regions a point of the workspace can be in: the cells of an arrangement, by name.
-#
-# A *signature* is a set of closed regions such that some point of the bounds is in these and in no
-# others. The result is exact for sets with interior, as long as there are few; sets that cannot be
-# excluded are kept, so an absent signature is certainly impossible.
-
-
-COVERING_LIMIT = 8
-"""If more regions than this cut a cell, it is not checked whether they cover it together."""
-
-
-def region_signatures(
-    bounds: Polytope, regions: Sequence[Polytope], limit: int
-) -> tuple[int, ...] | None:
-    """The signatures as bit sets (bit i: the i-th region), in increasing order.
-
-    Args:
-        bounds: a bounded polytope with interior.
-        regions: closed convex sets, which may be unbounded.
-        limit: the greatest number of signatures.
-
-    Returns:
-        The signatures, a superset of those that occur; None if there are more than ``limit``.
-    """
-    inside = [bounds.intersection(region) for region in regions]
-    cells: list[tuple[Polytope, int]] = [(bounds, 0)]
-    for number, region in enumerate(inside):
-        if region.is_empty:
+    effectors = sorted(
+        named | {number for number in (ends.start, ends.reach) if number is not None}
+    )
+    for avoided in (True, False):
+        names = _mentioned(task, avoided=avoided)
+        regions = _regions(program.workspaces[task.workspace], names)
+        if regions is None:
             continue
-        following = [(cell, bits) for cell, bits in cells if not regions[number].contains(cell)]
-        for cell, bits in cells:
-            common = cell.intersection(region)
-            if not common.is_empty:
-                following.append((common, bits | 1 << number))
-        if len(following) > limit:
-            return None
-        cells = following
-    return tuple(sorted(bits for cell, bits in cells if not _covered(cell, bits, inside)))
-
-
-def _covered(cell: Polytope, bits: int, inside: Sequence[Polytope]) -> bool:
-    """Whether the regions without a bit cover a cell."""
-    others = [
-        region
-        for number, region in enumerate(inside)
-        if not bits >> number & 1 and not region.is_empty
-    ]
-    if any(other.contains(cell) for other in others):
-        return True
-    cutting = [other.irredundant() for other in others if other.has_interior and other.meets(cell)]
-    if not cell.has_interior or len(cutting) > COVERING_LIMIT:
-        return False
-    return not remainder(cell.irredundant(), cutting)
+        try:
+            found = writer(regions, effectors)
+            found.clauses(ends, effectors)
+        except TooManySlotsError:
+            continue
+        return NecessaryConditions(tuple(found.slots.clauses), tuple(found.demands), found)
+    return None

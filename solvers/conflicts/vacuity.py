@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import groupby, islice
 
 import numpy as np
 
-from compiler.tasks.formula_slots import Clause, TooManySlotsError
+from compiler.tasks.event_order import order_conditions
 from compiler.tasks.necessary_conditions import (
     NecessaryCondition,
     NecessaryConditions,
     conjuncts,
     necessary_conditions,
 )
+from compiler.tasks.region_slots import Clause, TooManySlotsError
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Diagnostic, Severity, Sink
 from grammar_lang.ir.formula_parts import Occurrence, atoms, formula_text, occurrences, strengthened
@@ -83,25 +85,24 @@ class ConditionConflicts:
 
 def contradictions(program: ir.Program, task: ir.Task) -> tuple[Diagnostic, ...]:
     """Errors about formulas of a task that contradict themselves, each other or other clauses."""
-    asked = necessary_conditions(program, task)
-    if asked is None:
-        return ()
-    conflicts = ConditionConflicts(asked)
-    try:
-        return contradictions_among(task, asked.demands, conflicts)
-    finally:
-        conflicts.close()
+    return formula_findings(program, task, warn=False)
 
 
 def contradictions_among(
-    task: ir.Task, demands: Sequence[NecessaryCondition], conflicts: ConditionConflicts
+    task: ir.Task,
+    demands: Sequence[NecessaryCondition],
+    conflicts: ConditionConflicts,
+    check: str = "",
 ) -> tuple[Diagnostic, ...]:
-    """The errors, for demands that are already in a solver."""
-    return tuple(_found(task, demands, conflicts))
+    """The errors, for demands that are already in a solver; ``check`` is what to check."""
+    return tuple(_found(task, demands, conflicts, check))
 
 
 def _found(
-    task: ir.Task, demands: Sequence[NecessaryCondition], conflicts: ConditionConflicts
+    task: ir.Task,
+    demands: Sequence[NecessaryCondition],
+    conflicts: ConditionConflicts,
+    check: str,
 ) -> Iterator[Diagnostic]:
     left = list(demands)
     for number, clause in enumerate(task.satisfy):
@@ -109,7 +110,7 @@ def _found(
         core = conflicts.core(own)
         if core is not None:
             left = [demand for demand in left if demand.formula != number]
-            yield _alone(task, clause.formula.span, core)
+            yield _alone(clause.formula.span, core, check)
     while (core := conflicts.core(left)) is not None:
         formulas = [demand for demand in core if demand.formula is not None]
         if not formulas:
@@ -118,7 +119,7 @@ def _found(
         left = [demand for demand in left if demand.formula != formulas[-1].formula]
 
 
-def _alone(task: ir.Task, span: Span, core: Sequence[NecessaryCondition]) -> Diagnostic:
+def _alone(span: Span, core: Sequence[NecessaryCondition], check: str) -> Diagnostic:
     """A formula that no motion satisfies."""
     other = "parts" if len(core) > 2 else "part"
     notes = tuple((demand.span, f"this excludes the other {other}") for demand in core)
@@ -127,7 +128,7 @@ def _alone(task: ir.Task, span: Span, core: Sequence[NecessaryCondition]) -> Dia
         Severity.ERROR,
         "no motion satisfies this formula, whatever the robot",
         span if len(core) > 1 else core[0].span,
-        f"check {_what_to_check(task)}",
+        f"check {check}",
         notes if len(core) > 1 else (),
     )
 
@@ -153,7 +154,8 @@ def _what_to_check(task: ir.Task) -> str:
     if task.repeat:
         return "its regions and its windows; the motion goes on for ever"
     end = float(task.steps * task.step)
-    return f"its regions, its windows and the horizon, which ends at {end:g} s"
+    late = " at the latest" if task.at_most else ""
+    return f"its regions, its windows and the horizon, which ends at {end:g} s{late}"
 
 
 # --------------------------------------------------------------------------------------------------
@@ -341,12 +343,18 @@ def formula_findings(
     program: ir.Program, task: ir.Task, *, warn: bool = True
 ) -> tuple[Diagnostic, ...]:
     """Errors about the formulas of a task; if there are none, warnings if ``warn``."""
-    asked = necessary_conditions(program, task)
-    if asked is None:
-        return ()
-    conflicts = ConditionConflicts(asked)
-    try:
-        errors = contradictions_among(task, asked.demands, conflicts)
-        return errors if errors or not warn else vacuities(task, asked, conflicts)
-    finally:
-        conflicts.close()
+    warnings: tuple[Diagnostic, ...] = ()
+    for conditions, check in (
+        (necessary_conditions, _what_to_check(task)),
+        (order_conditions, "the order in which it asks for its regions"),
+    ):
+        asked = conditions(program, task)
+        if asked is None:
+            continue
+        with closing(ConditionConflicts(asked)) as conflicts:
+            errors = contradictions_among(task, asked.demands, conflicts, check)
+            if errors:
+                return errors
+            if warn and not warnings:
+                warnings = vacuities(task, asked, conflicts)
+    return warnings

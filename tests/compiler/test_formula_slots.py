@@ -6,13 +6,18 @@ That the clauses of whole formulas are necessary conditions is tested in
 
 from __future__ import annotations
 
+from contextlib import closing
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compiler.tasks.formula_slots import TRUE, Slots, TooManySlotsError, common_step
+from compiler.tasks.formula_slots import Slots, common_step
+from compiler.tasks.region_slots import TRUE, TooManySlotsError
+from solvers.backends.cadical import SatSolver
+from solvers.verdict import Fails
 
 TIMES = st.fractions(min_value=Fraction(1, 50), max_value=20, max_denominator=50)
 
@@ -59,3 +64,21 @@ def test_too_many_clauses() -> None:
 
     with pytest.raises(TooManySlotsError):
         all_windows()
+
+
+def test_a_motion_does_not_jump_between_disjoint_regions() -> None:
+    """A with B in it, and C apart: four instants; only what starts in A or B stays there."""
+    nowhere, a, b, c = 0, 0b001, 0b011, 0b100
+    for signatures, jumps in (((nowhere, a, b, c), False), ((nowhere, a, b, c, a | c), True)):
+        slots = Slots(3, signatures, (1,))
+        regions = [slots.region(1, number) for number in range(3)]
+        either = slots.row(slots.disjunction(regions))
+        with closing(SatSolver()) as solver:
+            for clause in slots.clauses:
+                solver.add(np.array([clause], dtype=np.int64))
+            start, end = slots.row(regions[1]).some[0], slots.row(regions[2]).some[-1]
+            stays = [each for k, each in enumerate(either.every) if k % 2]
+            assert not isinstance(solver.solve([start, end], conflicts=1000), Fails)
+            assert (
+                isinstance(solver.solve([start, end, *stays], conflicts=1000), Fails) is not jumps
+            )

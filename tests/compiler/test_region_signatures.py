@@ -6,7 +6,7 @@ from itertools import product
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compiler.tasks.necessary_conditions import region_signatures
+from compiler.tasks.region_signatures import region_signatures
 from compiler.workspaces.polytope import Polytope
 from grammar_lang.ir import HalfSpace
 

@@ -163,7 +163,7 @@ def test_which_effector() -> None:
 
 
 def test_too_long_to_be_looked_at() -> None:
-    contradictory = "start at (0); satisfy always A and eventually[0, 0.01 s] not A;"
+    contradictory = "start at (0); satisfy always[0, 3 s] A and eventually[0, 0.01 s] not A;"
     assert len(marked(contradictory, horizon="1 steps of 1 s")) == 1
     assert marked(contradictory, horizon="100000 steps of 1 s") == []
 

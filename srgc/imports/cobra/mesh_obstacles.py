@@ -92,7 +92,8 @@ class MeshObstacles:
             pieces=self.pieces,
             places=mesh.places,
         )
-        self.remarks += [f"{geometry.file}: {note}" for note in (*mesh.notes, *found.notes)]
+        self.remarks += mesh.notes
+        self.remarks += [f"{geometry.file}: {note}" for note in found.notes]
         self.remarks.append(_added(geometry.file, found))
         names = [f"piece_{number + 1}" for number in range(len(found.pieces))]
         origin = f"convex pieces of {printable(geometry.file)}"
@@ -101,5 +102,7 @@ class MeshObstacles:
 
 def _added(file: str, found: Pieces) -> str:
     """A remark on the volume that the pieces of a mesh add."""
-    count = "1 convex piece" if len(found.pieces) == 1 else f"{len(found.pieces)} convex pieces"
-    return f"{file}: {count} that hold every triangle add {100 * found.measures.added:.1f} % to it"
+    number, added = len(found.pieces), f"{100 * found.measures.added:.1f} %"
+    if number == 1:
+        return f"{file}: the convex piece that holds every triangle adds {added} to it"
+    return f"{file}: {number} convex pieces that hold every triangle add {added} to it"

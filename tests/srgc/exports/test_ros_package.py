@@ -378,5 +378,5 @@ def test_what_another_robot_left_is_told(srgc: Export, claimed: Path, tmp_path: 
     assert ran.status == 0
     told = re.findall(r"note: (\S+) is of an earlier export", ran.err)
     assert {Path(path).name for path in told} == {
-        f"{NAME}.urdf", f"{NAME}.urdf.xacro", f"{NAME}.srdf", "hull_1.stl",
+        f"{NAME}.urdf", f"{NAME}.urdf.xacro", f"{NAME}.srdf", f"{NAME}.joints.json", "hull_1.stl",
     }  # fmt: skip

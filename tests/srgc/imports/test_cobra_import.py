@@ -216,7 +216,7 @@ def test_a_mesh_has_the_unit_of_its_file(tmp_path: Path) -> None:
     goals = [goal("a", 1.2), goal("b", 1.3)]
     rules = [{"type": "collisionFree"}]
     imported(tmp_path, goals, rules, obstacles=[{"ID": "Box", "collision": [shape]}])
-    (path,) = (tmp_path / "out" / "obstacles").iterdir()
+    (path,) = (tmp_path / "out" / "test_meshes").iterdir()
     corners = [line.split()[1:] for line in path.read_text().splitlines() if line[:2] == "v "]
     sizes = np.ptp(np.array(corners, dtype=float), axis=0)
     assert sizes == pytest.approx([0.8, 0.8, 0.8], abs=1e-3)
