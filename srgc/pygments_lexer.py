@@ -125,6 +125,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "module": [
             include("block"),
             (word_of("role"), Keyword, "role"),
+            (word_of("named"), Keyword, "name"),
             (word_of("param", "input"), Keyword.Declaration, ("domain", "declared")),
             (word_of("const"), Keyword.Declaration, ("definition", "declared")),
             (word_of("state"), Keyword.Declaration, ("definition", "unit", "declared")),
@@ -148,6 +149,7 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
             (NAME, Name, "#pop"),
             default("#pop"),
         ],
+        "name": [include("gap"), include("string"), default("#pop")],
         "declared": [include("gap"), (NAME, Name.Variable, "#pop"), default("#pop")],
         "definition": [include("gap"), ("=", Operator, ("#pop", "operand")), default("#pop")],
         "in parentheses": [
@@ -169,7 +171,8 @@ class SrgLexer(RegexLexer):  # type: ignore[misc]  # Pygments has no types
         "dof": [
             include("gap"),
             (word_of("revolute", "prismatic"), Keyword),
-            (word_of("in", "rate", "accel", "effort"), Keyword),
+            include("string"),
+            (word_of("in", "rate", "accel", "effort", "named"), Keyword),
             (word_of("gear", "rotor", "viscous", "coulomb"), Keyword, "operand"),
             (word_of("x", "y", "z"), Keyword.Constant),
             (rf"-|{COMPARISON}", Operator, "operand"),

@@ -41,6 +41,8 @@ _ROLES: dict[str, ir.Role] = {
 }
 
 
+LONGEST_NAME = 200
+"""The most characters of a name for exports."""
 INPUT = "in"
 """The frame at which a module is mounted, and the port by which another carries it."""
 
@@ -147,11 +149,14 @@ class _Reader:
     dofs: list[ir.Dof] = field(default_factory=list[ir.Dof])
     drives: list[s.Drive] = field(default_factory=list[s.Drive])
     dynamics: Statements = field(default_factory=Statements)
+    names: list[s.Ident] = field(default_factory=list[s.Ident])
 
     def item(self, item: s.ModuleItem) -> None:
         match item:
             case s.Role():
                 self._role(item)
+            case s.Named():
+                self._named(item)
             case s.Param() if self._fresh(item.name):
                 self._parameter(item)
             case s.Const() if self._fresh(item.name):
@@ -189,6 +194,18 @@ class _Reader:
                 Code.REPEATED_CLAUSE, "a second role", item.span, "a module has one role", notes
             )
         self.roles.append((role, item.span))
+
+    def _named(self, item: s.Named) -> None:
+        if self.names:
+            self.sink.error(
+                Code.REPEATED_CLAUSE,
+                "a second name",
+                item.span,
+                "a module has one name in exports",
+                [(self.names[0].span, "first here")],
+            )
+        elif part_name(item.text, self.sink):
+            self.names.append(item.text)
 
     def _parameter(self, item: s.Param) -> None:
         reader = Constants(self.sink, self.scope)
@@ -247,9 +264,21 @@ class _Reader:
                 None if rated is None else rated[0],
                 lower_effort(item, reader, self.sink),
                 accel=lower_acceleration(item, reader, self.sink),
+                named=None if item.named is None else part_name(item.named, self.sink),
                 span=item.span,
             )
         )
+
+
+def part_name(name: s.Ident, sink: Sink) -> str | None:
+    """A name for exports; None if it is not one, which is reported."""
+    text = name.text
+    if text.isprintable() and text.strip() == text and 0 < len(text) <= LONGEST_NAME:
+        return text
+    message = "this is no name of a part"
+    hint = f"write 1 to {LONGEST_NAME} printable characters without spaces at the ends"
+    sink.error(Code.BAD_VALUE, message, name.span, hint)
+    return None
 
 
 def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
@@ -275,6 +304,7 @@ def lower_module(module: s.Module, sink: Sink) -> ModuleInfo:
         dynamics.states,
         dynamics.inputs,
         drives.torques(dynamics.torques),
+        reader.names[0].text if reader.names else None,
     )
     check_driven(lowered, [item for item in module.items if isinstance(item, s.Dof)], sink)
     own = {name: what for name, what in reader.scope.kinds.items() if what in {"state", "input"}}

@@ -94,6 +94,7 @@ def _dof(node: s.Dof) -> str:
         ("effort <=", node.effort and expression(node.effort)),
     )
     said = "".join(f" {head} {text}" for head, text in parts if text)
+    said += "" if node.named is None else f" named {quoted(node.named)}"
     return f"dof {node.name.text}: {node.kind} {node.axis}{said}"
 
 
@@ -115,6 +116,7 @@ def _port(node: s.Port) -> str:
 
 _MODULES: dict[type, Callable[[Any], str]] = {
     s.Role: lambda n: f"role {n.name.text}",
+    s.Named: lambda n: f"named {quoted(n.text)}",
     s.Param: lambda n: f"param {n.name.text} in {domain(n.domain)}",
     s.Const: lambda n: f"const {n.name.text} = {expression(n.value)}",
     s.Dof: _dof,

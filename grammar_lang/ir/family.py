@@ -46,7 +46,7 @@ class Dof:
     ``effort`` bounds its free input.  ``inertia`` is the rotor inertia times the square of the gear
     ratio; it moves with this joint only.  ``accel`` bounds the absolute acceleration, ``coulomb``
     is the effort of dry friction, and ``gear`` is the gear ratio, which exports state.  All are
-    closed and in SI units.
+    closed and in SI units.  ``named`` is the name of its joint in exports, if it has its own.
     """
 
     name: str
@@ -59,6 +59,7 @@ class Dof:
     accel: Expr | None = None
     coulomb: Expr | None = None
     gear: Expr | None = None
+    named: str | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -100,7 +101,7 @@ class Module:
     """A robot module (an element of Sigma).  Its constants are inlined where they are used.
 
     ``states``, ``inputs`` and ``torques`` are its own dynamics (Definition 5), in which ``THIS`` is
-    the module itself.
+    the module itself.  ``named`` is its name in exports, if it has its own.
     """
 
     name: str
@@ -111,6 +112,7 @@ class Module:
     states: tuple[State, ...] = ()
     inputs: tuple[Input, ...] = ()
     torques: tuple[Torque, ...] = ()
+    named: str | None = None
 
     @property
     def free_dofs(self) -> tuple[Dof, ...]:

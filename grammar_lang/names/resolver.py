@@ -152,7 +152,7 @@ class _Resolver:
         for item in module.items:
             self.within = self.declared.terminals.get(module.name.text)
             match item:
-                case s.Role() | s.Emission():
+                case s.Role() | s.Named() | s.Emission():
                     pass
                 case s.Port():
                     self.add(known.get(item.name.text), item.name)

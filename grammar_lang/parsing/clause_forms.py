@@ -14,6 +14,7 @@ FORMS: Final[Mapping[str, Mapping[str, str]]] = MappingProxyType(
     {
         "module": {
             "role": "role link;",
+            "named": 'named "upper_arm_link";',
             "param": "param length in [0.5, 2] m;",
             "const": "const density = 1 kg/m;",
             "dof": "dof q: revolute z in [-90, 90] deg;",

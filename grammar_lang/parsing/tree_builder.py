@@ -49,6 +49,11 @@ def _call(c: Children, span: Span) -> object:
     return call if unit is None else s.Scaled(call, _ident(unit), span)
 
 
+def _dof(c: Children, span: Span) -> object:
+    limits = c[3], c[4], c[5], c[6]
+    return s.Dof(_ident(c[0]), c[1], c[2], *limits, _optional(c[7]), span)
+
+
 def _symbol_word(where: Any) -> Builder:
     return lambda c, _: s.Factor(where, tuple(c))
 
@@ -108,9 +113,10 @@ _EXPRESSIONS: dict[str, Builder] = {
 _MODULES: dict[str, Builder] = {
     "module": lambda c, span: s.Module(_ident(c[0]), tuple(c[1:]), span),
     "role": lambda c, span: s.Role(_ident(c[0]), span),
+    "named": lambda c, span: s.Named(_ident(c[0]), span),
     "param": lambda c, span: s.Param(_ident(c[0]), c[1], span),
     "const": lambda c, span: s.Const(_ident(c[0]), c[1], span),
-    "dof": lambda c, span: s.Dof(_ident(c[0]), c[1], c[2], c[3], c[4], c[5], c[6], span),
+    "dof": _dof,
     "drive": lambda c, span: s.Drive(_ident(c[0]), tuple(c[1:]), span),
     "drive_part": lambda c, span: s.DrivePart(c[0], c[1], span),
     "drive_kind": lambda c, _: c[0].text,

@@ -32,6 +32,14 @@ class Role:
 
 
 @node
+class Named:
+    """``named "text";``: the name of the part in exports."""
+
+    text: Ident
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@node
 class Param:
     """``param NAME in domain;``."""
 
@@ -51,7 +59,7 @@ class Const:
 
 @node
 class Dof:
-    """``dof NAME: kind axis in interval rate in interval accel <= expr effort <= expr;``."""
+    """``dof NAME: kind axis in interval rate in interval accel <= v effort <= v named "text";``."""
 
     name: Ident
     kind: Literal["revolute", "prismatic"]
@@ -60,6 +68,7 @@ class Dof:
     rate: Interval | None
     accel: Expr | None
     effort: Expr | None
+    named: Ident | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -147,7 +156,7 @@ class Emission:
 
 
 Dynamics: TypeAlias = Drive | State | Input | Derivative | Torque
-ModuleItem: TypeAlias = Role | Param | Const | Dof | Dynamics | Frame | Port | Emission
+ModuleItem: TypeAlias = Role | Named | Param | Const | Dof | Dynamics | Frame | Port | Emission
 
 
 def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
@@ -168,7 +177,7 @@ def module_expressions(item: ModuleItem) -> tuple[Expr, ...]:
             return tuple(part.value for part in parts)
         case State(initial=initial):
             return () if initial is None else (initial,)
-        case Role() | Port():
+        case Role() | Named() | Port():
             return ()
 
 

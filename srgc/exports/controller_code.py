@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from json import dumps
 
 import numpy as np
 
@@ -259,7 +260,7 @@ def _python_lines(
 
 def _names(name: str, items: Sequence[Quantity]) -> Iterator[str]:
     yield f"{name} = ("
-    yield from (f'    "{item.name} ({item.unit})",' for item in items)
+    yield from (f"    {dumps(f'{item.name} ({item.unit})')}," for item in items)
     yield ")"
 
 

@@ -40,23 +40,28 @@ def part_names(
     modules: Mapping[str, ir.Module],
     tools: Sequence[int | None],
 ) -> PartNames:
-    """Names like ``L_4``: the module and its index in the word.
+    """Names like ``L_4``: the module and its index in the word, unless the module is ``named``.
 
     A joint is named after the joint modules that it was merged from, a link after its first module
-    with the role link, the base after the first base, and a link without such a module after its
-    joint.  An effector is named after its module at the place in ``tools`` (``effector_modules``),
-    or if that is None, ``effector_1`` and so on by its own number.  If the robot is not a tree of
-    rigid links (None), links get no names.
+    with a name of its own or else with the role link, the base after the first base, and a link
+    without such a module after its joint.  An effector is named after its module at the place in
+    ``tools`` (``effector_modules``), or if that is None, ``effector_1`` and so on by its own
+    number.  If the robot is not a tree of rigid links (None), links get no names.
     """
     unused = _Unused()
     role = {node.place: modules[node.module].role for node in graph.nodes}
-    name = {node.place: f"{node.module}_{node.place}" for node in graph.nodes}
-    joints = [unused.name("_".join(name[place] for place in dof.symbols)) for dof in model.dofs]
+    own = {node.place: modules[node.module].named for node in graph.nodes}
+    usual = {node.place: f"{node.module}_{node.place}" for node in graph.nodes}
+    name = {place: own[place] or text for place, text in usual.items()}
+    joints = [unused.name("_".join(parts)) for parts in _joint_names(model, graph, modules)]
     links = list[str]()
     if tree is not None:
         owners = _owners(model, tree, graph)
         first: dict[int, str] = {}
-        for place, text in name.items():
+        for place, text in own.items():
+            if text is not None and role[place] != "effector":
+                first.setdefault(owners[place], text)
+        for place, text in usual.items():
             if role[place] == ("base" if owners[place] == 0 else "link"):
                 first.setdefault(owners[place], text)
         links.append(unused.name(first.get(0, "base")))
@@ -68,6 +73,22 @@ def part_names(
         for number, place in enumerate(tools, start=1)
     ]
     return PartNames(tuple(links), tuple(joints), tuple(effectors))
+
+
+def _joint_names(
+    model: RobotModel, graph: LabelledGraph, modules: Mapping[str, ir.Module]
+) -> list[list[str]]:
+    """For each degree of freedom of a robot, the names of the joints that are merged into it."""
+    joints = [
+        (dof.named or f"{node.module}_{node.place}")
+        for node in sorted(graph.nodes, key=lambda node: node.place)
+        for dof in modules[node.module].dofs
+    ]
+    names: list[list[str]] = [[] for _ in model.dofs]
+    for text, found in zip(joints, model.word_dofs, strict=True):
+        if found.dof is not None:
+            names[found.dof].append(text)
+    return names
 
 
 class _Unused:

@@ -161,7 +161,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class Dof:
-    """A degree of freedom; a limit is None if there is no bound.
+    """A degree of freedom; a limit is None if there is no bound, ``named`` is its joint.
 
     ``range`` is in rad or m, ``rate`` per s, ``accel`` per s^2, ``effort`` in N m or N.  A
     ``passive`` degree of freedom has no drive.
@@ -177,6 +177,7 @@ class Dof:
     drive: Drive = Drive()
     comment: str = ""
     passive: bool = False
+    named: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +226,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """A module to be written as text; ``comments`` are the lines above it."""
+    """A module to be written as text; ``comments`` are the lines above it, ``named`` its part."""
 
     name: str
     role: Role
@@ -236,6 +237,7 @@ class Module:
     shapes: Sequence[Shape] = ()
     effectors: Sequence[Placement] = ()
     comments: Sequence[str] = ()
+    named: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from srgc.imports.module_set import (
     Shape,
     Turn,
 )
+from srgc.imports.names import in_quotes
 from srgc.imports.quantities import Quantities
 
 _AXES = "xyz"
@@ -54,6 +55,8 @@ class _Writer:
     def items(self) -> Iterator[str]:
         module = self.module
         yield f"role {module.role};"
+        if said := in_quotes(module.named):
+            yield f"named {said};"
         for dof in module.dofs:
             yield from self.dof(dof)
         yield from map(self.port, module.ports)
@@ -77,6 +80,8 @@ class _Writer:
             parts.append(f"accel <= {self.write.number(dof.accel)} {unit}/s^2")
         if dof.effort is not None:
             parts.append(f"effort <= {self.write.number(dof.effort)} {'N*m' if turns else 'N'}")
+        if said := in_quotes(dof.named):
+            parts.append(f"named {said}")
         yield f"{' '.join(parts)};{_behind(dof.comment)}"
         yield from self.drive(dof, turns=turns)
         if dof.passive:

@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
+from grammar_lang.elaboration.modules import LONGEST_NAME
 from grammar_lang.parsing.tables import RESERVED
 
 LONGEST = 60
@@ -72,6 +73,15 @@ def legible(text: str, otherwise: str) -> str:
     if any(map(str.isalpha, plain)) or not any(map(str.isalpha, text)):
         return plain
     return f"{otherwise}_{plain}" if plain else otherwise
+
+
+def in_quotes(text: str) -> str:
+    """A name as a text of the language; empty if it cannot be one."""
+    if not 0 < len(text) <= LONGEST_NAME or not text.isprintable() or text.strip() != text:
+        return ""
+    if '"' not in text:
+        return f'"{text}"'
+    return "" if "'" in text else f"'{text}'"
 
 
 def is_legible(text: str) -> bool:

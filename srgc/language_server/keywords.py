@@ -40,6 +40,7 @@ _MODULE = {
     "port": "`port in: TYPE;`, `port out: TYPE;`: where modules meet; an output has a frame.",
     "male": "`male` fits `female` of the same type.",
     "female": "`female` fits `male` of the same type.",
+    "named": '`named "TEXT";`, `dof … named "TEXT";`: the name of the part or joint in exports.',
     "param": "`param NAME in [lo, hi] unit;` or `in {v1, v2} unit;`: the synthesis chooses it.",
     "const": "`const NAME = expr;`: a value with a name.",
     "dof": (

@@ -33,7 +33,7 @@ WORDS = _listed(
     "accel drive gear rotor viscous coulomb payload carry minimize then sum held aligned oriented "
     "to within except by hull ball capsule cylinder sphere radius axis length size file scale mass "
     "com inertia let frame port male female with ports std in from "
-    "at most time visual "
+    "at most time visual named "
     "0 1 2 -1 1e300 1e-300 0.1 1000000 99999999999999999999 1/0 2^200 ; { } ( ) [ ] , : = -> <= >= "
     "< > == | * + ? ^ . / - % 'a' \"b.srg\" /* */ //"
 )
@@ -60,7 +60,7 @@ ALIKE = (
     {"gear", "rotor", "viscous", "coulomb"},
     {"frame", "port", "const"},
     {"male", "female"},
-    {"accel", "effort", "rate"},
+    {"accel", "effort", "rate", "named"},
     {"aligned", "oriented"},
     {"contains", "matches"},
     set(NUMBERS),

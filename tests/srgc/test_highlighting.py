@@ -62,7 +62,9 @@ module Foot { role base; }
 module module { role link; param length in [0.5, 5] m; param radius in {20, 25, 30} mm;
   const area = pi * (2 cm)^2; const a = sqrt(2) m; const m = 2 N * m; const n = 2 N*m; }
 module Elbow { role joint;
-  dof q: revolute -z in [-150, 150] deg rate in [-2, 2] rad/s accel <= 8 rad/s^2 effort <= 7 N*m;
+  dof q: revolute -z in [-150, 150] deg rate in [-2, 2] rad/s accel <= 8 rad/s^2 effort <= 7 N*m
+    named "in; 'q'";
+  named 'dof "q"';
   drive q: gear -2 * (3 + a) rotor 1 kg*m^2 viscous 3 N*m*s coulomb 1 N*m;
   state w rad/s = 0; state s s; state in; input v in [0, 1] N*m;
   der(w) = v - 2*w; torque(q) = u - b*rate(q); }

@@ -100,6 +100,19 @@ def is_quotable(text: object) -> bool:
     return text != "" and not {"'", '"'} <= {*text}
 
 
+def quotable(text: object, name: str) -> s.Ident:
+    """A text that stands in quotes.
+
+    Raises:
+        UsageFault: the argument is no text that can be quoted.
+    """
+    if is_quotable(text):
+        return s.Ident(str(text))
+    raise UsageFault(
+        f"`{name}` is a text on one line with one kind of quotes at most, not {shown(text)}"
+    )
+
+
 def symbols(names: Iterable[str], name: str) -> tuple[s.Ident, ...]:
     """Symbols of words, which may be signs such as "[".
 

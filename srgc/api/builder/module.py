@@ -13,6 +13,7 @@ from srgc.api.builder.arguments import (
     expression,
     ident,
     interval,
+    quotable,
     read_all,
     shown,
     symmetric,
@@ -65,6 +66,15 @@ class Module(Part):
         return self._copied((s.Module(module.name, (*module.items, *statements)),))
 
     @spoken
+    def named(self, text: str) -> Self:
+        """Give the part a name in exports, such as "upper_arm_link".
+
+        Raises:
+            SrgcError: the argument is no text that can be quoted.
+        """
+        return self._with(s.Named(quotable(text, "text")))
+
+    @spoken
     def param(
         self,
         name: str,
@@ -115,6 +125,7 @@ class Module(Part):
         rate: Range | Quantity | None = None,
         accel: Quantity | None = None,
         effort: Quantity | None = None,
+        named: str | None = None,
     ) -> Self:
         """Add a degree of freedom.
 
@@ -126,6 +137,7 @@ class Module(Part):
             rate: the largest rate, or the lowest and the highest (rad/s, m/s).
             accel: the largest acceleration (rad/s^2, m/s^2).
             effort: the largest torque or force (N*m, N).
+            named: the name of the joint in exports.
 
         Raises:
             SrgcError: an argument is invalid.
@@ -144,6 +156,7 @@ class Module(Part):
                 None if rate is None else symmetric(rate, "rate", units[1]),
                 None if accel is None else expression(accel, "accel", units[2]),
                 None if effort is None else expression(effort, "effort", units[3]),
+                None if named is None else quotable(named, "named"),
             )
         )
 

@@ -23,6 +23,7 @@ from srgc.imports.module_set import (
     Steps,
     Turn,
 )
+from srgc.imports.names import in_quotes
 from srgc.imports.urdf.joint_file import DriveBeside
 from srgc.imports.urdf.robot_model import UrdfRobot
 from srgc.imports.urdf.written_numbers import UNLIMITED
@@ -151,7 +152,10 @@ class JointMotions:
                 f"joint `{visible(joint.name)}` has a range of one value and is held at {value:g}"
             )
             return JointMotion((), self._at(joint, value))
-        dof = Dof(name, kind, along or "z", *limits, drive=self._drive(joint))
+        if not in_quotes(joint.name):
+            said = f"joint `{visible(joint.name)}` cannot have this name in exports"
+            self.remarks.append(said)
+        dof = Dof(name, kind, along or "z", *limits, drive=self._drive(joint), named=joint.name)
         if along is not None:
             return JointMotion((dof,), (Motion(name),))
         aligned = _aligning(axis)

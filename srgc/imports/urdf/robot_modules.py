@@ -16,7 +16,7 @@ from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.files.file_tree import visible
 from srgc.faults import UsageFault
 from srgc.imports.module_set import Family, Frame, Module, ModuleSet, Placement, Port, Role
-from srgc.imports.names import Names, legible
+from srgc.imports.names import Names, in_quotes, legible
 from srgc.imports.urdf.joint_motion import JointMotion, JointMotions
 from srgc.imports.urdf.link_parts import LinkParts
 from srgc.imports.urdf.rigid_part import RigidPart
@@ -152,6 +152,7 @@ class RobotModules:
                 [port],
                 effectors=[Placement("in")],
                 comments=[f"The frame of link {visible(link)}."],
+                named="" if link == next(iter(part.links)) else self._called(link),
             )
 
     # --- From parts to modules --------------------------------------------------------------------
@@ -182,7 +183,14 @@ class RobotModules:
             part.bodies,
             part.shapes,
             comments=[f"{said[0].upper()}{said[1:]}."],
+            named=self._called(next(iter(part.links))),
         )
+
+    def _called(self, link: str) -> str:
+        """The name of a link as the part's name in exports."""
+        if not in_quotes(link):
+            self.remarks.append(f"link `{visible(link)}` cannot have this name in exports")
+        return link
 
     def _type(self, kind: str, lead: str) -> str:
         """The type of the ports at a joint, or at the tip of a link; each has its own type."""

@@ -88,7 +88,7 @@ class _Outline:
 
     def _members(self, module: s.Module) -> Iterator[lsp.DocumentSymbol]:
         for item in module.items:
-            if type(item) in _MEMBERS and not isinstance(item, s.Role | s.Emission):
+            if type(item) in _MEMBERS and not isinstance(item, s.Role | s.Named | s.Emission):
                 detail = written(item.span, self._analysis.sources)
                 yield self.symbol(item.name, _MEMBERS[type(item)], item.span, detail)
 

@@ -150,7 +150,7 @@ def test_a_spindle_has_its_rotor_back(tmp_path: Path) -> None:
     gear = 2 * math.pi / 0.005
     beside(tmp_path, {"armature": gear**2 * 1e-5})
     found = imported(tmp_path, A, B, joint("prismatic", LIMIT), simple(repr(gear)))
-    assert "accel <= 6 m/s^2 effort <= 5 N;" in found.text
+    assert "accel <= 6 m/s^2 effort <= 5 N named" in " ".join(found.text.split())
     said = re.search(r"drive s: gear (\S+) m\^-1 rotor (\S+) kg\*m\^2;", found.text)
     assert said is not None
     assert float(said[1]) == pytest.approx(gear, rel=1e-9)  # ten digits are written

@@ -77,7 +77,7 @@ def test_limits_that_are_none_are_refused(name: str, tmp_path: Path) -> None:
 def test_infinity_is_no_limit(tmp_path: Path) -> None:
     limit = '<limit lower="-inf" upper="inf" effort="inf" velocity="inf"/>'
     found = imported(tmp_path, link("a"), link("b"), joint("revolute", limit))
-    assert re.search(r"dof q: revolute \S+;", found.text)
+    assert re.search(r"dof q: revolute \S+ named \S+;", found.text)
 
 
 def test_what_is_not_carried_over_is_told(tmp_path: Path) -> None:
