@@ -41,6 +41,7 @@ from compiler.unreachability.actuation_measures import (
 )
 from compiler.unreachability.actuation_metric import EffortGroup, most_power
 from compiler.unreachability.actuation_region import Limits, Region
+from compiler.unreachability.actuation_rest import Holding, Rest, TooHeavy, held_goals
 from compiler.unreachability.covered_poses import NEAR
 from compiler.unreachability.motion_conditions import GivenPose, Passage
 from compiler.workspaces.polytope import polytope_of
@@ -112,7 +113,11 @@ def out_of_reach(
     known = all(side.is_finite() for leaf in leaves for side in leaf.coordinates)
     if not (known and drive.model.dofs):
         return None
-    region = _region(drive, passage, parameters, leaves)
+    tail = [*parameters, *(around(constant_ball(item)) for item in drive.graph.constants)]
+    leaves, too_heavy = _still(drive, passage, tail, leaves)
+    if not any(leaf.goal_possible for leaf in leaves):
+        return _not_still(drive, too_heavy)
+    region = _region(drive, passage, tail, leaves)
     for _ in range(ROUNDS):
         if region.empty:
             return DriveBound(_nothing_left(drive))
@@ -125,12 +130,43 @@ def out_of_reach(
     return None
 
 
+def _still(
+    drive: DriveReach, passage: Passage, tail: Sequence[Ends], leaves: Sequence[LeafBox]
+) -> tuple[Sequence[LeafBox], list[TooHeavy]]:
+    """The boxes, without goals at which the drives cannot keep still as long as the task asks."""
+    slow = drive.task.final_rates if passage.arrives else None
+    if drive.groups is None or slow is None or not slow.duration:
+        return leaves, []
+    model = drive.model
+    bounds = {joint: group.bound for group in drive.groups for joint in group.joints}
+    dry = {joint: closed_ball(most) for joint, most in dry_friction(model).items()}
+    holding = Holding(
+        drive.graph,
+        tail,
+        [bounds.get(joint, arb("inf")) for joint in range(len(model.dofs))],
+        [abs(side.low).max(abs(side.high)) for side in _damping(drive, tail)],
+        [dry.get(joint, arb(0)) for joint in range(len(model.dofs))],
+    )
+    return held_goals(holding, Rest(ball(slow.most), ball(slow.duration)), leaves)
+
+
+def _not_still(drive: DriveReach, found: Sequence[TooHeavy]) -> DriveBound:
+    """The reason if no goal is left at which the drives keep still."""
+    joints = {each.joint for each in found}
+    if len(joints) != 1:
+        return DriveBound("they do not hold it still at any pose at the target")
+    (joint,) = joints
+    needs, has = _apart(float(least([each.needed for each in found])), float(found[0].available))
+    unit = "N*m" if drive.model.dofs[joint].kind == "revolute" else "N"
+    reason = f"joint {joint + 1} needs {needs} {unit} at least to hold still, and has {has} {unit}"
+    return DriveBound(reason, float(needs), float(has), unit)
+
+
 def _region(
-    drive: DriveReach, passage: Passage, parameters: Sequence[Ends], leaves: Sequence[LeafBox]
+    drive: DriveReach, passage: Passage, tail: list[Ends], leaves: Sequence[LeafBox]
 ) -> Region:
     """All boxes, with the bounds on each."""
     model, task = drive.model, drive.task
-    tail = [*parameters, *(around(constant_ball(item)) for item in drive.graph.constants)]
     damping = _damping(drive, tail)
     dissipative = all(item.low >= 0 for item in damping)
     bounds = polytope_of(drive.workspace.bounds.shape, model.dimension).rows

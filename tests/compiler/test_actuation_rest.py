@@ -1,0 +1,174 @@
+"""Goals at which drives cannot hold a robot still, against the statics of rods."""
+
+from __future__ import annotations
+
+import random
+from math import cos, sin
+
+import numpy as np
+import pytest
+from flint import arb
+
+from compiler.dynamics.equations_of_motion import robot_graph
+from compiler.expressions.evaluators.balls import constant_ball, working_precision
+from compiler.unreachability.actuation_bounds import LeafBox
+from compiler.unreachability.actuation_reach import drive_reach, out_of_reach
+from compiler.unreachability.motion_conditions import motion_conditions
+from tests.compiler.test_actuation_reach_soundness import random_arm
+from tests.oracles.driven_chains import Segment, answer, problem, robot_of, spot
+from tests.oracles.some_cases import examples, some
+
+WEIGHT = "gravity (0, -9.81) m/s^2;"
+TIP = spot((cos(0.2), sin(0.2)))
+STATIC = 9.81 / 2 * cos(0.2)
+"""What holds a rod of one metre and one kilogram at 0.2 rad, in N m; it begins above that."""
+
+
+def held(effort, rest="at rest for 0.5 s", own="", halvings=9):
+    clauses = f"start at (1.2); reach T {rest}; {WEIGHT} horizon 30 steps of 0.1 s;"
+    return answer(
+        problem([Segment(1, own=own)], TIP, f"{clauses} effort <= {effort} N*m;"), [halvings]
+    )
+
+
+def test_a_rod_is_held_by_its_weight_times_its_lever():
+    assert held(1.003 * STATIC) is None
+    found = held(0.97 * STATIC)
+    assert found is not None
+    assert (found.unit, found.available) == ("N*m", pytest.approx(0.97 * STATIC, rel=0.01))
+    assert 0.985 * STATIC < found.needed <= STATIC * 1.001
+    assert "joint 1 needs" in found.reason
+    assert "hold still" in found.reason
+
+
+def test_it_may_pass_where_it_need_not_stay():
+    assert held(0.9 * STATIC, rest="at rest") is None
+    assert held(0.9 * STATIC, rest="") is None
+
+
+@pytest.mark.parametrize(("coulomb", "refuted"), [(0.05, True), (0.2, False)])
+def test_dry_friction_helps_to_hold(coulomb, refuted):
+    own = f"drive q: coulomb {coulomb * STATIC} N*m;"
+    assert (held(0.85 * STATIC, own=own) is not None) is refuted
+
+
+@pytest.mark.parametrize(
+    ("rest", "refuted"),
+    [
+        # 2 r I = 0.667 mN m s, and the weight exceeds the drive by 1 N m.
+        ("at rest for 0.0005 s", False),
+        ("at rest for 0.001 s", True),
+        # Now 40 mN m s; within 0.06 rad.
+        ("rates <= 0.06 rad/s for 0.03 s", False),
+        ("rates <= 0.06 rad/s for 1 s", True),
+    ],
+)
+def test_a_short_fall_is_no_fall(rest, refuted):
+    assert (held(STATIC - 1, rest=rest, halvings=10) is not None) is refuted
+
+
+def test_a_lift_is_held_by_its_weight():
+    lift = [Segment(1, kind="prismatic", axis="y", along="y", limits="in [0, 4] m")]
+    for effort, refuted in ((9.9, False), (9.7, True)):
+        clauses = f"start at (1); reach T at rest for 0.5 s; {WEIGHT} effort <= {effort} N;"
+        text = problem(lift, spot((0, 2)), f"{clauses} horizon 30 steps of 0.1 s;")
+        found = answer(text, [9])
+        assert (found is not None) is refuted
+        assert found is None or (found.unit == "N" and "hold still" in found.reason)
+
+
+@pytest.mark.parametrize(
+    "gravity", some(["(0, -9.81) m/s^2", "(6, -7.8) m/s^2", "(-9.81, 0.5) m/s^2"], 1)
+)
+def test_two_links_with_the_elbow_up_or_down(gravity):
+    """The least that a pose at the target needs, from the positions of both rods."""
+    lengths, densities, at = (0.9, 0.6), (2.0, 1.0), (1.0, 0.7)
+    masses = [length * density for length, density in zip(lengths, densities, strict=True)]
+    pull = np.array([float(x) for x in gravity.split(")")[0].strip("(").split(",")])
+    reach = np.hypot(*at)
+    bend = np.arccos((reach**2 - lengths[0] ** 2 - lengths[1] ** 2) / (2 * np.prod(lengths)))
+    torques = []
+    for elbow in (bend, -bend):
+        behind = np.arctan2(lengths[1] * sin(elbow), lengths[0] + lengths[1] * cos(elbow))
+        one = np.arctan2(at[1], at[0]) - behind
+        ways = [np.array([cos(a), sin(a)]) for a in (one, one + elbow)]
+        middles = [lengths[0] / 2 * ways[0], lengths[0] * ways[0] + lengths[1] / 2 * ways[1]]
+        forces = [mass * pull for mass in masses]
+        moment = sum(m[0] * f[1] - m[1] * f[0] for m, f in zip(middles, forces, strict=True))
+        torques.append(abs(moment))
+    needed = min(torques)
+    arm = [Segment(lengths[0], density=2.0), Segment(lengths[1], density=1.0)]
+    for share, refuted in ((0.7, True), (1.02, False)):
+        clauses = (
+            f"start in A; reach T at rest for 1 s; gravity {gravity}; "
+            f"effort <= {share * needed} N*m; horizon 60 steps of 0.1 s;"
+        )
+        text = problem(arm, spot(at, 0.01), clauses, start="[-1.5, 1.5] x [-1.5, 1.5]")
+        found = answer(text, [6, 6])
+        held_back = found is not None and "hold still" in found.reason
+        assert held_back is refuted
+
+
+@pytest.mark.parametrize("length", ["[0.8, 1.2]"])
+def test_all_lengths_of_a_box(length):
+    """The lightest rod that may be at the target: its weight counts, and its lever."""
+    clauses = f"start at (1.2); reach T at rest for 0.5 s; {WEIGHT} horizon 30 steps of 0.1 s;"
+    target = "[0.75, 1.3] x [-0.1, 0.1]"
+    least = 9.81 * 0.8 * 0.8 / 2 * cos(np.arcsin(0.1 / 0.8))
+    for effort, refuted in ((0.9 * least, True), (1.02 * least, False)):
+        text = problem([Segment(length)], target, f"{clauses} effort <= {effort} N*m;")
+        assert (answer(text, [8]) is not None) is refuted
+
+
+def at_rest(seed, share):
+    """Whether a random arm that stays at a pose, with inputs times a share, is said to be too weak.
+
+    The inputs are those at which the equations of motion have no acceleration. None: some joints
+    turn about the same axis, or the equations have no value.
+    """
+    rng = random.Random(seed)
+    dimension, joints = rng.choice([2, 3]), rng.randint(1, 3)
+    arm = random_arm(rng, dimension, joints)
+    gravity = [round(rng.uniform(-9, 9), 2) for _ in range(dimension)]
+    q = np.array([round(rng.uniform(-3, 3), 3) for _ in range(joints)])
+    kinds = {segment.kind for segment in arm}
+
+    def posed(target, most):
+        units = [unit for kind, unit in (("revolute", "N*m"), ("prismatic", "N")) if kind in kinds]
+        efforts = "".join(f"effort <= {most} {unit};" for unit in units)
+        pose = f"start at ({', '.join(map(str, q))}); reach T at rest for 1 s; {efforts}"
+        pull = f"gravity ({', '.join(map(str, gravity))}) m/s^2; horizon 20 steps of 0.1 s;"
+        return robot_of(problem(arm, spot(target, 0.01), pose + pull))
+
+    model, _, task = posed([0.0] * dimension, 1)
+    if len(model.dofs) < joints:
+        return None
+    graph = robot_graph(model, task.gravity)
+    constants = [float(constant_ball(item)) for item in graph.constants]
+
+    def acceleration(u):
+        return np.array(graph.acceleration(q, np.zeros(joints), u, [], constants)).ravel()
+
+    free = acceleration(np.zeros(joints))
+    driven = np.array([acceleration(row) for row in np.eye(joints)])
+    if not np.isfinite([free, *driven]).all():
+        return None  # a rod turns about its own axis, without any inertia
+    slope = (driven - free).T
+    inputs = np.linalg.solve(slope, -free)
+    tip = np.array(graph.effectors(q, [], constants)).ravel()[:dimension]
+    model, workspace, task = posed(tip, share * np.abs(inputs).max() + 1e-6)
+    ((passage,),) = motion_conditions(model, workspace, task).passages
+    width = rng.choice([0.0, 1e-3, 0.02])
+    leaf = LeafBox(tuple(arb(x, width) for x in q), True, True)
+    with working_precision(64):
+        return out_of_reach(drive_reach(model, workspace, task), passage, [], [leaf]) is not None
+
+
+def test_what_stays_where_it_is_is_not_refuted():
+    assert not any(at_rest(seed, 1.001) for seed in range(examples(40, 1000)))
+
+
+def test_half_of_the_inputs_are_too_weak():
+    found = [at_rest(seed, 0.5) for seed in range(examples(40, 300))]
+    known = [each for each in found if each is not None]
+    assert sum(known) > 0.8 * len(known)
