@@ -220,10 +220,11 @@ def test_quantities_are_texts_with_units_or_numbers(value, unit, written):
 def test_all_statements_of_a_module():
     module = (
         srgc.Module("Motor", "joint")
+        .named('the "main" motor')
         .param("length", choices=[0.6, "90 cm"], unit="m")
         .param("gain", choices=["60 cm", "90 cm"])
         .dof("q", "revolute", "-y", between=(-1, 1), rate="90 deg/s", accel=3, effort=12)
-        .dof("d", "prismatic", "x", between="[0, 60] cm", rate=(-1, 2), effort="40 N")
+        .dof("d", "prismatic", "x", between="[0, 60] cm", rate=(-1, 2), effort="40 N", named="slide-1")
         .drive("q", gear=100, rotor=2e-5, viscous="0.5 N*m*s")
         .state("i", unit="A", initial=0)
         .input("v", between=(-12, 12), unit="V")
@@ -238,13 +239,14 @@ def test_all_statements_of_a_module():
     lines = [line.strip() for line in str(module).splitlines()]
     assert lines[1:-1] == [
         "role joint;",
+        """named 'the "main" motor';""",
         "param length in {0.6 m, 90 cm};",
         "param gain in {60, 90} cm;",
         (
             "dof q: revolute -y in [-1, 1] rad rate in [-90, 90] deg/s accel <= 3 rad/s^2 "
             "effort <= 12 N*m;"
         ),
-        "dof d: prismatic x in [0, 60] cm rate in [-1, 2] m/s effort <= 40 N;",
+        'dof d: prismatic x in [0, 60] cm rate in [-1, 2] m/s effort <= 40 N named "slide-1";',
         "drive q: gear 100 rotor 0.00002 kg*m^2 viscous 0.5 N*m*s;",
         "state i A = 0 A;",
         "input v in [-12, 12] V;",
