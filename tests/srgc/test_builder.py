@@ -357,6 +357,7 @@ TASK = srgc.Task("T", robot=GRAMMAR, workspace=PLACE)
     [
         (lambda: srgc.Module("my link", "link"), "`name` is a name, not 'my link'"),
         (lambda: srgc.Module("L", 3), "`role` is a text, not 3"),
+        (lambda: LINK.named("a\nb"), "`text` is a text on one line"),
         (lambda: LINK.const("k", "1 parsec"), "`value`: .*unknown unit `parsec`.*'1 parsec'"),
         (lambda: LINK.const("k", "1 m; const j = 2"), "`value` is one expression"),
         (lambda: LINK.const("k", "1; } module N { role link"), "`value` is one expression"),
