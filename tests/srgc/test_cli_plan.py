@@ -250,7 +250,7 @@ def test_a_number_of_steps_that_is_no_part_of_the_horizon(srgc: Srgc, spec: Spec
 
 
 def test_that_some_ends_have_no_plan_refutes_nothing(srgc: Srgc, spec: Spec) -> None:
-    clauses = "start in S; satisfy always not S;"
+    clauses = "start in S; satisfy eventually[0 s, 1 s] A and always[0 s, 2 s] not A;"
     ran = srgc("plan", spec(written(clauses, REGIONS, horizon="at most 8 steps of 1 s")))
     assert ran.status == 4
     assert "no path satisfies the formula, of any number of steps that was looked at" in ran.out
