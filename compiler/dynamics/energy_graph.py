@@ -9,7 +9,7 @@ import casadi as ca
 
 from compiler.dynamics.composite_bodies import composite_mass_matrix
 from compiler.dynamics.kinematics import kinematics, own_coordinates
-from compiler.dynamics.rigid_bodies import Motion, drive, potential_energy
+from compiler.dynamics.rigid_bodies import Motion, drive, potential_energy, rotor_inertias
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
 from compiler.expressions.scalars import Constant, PiConstant
 from compiler.expressions.tape import Tape, tape
@@ -62,7 +62,8 @@ class EnergyGraph:
 
     Inputs of every tape: q (n), theta, then the exact ``constants``.
 
-    - ``mass``: M column by column, (n * n,), which depends only on the coordinates ``shape``;
+    - ``mass``: M with the rotors, column by column, (n * n,); it depends only on the coordinates
+      ``shape``;
     - ``slopes``: its derivatives in the inputs ``active``, one after another;
     - ``potential``: the potential energy V (1,) and its gradient (n,); None without gravity;
     - ``effectors``: positions (d * e,), then their Jacobian column by column (d * e * n,);
@@ -94,7 +95,9 @@ def energy_graph(model: RobotModel, gravity: tuple[Fraction, ...]) -> EnergyGrap
     q, theta = ca.SX.sym("q", n), ca.SX.sym("theta", len(model.parameters))
     constants = SymbolicEvaluator()
     at = kinematics(model, q, theta, constants, own_coordinates(model))
-    mass = ca.vec(ca.densify(composite_mass_matrix(model, at, q, constants)))
+    matrix = composite_mass_matrix(model, at, q, constants)
+    rotors = rotor_inertias(model, constants)
+    mass = ca.vec(ca.densify(matrix if rotors is None else matrix + rotors))
     tips = ca.vertcat(ca.SX(0, 1), *(at.origins[frame][:d] for frame in model.effectors))
     effectors = ca.vertcat(tips, ca.vec(ca.densify(ca.jacobian(tips, q))))
     potential = ca.SX(0, 1)

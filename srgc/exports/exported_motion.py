@@ -16,13 +16,13 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import RobotInput, robot_inputs, robot_states
+from compiler.robots.state_and_input import robot_inputs, robot_states
 from grammar_lang.ir.constants import to_float
 from solvers.trajectory.fine_motion import fine_motion
 from solvers.trajectory.rubbing_motion import rates_of_change
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import CertificateError, exact
-from srgc.exports.exported_robot import design_names, design_tree, left_out
+from srgc.exports.exported_robot import design_names, design_tree, input_name, left_out
 from srgc.exports.joint_drives import joint_drives
 from srgc.faults import UsageFault
 from srgc.results.found_design import FoundDesign
@@ -104,14 +104,9 @@ def input_quantities(model: RobotModel, joints: Sequence[str]) -> tuple[Quantity
 
     Loads have their own names.
     """
-
-    def name(item: RobotInput) -> str:
-        if item.dof is not None:
-            return joints[item.dof]
-        own = item.name.replace(" ", "_")
-        return own if item.is_load else f"{item.module}_{item.symbol}.{own}"
-
-    return tuple(Quantity(name(item), item.unit) for item in robot_inputs(model))
+    inputs = robot_inputs(model)
+    names = [input_name(item) if item.dof is None else joints[item.dof] for item in inputs]
+    return quantities(names, [item.unit for item in inputs])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -11,7 +11,7 @@ from compiler.rigid_links.rigid_tree import LinkJoint, RigidTree, RigidTreeError
 from compiler.robots.labelled_graph import LabelledGraph, labelled_graph
 from compiler.robots.payloads import loads_of
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import robot_inputs
+from compiler.robots.state_and_input import RobotInput, robot_inputs
 from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import exact
@@ -22,6 +22,12 @@ from srgc.version import VERSION
 
 # --------------------------------------------------------------------------------------------------
 # Names of links, joints and effectors: from modules and their places.
+
+
+COLUMNS = frozenset({"t", "robot"})
+"""Names of columns beside those of joints."""
+WORLD = "world"
+"""The frame in which all stand, which is no link."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,28 +54,33 @@ def part_names(
     ``tools`` (``effector_modules``), or if that is None, ``effector_1`` and so on by its own
     number.  If the robot is not a tree of rigid links (None), links get no names.
     """
-    unused = _Unused()
+    moving, bodies = UnusedNames({*COLUMNS, *_other_inputs(model)}), UnusedNames({WORLD})
     role = {node.place: modules[node.module].role for node in graph.nodes}
     own = {node.place: modules[node.module].named for node in graph.nodes}
     usual = {node.place: f"{node.module}_{node.place}" for node in graph.nodes}
-    name = {place: own[place] or text for place, text in usual.items()}
-    joints = [unused.name("_".join(parts)) for parts in _joint_names(model, graph, modules)]
+    joints = [moving.name("_".join(parts)) for parts in _joint_names(model, graph, modules)]
+
+    def body(called: str | None, otherwise: str) -> str:
+        # A link may be called as a joint is, but only if somebody calls it so.
+        return bodies.name(otherwise, joints) if called is None else bodies.name(called)
+
     links = list[str]()
     if tree is not None:
         owners = _owners(model, tree, graph)
-        first: dict[int, str] = {}
-        for place, text in own.items():
+        called: dict[int, str] = {}
+        first: dict[int, str] = {0: "base"}
+        for place in reversed(usual):
+            text = own[place]
             if text is not None and role[place] != "effector":
-                first.setdefault(owners[place], text)
-        for place, text in usual.items():
+                called[owners[place]] = text
             if role[place] == ("base" if owners[place] == 0 else "link"):
-                first.setdefault(owners[place], text)
-        links.append(unused.name(first.get(0, "base")))
+                first[owners[place]] = usual[place]
+        links.append(body(called.get(0), first[0]))
         for number, link in enumerate(tree.links[1:], start=1):
             dof = link.joint.dof if link.joint is not None else 0
-            links.append(unused.name(first.get(number, f"{joints[dof]}_link")))
+            links.append(body(called.get(number), first.get(number, f"{joints[dof]}_link")))
     effectors = [
-        unused.name(f"effector_{number}" if place is None else name[place])
+        body(None, f"effector_{number}") if place is None else body(own[place], usual[place])
         for number, place in enumerate(tools, start=1)
     ]
     return PartNames(tuple(links), tuple(joints), tuple(effectors))
@@ -91,15 +102,26 @@ def _joint_names(
     return names
 
 
-class _Unused:
-    """Gives every name once; a name that is taken gets a number."""
+def input_name(item: RobotInput) -> str:
+    """The name of an input that is no motor's: that of a load, or after its module."""
+    own = item.name.replace(" ", "_")
+    return own if item.is_load else f"{item.module}_{item.symbol}.{own}"
 
-    def __init__(self) -> None:
-        self.given: set[str] = set()
 
-    def name(self, wanted: str) -> str:
-        """The name, or the first numbered form of it that is free."""
-        found = next(item for item in _forms(wanted) if item not in self.given)
+def _other_inputs(model: RobotModel) -> Iterator[str]:
+    return (input_name(item) for item in robot_inputs(model) if item.dof is None)
+
+
+class UnusedNames:
+    """Gives every name once; a name that is ``taken`` or given gets a number."""
+
+    def __init__(self, taken: Iterable[str]) -> None:
+        self.given = set(taken)
+
+    def name(self, wanted: str, besides: Collection[str] = ()) -> str:
+        """The name, or its first numbered form that is free, and not one of those ``besides``."""
+        taken = self.given.union(besides)
+        found = next(item for item in _forms(wanted) if item not in taken)
         self.given.add(found)
         return found
 

@@ -14,7 +14,7 @@ from compiler.rigid_links.ball_pose import WORLD_POSE, Pose, doubles, unit
 from compiler.rigid_links.link_shape import Geometry
 from compiler.rigid_links.mass_moments import MassMoments, inertial, legal, token
 from compiler.rigid_links.rigid_tree import PRECISION, axis_of
-from srgc.exports.exported_robot import ExportedRobot, Motor
+from srgc.exports.exported_robot import ExportedRobot, Motor, UnusedNames
 from srgc.exports.visual_meshes import VisualMesh
 from srgc.exports.xml_lines import XmlLines
 
@@ -179,7 +179,8 @@ class _Writer:
         self.xml.open("link", name=name)
         self.inertial(token(LEAST, WORLD_POSE.origin))
         self.xml.close()
-        self.xml.open("joint", name=f"{name}_fixed", type="fixed")
+        joint = UnusedNames(self.robot.names.joints).name(f"{name}_fixed")
+        self.xml.open("joint", name=joint, type="fixed")
         self.origin(pose)
         self.xml.element("parent", link=parent)
         self.xml.element("child", link=name)

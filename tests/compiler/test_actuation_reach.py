@@ -53,6 +53,25 @@ def test_a_rod_turns_by_u_over_2_inertia_times_the_time_squared(angle, rest, ref
         assert found.unit == "rad"
 
 
+@pytest.mark.parametrize(("angle", "refuted"), [(0.46, False), (0.51, True)])
+@pytest.mark.parametrize("drive", ["gear 10 rotor 0.0033333333 kg*m^2", "rotor 0.33333333 kg*m^2"])
+def test_a_rotor_turns_with_the_rod(angle, refuted, drive):
+    # An inertia of 2/3 kg m^2: half of the way of the rod alone.
+    clauses = f"start at (0); reach T; {PUSH} horizon 8 steps of 0.1 s;"
+    found = turned(angle, clauses, [Segment(1, own=f"drive q: {drive};")])
+    assert (found is not None) is refuted
+    assert found is None or found.available == pytest.approx(0.48, abs=1e-6)
+
+
+def test_a_flywheel_keeps_its_rate():
+    # At 1 rad/s it turns by 0.8 rad and 1e-4 more in 0.8 s, whatever the drive.
+    wheel = [Segment(1, own="drive q: rotor 1000 kg*m^2;")]
+    clauses = f"start in A rates <= 1; reach T; {PUSH} horizon 8 steps of 0.1 s;"
+    for angle, refuted in ((0.78, False), (0.84, True)):
+        found = turned(angle, clauses, wheel, start=spot((1, 0), 0.01), halvings=10)
+        assert (found is not None) is refuted
+
+
 @pytest.mark.parametrize("side", some([1, -1], 1))
 @pytest.mark.parametrize(
     ("rates", "most"),

@@ -18,14 +18,20 @@ LIMITS = {"revolute": "in [-4, 4]", "prismatic": "in [-4, 4] m"}
 DRAG = {"revolute": "0.2 N*m*s/rad", "prismatic": "0.2 N*s/m"}
 
 
-def random_arm(rng, dimension, joints):
-    """Joints and rods in all directions, half of the turning ones without limits."""
+def random_arm(rng, dimension, joints, *, wheels=True):
+    """Joints and rods in all directions, half of the turning ones without limits.
+
+    With ``wheels``, some joints have rotors, from light to very heavy.
+    """
     segments = []
     for _ in range(joints):
         kind = "prismatic" if rng.random() < 0.3 else "revolute"
         plane = "x" if kind == "prismatic" else "z"
         limits = rng.choice([FREE, LIMITS])[kind]
         own = f"torque(q) = u - {DRAG[kind]} * rate(q);" if rng.random() < 0.3 else ""
+        if wheels and not own and rng.random() < 0.4:
+            gear = f"{rng.choice([1, 20])}{'' if kind == 'revolute' else ' m^-1'}"
+            own = f"drive q: gear {gear} rotor {rng.choice([0.001, 0.2, 50])} kg*m^2;"
         segments.append(
             Segment(
                 round(rng.uniform(0.3, 1.2), 2),
@@ -41,7 +47,10 @@ def random_arm(rng, dimension, joints):
 
 
 def flow(graph, q, v, inputs, seconds):
-    """The end of a motion by the classical Runge-Kutta method; None beyond the limits."""
+    """The end of a motion by the classical Runge-Kutta method.
+
+    None: it leaves the limits, or the equations have no value.
+    """
     constants = [float(constant_ball(item)) for item in graph.constants]
 
     def slope(q, v, u):
@@ -51,6 +60,8 @@ def flow(graph, q, v, inputs, seconds):
     for u in inputs:
         for _ in range(FINE):
             one = slope(q, v, u)
+            if not np.isfinite(one[1]).all():
+                return None  # a rod turns about its own axis, without any inertia
             two = slope(q + h / 2 * one[0], v + h / 2 * one[1], u)
             three = slope(q + h / 2 * two[0], v + h / 2 * two[1], u)
             four = slope(q + h * three[0], v + h * three[1], u)
@@ -69,7 +80,7 @@ def driven_to(seed, excess):
     """
     rng = random.Random(seed)
     dimension, joints = rng.choice([2, 2, 3]), rng.choice([1, 2, 2, 3])
-    segments = random_arm(rng, dimension, joints)
+    segments = random_arm(rng, dimension, joints, wheels=excess == 1)
     effort, seconds = round(rng.uniform(0.5, 20), 3), round(rng.uniform(0.02, 0.2), 4)
     rates = rng.choice([0, 0, 1])
     pull = ("(1, -9.81)" if dimension == 2 else "(0, 1, -9.81)") if rng.random() < 0.5 else ""

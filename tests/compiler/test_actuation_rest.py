@@ -24,8 +24,8 @@ STATIC = 9.81 / 2 * cos(0.2)
 """What holds a rod of one metre and one kilogram at 0.2 rad, in N m; it begins above that."""
 
 
-def held(effort, rest="at rest for 0.5 s", own="", halvings=9):
-    clauses = f"start at (1.2); reach T {rest}; {WEIGHT} horizon 30 steps of 0.1 s;"
+def held(effort, rest="at rest for 0.5 s", own="", halvings=9, start=1.2):
+    clauses = f"start at ({start}); reach T {rest}; {WEIGHT} horizon 30 steps of 0.1 s;"
     return answer(
         problem([Segment(1, own=own)], TIP, f"{clauses} effort <= {effort} N*m;"), [halvings]
     )
@@ -65,6 +65,14 @@ def test_dry_friction_helps_to_hold(coulomb, refuted):
 )
 def test_a_short_fall_is_no_fall(rest, refuted):
     assert (held(STATIC - 1, rest=rest, halvings=10) is not None) is refuted
+
+
+def test_a_heavy_rotor_falls_slowly():
+    # At most 0.97 N m on 10^4 kg m^2: 5e-5 rad/s after half a second.
+    wheel = "drive q: gear 100 rotor 1 kg*m^2;"
+    assert held(STATIC - 0.97, own=wheel, start=0.2) is None
+    light = wheel.replace("1 kg", "1e-4 kg")
+    assert held(STATIC - 0.97, own=light, start=0.2) is not None
 
 
 def test_a_lift_is_held_by_its_weight():

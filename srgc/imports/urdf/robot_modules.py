@@ -188,6 +188,8 @@ class RobotModules:
 
     def _called(self, link: str) -> str:
         """The name of a link as the part's name in exports."""
+        if link == "world":  # in exports this is the frame in which all stand
+            return ""
         if not in_quotes(link):
             self.remarks.append(f"link `{visible(link)}` cannot have this name in exports")
         return link

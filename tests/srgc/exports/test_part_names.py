@@ -82,6 +82,46 @@ def test_the_link_of_a_joint_with_a_name(srgc: Export, tmp_path: Path) -> None:
     assert parts(fromstring(ran.out)) == (["JO_2"], ["B_0", "forearm", "EN_6"])
 
 
+def test_a_link_may_be_called_as_a_joint(srgc: Export, tmp_path: Path) -> None:
+    text = named('"wrist"', '"wrist"', '"wrist_link"')
+    ran = srgc("export", folder_of(tmp_path, text, "B eps JO eps L eps EN"), "--to", "urdf")
+    assert parts(fromstring(ran.out)) == (["wrist"], ["wrist_link", "wrist", "EN_6"])
+
+
+def test_no_link_is_the_world(srgc: Export, tmp_path: Path) -> None:
+    """MuJoCo, tf and SRDF have a frame of that name, in which the robot stands."""
+    folder = folder_of(tmp_path, named(base='"world"'), "B eps JO eps L eps EN")
+    model = mujoco.MjModel.from_xml_string(srgc("export", folder, "--to", "mjcf").out)
+    assert [model.body(i).name for i in range(2)] == ["world", "world_no2"]
+    package = tmp_path / "package"
+    assert srgc("export", folder, "--to", "ros2-package", "-o", package).status == 0
+    (written,) = package.rglob("*.srdf")
+    (virtual,) = fromstring(written.read_text(encoding="utf-8")).iter("virtual_joint")
+    assert (virtual.get("parent_frame"), virtual.get("child_link")) == ("world", "world_no2")
+
+
+@pytest.mark.parametrize("taken", ["t", "robot", "load"])
+def test_no_joint_is_another_column(srgc: Export, tmp_path: Path, taken: str) -> None:
+    text = named(f'"{taken}"').replace("reach T;", "reach T; carry 0.5 kg from S to T;")
+    folder = claim_found(tmp_path / "claimed", text, "B eps JO eps L eps EN", ["1.5"])
+    inputs = [["0.5", "0"]] * 5 + [["0.5", "1"]] * 5
+    result_files.alter(folder, lambda c: c.update(inputs=inputs), sign=True)
+    target = tmp_path / "all"
+    assert srgc("export", folder, "--to", "all", "-o", target).status == 0
+    for name in ("trajectory.csv", "torques.csv"):
+        head, *_ = csv.reader(io.StringIO((target / name).read_text(encoding="utf-8")))
+        assert len({*head}) == len(head), (name, head)
+    document = json.loads((target / "trajectory.json").read_text(encoding="utf-8"))
+    assert [each["name"] for each in document["inputs"]] == [f"{taken}_no2", "load"]
+
+
+def test_the_joint_that_holds_an_effector_has_its_own_name(srgc: Export, tmp_path: Path) -> None:
+    text = named('"hand_fixed"', tool='"hand"')
+    ran = srgc("export", folder_of(tmp_path, text, "B eps JO eps L eps EN"), "--to", "urdf")
+    found = [each.get("name") for each in fromstring(ran.out).findall("joint")]
+    assert found == ["hand_fixed", "hand_fixed_no2"]
+
+
 HOSTILE = (
     """'a"b, c\\d <e> & {%s}*/ --> # é'""",
     '"x: [y] ${z} - -- $(find w)"',
