@@ -224,7 +224,15 @@ def test_all_statements_of_a_module():
         .param("length", choices=[0.6, "90 cm"], unit="m")
         .param("gain", choices=["60 cm", "90 cm"])
         .dof("q", "revolute", "-y", between=(-1, 1), rate="90 deg/s", accel=3, effort=12)
-        .dof("d", "prismatic", "x", between="[0, 60] cm", rate=(-1, 2), effort="40 N", named="slide-1")
+        .dof(
+            "d",
+            "prismatic",
+            "x",
+            between="[0, 60] cm",
+            rate=(-1, 2),
+            effort="40 N",
+            named="slide-1",
+        )
         .drive("q", gear=100, rotor=2e-5, viscous="0.5 N*m*s")
         .state("i", unit="A", initial=0)
         .input("v", between=(-12, 12), unit="V")
