@@ -47,7 +47,7 @@ def random_arm(rng, dimension, joints, *, wheels=True):
 
 
 def flow(graph, q, v, inputs, seconds):
-    """The end of a motion by the classical Runge-Kutta method.
+    """Coordinates and rates, each (steps, n), of a motion by the classical Runge-Kutta method.
 
     None: it leaves the limits, or the equations have no value.
     """
@@ -56,7 +56,7 @@ def flow(graph, q, v, inputs, seconds):
     def slope(q, v, u):
         return v, np.array(graph.acceleration(q, v, u, [], constants)).ravel()
 
-    h = seconds / FINE
+    h, course = seconds / FINE, [(q, v)]
     for u in inputs:
         for _ in range(FINE):
             one = slope(q, v, u)
@@ -70,7 +70,8 @@ def flow(graph, q, v, inputs, seconds):
             limited = [abs(x) for x, dof in zip(q, graph.model.dofs, strict=True) if dof.range]
             if max(limited, default=0) > 4:
                 return None
-    return q, v
+            course.append((q, v))
+    return [np.array(each) for each in zip(*course, strict=True)]
 
 
 def driven_to(seed, excess):
@@ -88,9 +89,12 @@ def driven_to(seed, excess):
     kinds = {segment.kind for segment in segments}
     efforts = f"effort <= {effort} N*m;" if "revolute" in kinds else ""
     efforts += f"effort <= {effort} N;" if "prismatic" in kinds else ""
-    rest = f"reach T; {efforts} {gravity} horizon {STEPS} steps of {seconds} s;"
+    load = f"payload {rng.choice([0.2, 5])} kg;" if excess == 1 and rng.random() < 0.3 else ""
+    rest = f"{efforts} {gravity} {load} horizon {STEPS} steps of {seconds} s;"
     nowhere = spot([0.0] * dimension)
-    model, _, task = robot_of(problem(segments, nowhere, f"start in A; {rest}", start=nowhere))
+    model, _, task = robot_of(
+        problem(segments, nowhere, f"start in A; reach T; {rest}", start=nowhere)
+    )
     graph, n = robot_graph(model, task.gravity), len(model.dofs)
     q = np.round([rng.uniform(-1.5, 1.5) for _ in range(n)], 9)
     v = np.array([rng.uniform(-rates, rates) for _ in range(n)])
@@ -103,10 +107,21 @@ def driven_to(seed, excess):
     def tip(q):
         return np.array(graph.effectors(q, [], constants)).ravel()[:dimension]
 
-    if found is None or not n or not np.abs(tip(found[0])).max() < 29:
+    if found is None or not n:
+        return None
+    reach, last = "reach T;", 1
+    if excess == 1 and rng.random() < 0.6:
+        last = rng.choice([1, FINE // 4, 2 * FINE])
+        slow = np.abs(found[1][-last:]).max() * 1.0001 + 1e-6
+        hold = f" for {(last - 1) * seconds / FINE:.9f} s" if last > 1 else ""
+        reach = f"reach T rates <= {slow:.9f}{hold};"
+    tips = np.array([tip(each) for each in found[0][-last:]])
+    middle, size = (tips.max(axis=0) + tips.min(axis=0)) / 2, np.ptp(tips, axis=0).max() / 2
+    if not np.abs(middle).max() + size < 29:
         return None
     start = f"start in A rates <= {rates};" if rates else f"start at ({', '.join(map(str, q))});"
-    text = problem(segments, spot(tip(found[0])), start + rest, start=spot(tip(q)))
+    target = spot(middle, size + 1e-3)
+    text = problem(segments, target, f"{start} {reach} {rest}", start=spot(tip(q)))
     return text, [4, 3, 1][:n] if n > 1 else [7]
 
 
