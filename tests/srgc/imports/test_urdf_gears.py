@@ -203,7 +203,7 @@ def test_what_was_exported_comes_back_with_its_drives(
     assert found == [(160, 5.23e-5, 14, 3.5)] * 2 + [(120, 0.375e-5, 6, 1.2)]
     assert " ".join(back.text.split()).count(
         "dof q: revolute z in [-170, 170] deg rate in [-1.25, 1.25] rad/s accel <= 2.5 rad/s^2 "
-        "effort <= 75.5 N*m;"
+        "effort <= 75.5 N*m named"
     ) == 2  # fmt: skip
     program = public.load(text=back.text)
     (word,) = public.words(program, limit=2)
