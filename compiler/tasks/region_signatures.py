@@ -7,7 +7,8 @@ excluded are kept, so an absent signature is certainly impossible.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import reduce
 
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import Polytope
@@ -58,3 +59,44 @@ def _covered(cell: Polytope, bits: int, inside: Sequence[Polytope]) -> bool:
     if not cell.has_interior or len(cutting) > COVERING_LIMIT:
         return False
     return not remainder(cell.irredundant(), cutting)
+
+
+# --- Which signatures a motion can have one after the other ---------------------------------------
+
+
+def adjacency(signatures: Sequence[int]) -> list[int]:
+    """For each signature those that can touch it, as bit sets.
+
+    Two do not if one has a region that is disjoint from a region of the other; two regions without
+    a signature that has both are disjoint.
+    """
+    meeting: dict[int, int] = {}
+    for bits in signatures:
+        for number in _bits(bits):
+            meeting[number] = meeting.get(number, 0) | bits
+    common = [reduce(int.__and__, (meeting[k] for k in _bits(bits)), -1) for bits in signatures]
+    return [
+        sum(1 << k for k, other in enumerate(signatures) if other & meeting_all == other)
+        for meeting_all in common
+    ]
+
+
+def components(mask: int, near: Sequence[int]) -> list[int]:
+    """The signatures of a bit set, in parts that do not touch each other."""
+    parts: list[int] = []
+    while mask:
+        part, new = 0, mask & -mask
+        while new:
+            part |= new
+            new = reduce(int.__or__, (near[k] for k in _bits(new)), 0) & mask & ~part
+        parts.append(part)
+        mask &= ~part
+    return parts
+
+
+def _bits(number: int) -> Iterator[int]:
+    """The places of the ones of a number, from the lowest."""
+    while number:
+        lowest = number & -number
+        yield lowest.bit_length() - 1
+        number ^= lowest

@@ -8,10 +8,11 @@ holds *somewhere* in the slot and *throughout* it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 from typing import TypeAlias
+
+from compiler.tasks.region_signatures import adjacency, components
 
 Clause: TypeAlias = tuple[int, ...]
 Node: TypeAlias = int
@@ -59,7 +60,7 @@ class RegionSlots:
         self._variables = TRUE
         self._signatures = tuple(signatures)
         self._full = (1 << len(self._signatures)) - 1
-        self._near = _adjacency(self._signatures)
+        self._near = adjacency(self._signatures)
         self._rows: dict[Node, Row] = {}
         self._masks: dict[Node, tuple[int, int]] = {}
         self._connected: set[Node] = set()
@@ -148,7 +149,7 @@ class RegionSlots:
     def _connect(self, node: Node) -> None:
         """During an interval a motion that stays within some points stays in a component."""
         effector, mask = self._masks[node]
-        parts = _components(mask, self._near)
+        parts = components(mask, self._near)
         if len(parts) == 1:
             return
         within = self.row(node).every
@@ -195,44 +196,3 @@ class RegionSlots:
             self.clauses += [(-every[k], some[k]) for k in slots if self._is_interval(k)]
             self._node(("free", key), Row(some, every))
         return self._known["free", key]
-
-
-# --- Which signatures a motion can have one after the other ---------------------------------------
-
-
-def _adjacency(signatures: Sequence[int]) -> list[int]:
-    """For each signature those that can touch it, as bit sets.
-
-    Two do not if one has a region that is disjoint from a region of the other; two regions without
-    a signature that has both are disjoint.
-    """
-    meeting: dict[int, int] = {}
-    for bits in signatures:
-        for number in _bits(bits):
-            meeting[number] = meeting.get(number, 0) | bits
-    common = [reduce(int.__and__, (meeting[k] for k in _bits(bits)), -1) for bits in signatures]
-    return [
-        sum(1 << k for k, other in enumerate(signatures) if other & all_of_it == other)
-        for all_of_it in common
-    ]
-
-
-def _components(mask: int, near: Sequence[int]) -> list[int]:
-    """The signatures of a bit set, in parts that do not touch each other."""
-    parts: list[int] = []
-    while mask:
-        part, new = 0, mask & -mask
-        while new:
-            part |= new
-            new = reduce(int.__or__, (near[k] for k in _bits(new)), 0) & mask & ~part
-        parts.append(part)
-        mask &= ~part
-    return parts
-
-
-def _bits(number: int) -> Iterator[int]:
-    """The places of the ones of a number, from the lowest."""
-    while number:
-        lowest = number & -number
-        yield lowest.bit_length() - 1
-        number ^= lowest

@@ -115,7 +115,7 @@ def out_of_reach(
         return None
     tail = [*parameters, *(around(constant_ball(item)) for item in drive.graph.constants)]
     leaves, too_heavy = _still(drive, passage, tail, leaves)
-    if not any(leaf.goal_possible for leaf in leaves):
+    if too_heavy and not any(leaf.goal_possible for leaf in leaves):
         return _not_still(drive, too_heavy)
     region = _region(drive, passage, tail, leaves)
     for _ in range(ROUNDS):
