@@ -81,7 +81,7 @@ class PoseQuestion:
     None, it is the effector that reaches, or any effector with ``any_start``. If ``reach_effector``
     is None, it is any effector. ``start_at`` is a given start pose: a robot that cannot take it is
     not a candidate; nor is one with fewer than ``effectors`` effectors. ``goal`` names the target
-    in words.
+    in words, and ``by`` is the time (s) not after which it is visited; None is the end.
     """
 
     start: tuple[ir.HalfSpace, ...] | None
@@ -93,6 +93,7 @@ class PoseQuestion:
     any_start: bool = False
     effectors: int = 0
     goal: str = "the target"
+    by: Fraction | None = None
 
     @property
     def who(self) -> str:
@@ -112,7 +113,9 @@ def pose_questions(workspace: ir.Workspace, task: ir.Task) -> tuple[PoseQuestion
     if task.reach is not None:
         named = named or task.reach.effector
 
-    def question(target: ir.Region, effector: int | None, goal: str) -> PoseQuestion:
+    def question(
+        target: ir.Region, effector: int | None, goal: str, by: Fraction | None = None
+    ) -> PoseQuestion:
         return PoseQuestion(
             None if start is None else _rows(workspace.region(start.region), workspace),
             _rows(target, workspace),
@@ -123,15 +126,16 @@ def pose_questions(workspace: ir.Workspace, task: ir.Task) -> tuple[PoseQuestion
             start is not None and named is None and effector is not None,
             missing_effector(task, 0) or 0,
             goal,
+            by,
         )
 
     found: list[PoseQuestion] = []
     if task.reach is not None:
         target = workspace.region(task.reach.region)
         found.append(question(target, task.reach.effector, "the target"))
-    for place in task_visits(task):
+    for place, by in task_visits(task).items():
         goal = f"{place.region}, which it has to visit"
-        found.append(question(workspace.region(place.region), place.effector, goal))
+        found.append(question(workspace.region(place.region), place.effector, goal, by))
     return tuple(found) or (question(workspace.bounds, None, "any place"),)
 
 

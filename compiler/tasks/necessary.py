@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -51,10 +51,10 @@ def _ends(task: ir.Task) -> Iterator[Stop]:
 
 # --- What every motion that satisfies a formula does, read off the formula alone ------------------
 #
-# *Necessary visits*: an effector is in a region at some instant of [0, T]. *Permanent avoidance*:
-# it is there at no instant of [0, T]. Both are sound and incomplete: a formula may entail more.
-# Visits also hold for motions that go on for ever, as ignoring what comes after T demands less.
-# Negations are pushed inwards on the way.
+# *Necessary visits*: an effector is in a region at some instant of [0, T], not after a deadline.
+# *Permanent avoidance*: it is there at no instant of [0, T]. Both are sound and incomplete: a
+# formula may entail more, and earlier. Visits also hold for motions that go on for ever, as
+# ignoring what comes after T demands less. Negations are pushed inwards on the way.
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -66,12 +66,15 @@ class Place:
 
 
 Places: TypeAlias = frozenset[Place]
+Visits: TypeAlias = Mapping[Place, Fraction]
+"""Places that are visited, each with its deadline: a time (s) not after which it is."""
 
 NOWHERE: Places = frozenset()
+NO_VISITS: Visits = {}
 
 
-def necessary_visits(formula: ir.Formula, horizon: Fraction, step: Fraction) -> Places:
-    """The places that are visited in [0, T] whenever a formula holds at time 0.
+def necessary_visits(formula: ir.Formula, horizon: Fraction, step: Fraction) -> Visits:
+    """The places that are visited in [0, T] whenever a formula holds at time 0, by when (s).
 
     Args:
         formula: the formula.
@@ -89,15 +92,21 @@ def permanently_avoided(formula: ir.Formula, horizon: Fraction | None) -> Places
     return _Avoided(horizon).at_first(formula)
 
 
-def task_visits(task: ir.Task) -> tuple[Place, ...]:
+def task_visits(task: ir.Task) -> Visits:
     """The places that the formulas and loads of a task together make necessary, sorted.
 
     If a motion may end at several times, they are necessary for each of these: what holds for the
-    shortest motion holds for all, as a later end leaves more of every window.
+    shortest motion holds for all, as a later end leaves more of every window. Deadlines are those
+    of the longest motion, the latest for the same reason; those of endless motions are T, within
+    which every pose of theirs is taken.
     """
-    end = task.fewest_steps * task.step
-    found = (necessary_visits(clause.formula, end, task.step) for clause in task.demanded)
-    return tuple(sorted(_union(found)))
+    shortest, longest = (
+        _earliest(necessary_visits(each.formula, steps * task.step, task.step)
+                  for each in task.demanded)
+        for steps in (task.fewest_steps, task.steps)
+    )  # fmt: skip
+    end = task.steps * task.step
+    return {p: end if task.repeat else longest[p] for p in sorted(shortest)}
 
 
 def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
@@ -123,6 +132,25 @@ def _union(parts: Iterable[Places]) -> Places:
 
 def _common(parts: Iterable[Places]) -> Places:
     return reduce(frozenset[Place].intersection, parts)
+
+
+def _earliest(parts: Iterable[Visits]) -> Visits:
+    """The visits of all parts, which all hold."""
+    found: dict[Place, Fraction] = {}
+    for part in parts:
+        for place, by in part.items():
+            found[place] = min(by, found.get(place, by))
+    return found
+
+
+def _latest(parts: Iterable[Visits]) -> Visits:
+    """The visits of every part, one of which holds."""
+    first, *rest = parts
+    return {
+        place: max(by, *(each[place] for each in rest)) if rest else by
+        for place, by in first.items()
+        if all(place in each for each in rest)
+    }
 
 
 def _pushed(formula: ir.Formula) -> ir.Formula:
@@ -153,22 +181,22 @@ class _Visits:
     horizon: Fraction
     step: Fraction
 
-    def of(self, formula: ir.Formula, latest: Fraction) -> Places:
+    def of(self, formula: ir.Formula, latest: Fraction) -> Visits:
         """The visits that follow from a formula that holds at some instant not after ``latest``."""
         pushed = _pushed(formula)
         match pushed:
             case ir.And(operands=operands):
-                return _union([self.of(part, latest) for part in operands])
+                return _earliest([self.of(part, latest) for part in operands])
             case ir.Or(operands=operands):
-                return _common([self.of(part, latest) for part in operands])
+                return _latest([self.of(part, latest) for part in operands])
             case ir.Not(operand=operand):
                 return self.without(operand, latest)
             case ir.Atom(region=region, effector=effector):
-                return frozenset([Place(region, effector)])
+                return {Place(region, effector): latest}
             case _:
                 return self.in_time(pushed, latest)
 
-    def in_time(self, formula: ir.Formula, latest: Fraction) -> Places:
+    def in_time(self, formula: ir.Formula, latest: Fraction) -> Visits:
         """The visits that follow from a temporal operator."""
         match formula:
             case ir.Always(operand=part, window=window):
@@ -182,12 +210,12 @@ class _Visits:
                 return self.of(part, min(latest + self.step, self.horizon))
             case ir.Until(left=left, right=right):
                 # Left or right holds at first, and right at some time.
-                at_first = self.of(left, latest) & self.of(right, latest)
-                return at_first | self.of(right, self.horizon)
+                at_first = _latest([self.of(left, latest), self.of(right, latest)])
+                return _earliest([at_first, self.of(right, self.horizon)])
             case _:
                 raise TypeError(formula)
 
-    def without(self, formula: ir.Formula, latest: Fraction) -> Places:
+    def without(self, formula: ir.Formula, latest: Fraction) -> Visits:
         """The visits that follow from the negation of a formula that has no dual."""
         match formula:
             case ir.Last(operand=part):
@@ -197,11 +225,11 @@ class _Visits:
             case ir.Until(right=right):
                 return self.of(ir.Not(right), latest)
             case _:
-                return NOWHERE
+                return NO_VISITS
 
-    def if_in_time(self, formula: ir.Formula, latest: Fraction) -> Places:
+    def if_in_time(self, formula: ir.Formula, latest: Fraction) -> Visits:
         """The visits if nothing is demanded after T: an instant after T demands nothing."""
-        return self.of(formula, latest) if latest <= self.horizon else NOWHERE
+        return self.of(formula, latest) if latest <= self.horizon else NO_VISITS
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,9 @@
 """The proof that a robot's drives cannot reach a goal, for a box of its parameters.
 
 It covers every motion that keeps the effort bounds, the limits of rates and accelerations of the
-joints and the horizon. docs/decisions/0040-out-of-reach-of-the-drives.md has the bounds and their
-proofs. All computations are in balls and intervals; floats only choose directions and
-preconditioners.
+joints and the horizon, or the earlier deadline of a visit. docs/explanation/out-of-reach.md has the
+bounds and their proofs. All computations are in balls and intervals; floats only choose directions
+and preconditioners.
 
 Forces are not bounded for a robot whose modules have states or inputs of their own, or a torque
 other than ``u - b * rate(q)`` with b >= 0; its rate limits still count. Dry friction dissipates
@@ -74,7 +74,6 @@ class DriveReach:
     task: ir.Task
     graph: EnergyGraph
     groups: tuple[EffortGroup, ...] | None
-    rates: tuple[arb | None, ...]
 
 
 def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> DriveReach:
@@ -92,7 +91,6 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
         task,
         graph,
         _groups(model, task) if known else None,
-        tuple(_rate(dof, task) for dof in model.dofs),
     )
 
 
@@ -120,9 +118,9 @@ def out_of_reach(
     region = _region(drive, passage, tail, leaves)
     for _ in range(ROUNDS):
         if region.empty:
-            return DriveBound(_nothing_left(drive))
+            return DriveBound(f"no pose of it is reached in {float(passage.by):.6g} s")
         budget = region.budget()
-        found = _energy(region, budget) or _change(drive, region, budget)
+        found = _energy(region, budget) or _change(drive, passage, region, budget)
         if found is not None:
             return found
         if not region.shrink(budget):
@@ -176,11 +174,12 @@ def _region(
     ]
     turned = _turned(drive, tail, leaves)
     measures += turned
+    rates = tuple(_rate(dof, task, passage.by) for dof in model.dofs)
     reader = BoxEvaluator(
         drive.graph,
         tail,
         measures,
-        drive.rates,
+        rates,
         drive.groups if dissipative else None,
         model.dimension,
         len(model.effectors),
@@ -193,10 +192,10 @@ def _region(
     lossless = all(item.low.is_zero() and item.high.is_zero() for item in damping)
     backwards = lossless and not dry_friction(model) and not task.carries
     limits = Limits(
-        ball(task.steps * task.step),
+        ball(passage.by),
         _first_rate(task),
         ball(slow.most) if slow is not None and backwards else None,
-        None if drive.groups is None else most_power(drive.groups, drive.rates),
+        None if drive.groups is None else most_power(drive.groups, rates),
         _pushes(drive, damping, turned),
     )
     all_bounds = [reader.read(leaf.coordinates) for leaf in leaves]
@@ -253,8 +252,8 @@ def _first_rate(task: ir.Task) -> arb:
     return ball(task.start.rates if isinstance(task.start, ir.StartIn) else Fraction(0))
 
 
-def _rate(dof: RobotDof, task: ir.Task) -> arb | None:
-    """The largest absolute rate of a joint within the horizon; None if nothing bounds it.
+def _rate(dof: RobotDof, task: ir.Task, by: Fraction) -> arb | None:
+    """The largest absolute rate of a joint until a time (s); None if nothing bounds it.
 
     An acceleration of at most a lets a rate grow by at most a t from the start, and the rate
     exceeds a final rate by at most a (T - t). So it is at most half the sum of all of these.
@@ -263,10 +262,11 @@ def _rate(dof: RobotDof, task: ir.Task) -> arb | None:
     if dof.rate is not None:
         bounds.append(abs(closed_ball(dof.rate.lower)).max(abs(closed_ball(dof.rate.upper))))
     if dof.accel is not None:
-        most, first = closed_ball(dof.accel) * ball(task.steps * task.step), _first_rate(task)
-        bounds.append(first + most)
+        most, first = closed_ball(dof.accel), _first_rate(task)
+        bounds.append(first + most * ball(by))
         if task.final_rates is not None:
-            bounds.append((first + most + ball(task.final_rates.most)) / 2)
+            whole = most * ball(task.steps * task.step)
+            bounds.append((first + whole + ball(task.final_rates.most)) / 2)
     return reduce(arb.min, bounds).upper() if bounds else None
 
 
@@ -283,7 +283,9 @@ def _energy(region: Region, budget: Budget | None) -> DriveBound | None:
     return DriveBound(reason, float(needs), float(has), "J")
 
 
-def _change(drive: DriveReach, region: Region, budget: Budget | None) -> DriveBound | None:
+def _change(
+    drive: DriveReach, passage: Passage, region: Region, budget: Budget | None
+) -> DriveBound | None:
     """A measure would have to change by more than it can."""
     for number, measure in enumerate(region.measures):
         if isinstance(measure, MomentumMeasure):
@@ -304,7 +306,7 @@ def _change(drive: DriveReach, region: Region, budget: Budget | None) -> DriveBo
             has = way * float(budget.length) / float(takes.length)
             return _too_far(measure.name, way, has, measure.unit)
         if takes.time > region.limits.time:
-            return _too_slow(drive, measure.name, float(takes.time))
+            return _too_slow(drive, passage, measure.name, float(takes.time))
     return None
 
 
@@ -332,19 +334,11 @@ def _too_far(name: str, way: float, has: float, unit: str) -> DriveBound:
     return DriveBound(reason, float(needs), float(can), unit)
 
 
-def _too_slow(drive: DriveReach, name: str, time: float) -> DriveBound:
-    horizon = float(drive.task.steps * drive.task.step)
-    needs, has = _apart(time, horizon)
-    reason = f"{name} needs {needs} s at least, the horizon is {has} s"
+def _too_slow(drive: DriveReach, passage: Passage, name: str, time: float) -> DriveBound:
+    needs, has = _apart(time, float(passage.by))
+    limit = "deadline" if passage.by < drive.task.steps * drive.task.step else "horizon"
+    reason = f"{name} needs {needs} s at least, the {limit} is {has} s"
     return DriveBound(reason, float(needs), float(has), "s")
-
-
-def _nothing_left(drive: DriveReach) -> str:
-    return f"no pose of it is reached in {_seconds(drive)}"
-
-
-def _seconds(drive: DriveReach) -> str:
-    return f"{float(drive.task.steps * drive.task.step):.6g} s"
 
 
 def _apart(needs: float, has: float) -> tuple[str, str]:

@@ -2,8 +2,8 @@
 
 They are exact. Points are numbered as in ``CornerPoints``: the effectors, then both ends of
 colliders with a length and the middles of all others. These points lie in their colliders. Each
-demand is necessary for a motion that does the task: margins, radii and sizes, rates and time are
-left out, except for the distances between bodies of the robot.
+demand is necessary for a motion that does the task: margins, radii and sizes, rates and the order
+of visits are left out, except for the distances between bodies of the robot.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ class Passage:
     """One choice of effectors (from 0): a motion leads from ``start`` to ``goal``.
 
     If it ``arrives``, the goal is the one of ``reach``, where the motion is at the instant T. Other
-    goals, and all goals of endless motions, are visited at some instant. With a given pose,
-    ``starting`` is the effector that reaches.
+    goals, and all goals of endless motions, are visited at some instant not after ``by`` (s). With
+    a given pose, ``starting`` is the effector that reaches.
     """
 
     start: PointIn | GivenPose
@@ -76,6 +76,7 @@ class Passage:
     starting: int
     reaching: int
     arrives: bool
+    by: Fraction
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +193,9 @@ def _passages(model: RobotModel, task: ir.Task, question: PoseQuestion) -> tuple
         reached = task.reach is not None and question.goal == "the target"
         poses = task.reach.poses if task.reach is not None and reached else ()
         goal = PointIn(reaching, question.target, poses)
-        found.append(Passage(start, goal, starting, reaching, reached and not task.repeat))
+        by = task.steps * task.step if question.by is None else question.by
+        arrives = reached and not task.repeat
+        found.append(Passage(start, goal, starting, reaching, arrives, by))
     return tuple(found)
 
 

@@ -53,6 +53,42 @@ def test_a_rod_turns_by_u_over_2_inertia_times_the_time_squared(angle, rest, ref
         assert found.unit == "rad"
 
 
+@pytest.mark.parametrize(("angle", "refuted"), [(0.94, False), (0.99, True)])
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "eventually[0.2 s, 0.8 s] T by effector 1",
+        "eventually[0 s, 0.5 s] (not T by effector 1 and eventually[0 s, 0.3 s] T by effector 1)",
+        "always[0.8 s, 0.9 s] T by effector 1",
+    ],
+)
+def test_a_visit_has_a_deadline_before_the_end(angle, refuted, formula):
+    # The same 0.96 rad in 0.8 s, although the horizon is 3 s.
+    clauses = f"start at (0); satisfy {formula}; {PUSH} horizon 30 steps of 0.1 s;"
+    found = turned(angle, clauses)
+    assert (found is not None) is refuted
+    assert found is None or found.available == pytest.approx(0.96, abs=1e-6)
+    late = clauses.replace("0.8 s", "2 s").replace("0.9 s", "2 s").replace("0.3 s", "1.5 s")
+    assert turned(angle, late) is None
+
+
+@pytest.mark.parametrize(
+    ("limit", "most"),
+    # 0.8 s with 1.2 rad/s; accelerations bound the rate, to 3 rad/s^2 * 0.8 s.
+    [("rate in [-1.2, 1.2]", 0.96), ("accel <= 3", 1.92)],
+)
+def test_rates_and_accelerations_count_until_the_deadline(limit, most):
+    clauses = (
+        "start at (0); satisfy eventually[0 s, 0.8 s] T by effector 1; effort <= 99 N*m; "
+        "horizon 30 steps of 0.1 s;"
+    )
+    limited = [Segment(1, limits=f"{LIMITED} {limit}")]
+    assert turned(most - 0.02, clauses, limited) is None
+    found = turned(most + 0.03, clauses, limited)
+    assert found is not None
+    assert found.available == pytest.approx(most, abs=1e-6)
+
+
 @pytest.mark.parametrize(("angle", "refuted"), [(0.46, False), (0.51, True)])
 @pytest.mark.parametrize("drive", ["gear 10 rotor 0.0033333333 kg*m^2", "rotor 0.33333333 kg*m^2"])
 def test_a_rotor_turns_with_the_rod(angle, refuted, drive):

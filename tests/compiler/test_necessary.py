@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -17,7 +18,7 @@ from compiler.tasks.necessary import (
     task_visits,
 )
 from grammar_lang import ir
-from tests.oracles.formula_semantics import Meaning, signals
+from tests.oracles.formula_semantics import Meaning, Signal, signals
 from tests.oracles.formulas import KINDS, TWO_ARMS, formulas, program, spec
 from tests.oracles.some_cases import examples
 
@@ -32,7 +33,7 @@ def task(clauses: str) -> ir.Task:
     return program(spec(f"start in S; {clauses}", REGIONS, arms=TWO_ARMS)).tasks["P"]
 
 
-def places(found: tuple[Place, ...]) -> str:
+def places(found: Iterable[Place]) -> str:
     return " ".join(f"{place.region}{place.effector}" for place in found)
 
 
@@ -74,6 +75,33 @@ def plain(formula: str) -> str:
 )
 def test_visits(formula: str, visits: str) -> None:
     assert places(task_visits(task(f"satisfy {plain(formula)};"))) == visits
+
+
+@pytest.mark.parametrize(
+    ("formula", "deadlines"),
+    [
+        ("A and eventually C", "A1 0 C1 4"),
+        ("eventually[1 s, 3 s] A", "A1 3"),
+        ("eventually[0 s, 1 s] (A and eventually[0 s, 2 s] C)", "A1 1 C1 3"),
+        ("eventually[0 s, 9 s] A", "A1 4"),
+        ("eventually[0 s, 1 s] A or eventually[0 s, 2 s] A", "A1 2"),
+        ("eventually[0 s, 1 s] A and eventually[0 s, 2 s] A", "A1 1"),
+        ("always[2 s, 3 s] A", "A1 2"),
+        ("last[1 s] A", "A1 3"),
+        ("always eventually[0 s, 1 s] A", "A1 1"),
+        ("C until A", "A1 4"),
+        ("A until A", "A1 0"),
+        ("next next A", "A1 1"),
+        ("not always[0 s, 2 s] not A", "A1 2"),
+    ],
+)
+def test_deadlines(formula: str, deadlines: str) -> None:
+    found = task(f"satisfy {plain(formula)};")
+    assert found.steps * found.step == 4
+    times = task_visits(found).items()
+    assert " ".join(f"{place.region}{place.effector} {by}" for place, by in times) == deadlines
+    for_ever = task_visits(replace(found, repeat=True)).values()
+    assert set(for_ever) == {Fraction(4)}
 
 
 @pytest.mark.parametrize(
@@ -131,6 +159,15 @@ def test_who() -> None:
     assert avoided == [("O",), ("O",), ("C", "O"), ("O",)]
 
 
+def until(signal: Signal, by: Fraction) -> Signal:
+    """The instants and open intervals of a signal, half a second each, that begin by a time."""
+    return [
+        part
+        for number, part in enumerate(signal)
+        if number // 2 * HALF < by or (number % 2 == 0 and number // 2 * HALF == by)
+    ]
+
+
 def holds_of_all(formula: ir.Formula, seconds: int, effectors: tuple[int, ...]) -> None:
     """Every signal that satisfies a formula does what is said to be necessary."""
     visits = necessary_visits(formula, Fraction(seconds), SECOND)
@@ -140,8 +177,8 @@ def holds_of_all(formula: ir.Formula, seconds: int, effectors: tuple[int, ...]) 
     kinds = [frozenset(kind) for kind in KINDS["overlapping" if seconds == 1 else "disjoint"]]
     for signal in signals(kinds, 4 * seconds + 1, effectors):
         if Meaning(signal, HALF, SECOND).holds(formula):
-            for place in visits:
-                assert any(place.region in part[place.effector] for part in signal)
+            for place, by in visits.items():
+                assert any(place.region in part[place.effector] for part in until(signal, by))
             for place in avoided:
                 assert not any(place.region in part[place.effector] for part in signal)
 
@@ -210,8 +247,8 @@ def test_every_signal_of_any_length(data: st.DataObject) -> None:
     for seconds in (1, 2):
         for signal in signals(kinds, 4 * seconds + 1, (1,)):
             if Meaning(signal, HALF, SECOND).holds(formula):
-                for place in task_visits(found):
-                    assert any(place.region in part[place.effector] for part in signal)
+                for place, by in task_visits(found).items():
+                    assert any(place.region in part[place.effector] for part in until(signal, by))
                 for region in task_avoidance(found, 1):
                     assert not any(region in part[1] for part in signal)
 
