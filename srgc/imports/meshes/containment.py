@@ -1,10 +1,9 @@
 """Decide exactly whether triangles lie in a union of convex pieces.
 
 A triangle lies in a convex piece if and only if its corners do.  Doubles with a bound on their
-rounding settle most triangles.  A triangle that no single piece holds is cut at the planes of one
-piece after another: first in doubles, with cuts at short fractions, and if these are not
-conclusive, in integers, which always decide.  The check does not depend on how the pieces were
-found.
+rounding settle most triangles.  A triangle that neither a single piece nor, for sure, two of them
+hold is cut at the planes of one piece after another, in integers, which always decide.  The check
+does not depend on how the pieces were found.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import gcd, lcm
 from typing import TypeAlias
 
 import numpy as np
@@ -23,7 +23,6 @@ from srgc.imports.meshes.plane_heights import Crossing, Heights
 from srgc.imports.meshes.two_pieces import in_two
 
 Polygon: TypeAlias = list[Point]
-Weights: TypeAlias = tuple[int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +63,13 @@ def uncovered(
     meetings = _meetings(sides[across], heights)
     missing = list[Uncovered]()
     for number, crossings in zip(across.tolist(), meetings, strict=True):
-        if _surely_covered(crossings):
-            continue
-        left = [[places.of(corner) for corner in triangles[number].tolist()]]
+        left = [[_corner(places.of(corner)) for corner in triangles[number].tolist()]]
         for crossing in crossings:
-            left = _beyond_all(left, crossing.planes, crossing.unit)
+            planes, scale = crossing.planes, crossing.scale
+            left = [part for one in left for part in _beyond(one, planes, scale)]
         if left:
-            missing.append(Uncovered(number, tuple(map(tuple, left))))
+            polygons = tuple(tuple(map(_point, polygon)) for polygon in left)
+            missing.append(Uncovered(number, polygons))
     return tuple(missing)
 
 
@@ -90,81 +89,13 @@ def surely_inside(points: Floats, piece: ConvexPiece) -> Bools:
     return Heights(piece).surely_hold(points)
 
 
-# --- In doubles, with a bound on their rounding ---------------------------------------------------
-
-
-MOST_PARTS = 64
-"""With more parts than this, integers decide."""
-STEPS = 1 << 24
-"""Edges are cut at multiples of their length divided by this."""
-
-
-def _surely_covered(crossings: Sequence[Crossing]) -> bool:
-    """Whether doubles show that the pieces cover a triangle; False is not conclusive.
-
-    The parts are polygons whose corners are exact weighted means of the triangle's corners, so they
-    cover it whatever the rounding.  A part is covered if all its corners are in a piece for sure.
-    """
-    parts: list[list[Weights]] = [[(1, 0, 0), (0, 1, 0), (0, 0, 1)]]
-    for _, _, heights, doubt in crossings:
-        parts = [left for part in parts for left in _cut(part, heights, doubt)]
-        if not parts:
-            return True
-        if len(parts) > MOST_PARTS:
-            return False
-    return False
-
-
-def _cut(part: list[Weights], heights: Floats, doubt: Floats) -> list[list[Weights]]:
-    """The parts of a polygon beyond planes, given heights (3, f) of the triangle's corners."""
-    left = list[list[Weights]]()
-    while True:
-        over = _shares(part) @ heights
-        outside = (over > -doubt).any(axis=0)
-        if not outside.any():
-            return left
-        if (over > -2 * doubt).all(axis=0).any():
-            return [*left, part]
-        column = int(outside.argmax())
-        part, outer = _split(part, over[:, column].tolist(), -2 * float(doubt[column]))
-        left.append(outer)
-        if (_shares(part) @ heights[:, column] > -doubt[column]).any():
-            return [*left, part]
-
-
-def _shares(part: list[Weights]) -> Floats:
-    """The corners (k, 3) of a polygon in barycentric coordinates of the triangle."""
-    return np.array([(x / (w := x + y + z), y / w, z / w) for x, y, z in part])
-
-
-def _split(
-    part: list[Weights], over: list[float], level: float
-) -> tuple[list[Weights], list[Weights]]:
-    """The parts of a polygon below and above a level, with the same corners between them."""
-    inner, outer = list[Weights](), list[Weights]()
-    for i, here in enumerate(part):
-        following = (i + 1) % len(part)
-        below, next_below = over[i] <= level, over[following] <= level
-        (inner if below else outer).append(here)
-        if below == next_below:
-            continue
-        one, other = (i, following) if below else (following, i)
-        share = (level - over[one]) / (over[other] - over[one])
-        steps = min(max(int(share * STEPS), 0), STEPS)
-        between = _between(part[one], part[other], steps)
-        inner.append(between)
-        outer.append(between)
-    return inner, outer
-
-
-def _between(one: Weights, other: Weights, steps: int) -> Weights:
-    """The point at ``steps`` of :data:`STEPS` from one to the other."""
-    first, second = (STEPS - steps) * sum(other), steps * sum(one)
-    x, y, z = (first * a + second * b for a, b in zip(one, other, strict=True))
-    return x, y, z
-
-
 # --- Exactly --------------------------------------------------------------------------------------
+#
+# Corners are homogeneous integers: the point (x, y, z) / w, w > 0, without a common divisor. They
+# are many times faster than rationals, which are reduced at every operation.
+
+
+Corner: TypeAlias = tuple[int, int, int, int]
 
 
 def polygon_of(corners: Floats) -> Polygon:
@@ -172,38 +103,40 @@ def polygon_of(corners: Floats) -> Polygon:
     return [(Fraction(x), Fraction(y), Fraction(z)) for x, y, z in corners.tolist()]
 
 
-def beyond(polygons: list[Polygon], pieces: Sequence[ConvexPiece]) -> list[Polygon]:
-    """Convex polygons that with the pieces cover the given ones; empty if these are covered.
+def _corner(point: Point) -> Corner:
+    """The homogeneous integers of a point."""
+    w = lcm(*(each.denominator for each in point))
+    x, y, z = (each.numerator * (w // each.denominator) for each in point)
+    return x, y, z, w
 
-    No returned polygon lies in a piece; segments and points count as polygons.
+
+def _point(corner: Corner) -> Point:
+    """The rationals of homogeneous integers."""
+    x, y, z, w = corner
+    return Fraction(x, w), Fraction(y, w), Fraction(z, w)
+
+
+def _beyond(polygon: list[Corner], planes: Sequence[Plane], scale: int) -> list[list[Corner]]:
+    """Convex parts of a polygon that with the piece of these planes cover it.
+
+    ``scale`` is 10 to the number of decimals of the piece.  None of the parts lies in the piece;
+    segments and points count as polygons.  A polygon that the piece at most touches stays whole.
     """
-    for piece in pieces:
-        polygons = _beyond_all(polygons, piece.planes, Fraction(1, 10**piece.digits))
-        if not polygons:
-            return []
-    return polygons
-
-
-def _beyond_all(polygons: list[Polygon], planes: Sequence[Plane], unit: Fraction) -> list[Polygon]:
-    return [left for each in polygons for left in _beyond(each, planes, unit)]
-
-
-def _beyond(polygon: Polygon, planes: Sequence[Plane], unit: Fraction) -> list[Polygon]:
-    left = list[Polygon]()
+    left, rest = list[list[Corner]](), polygon
     for a, b, c, d in planes:
-        limit = d * unit
-        over = [a * x + b * y + c * z - limit for x, y, z in polygon]
+        over = [(a * x + b * y + c * z) * scale - d * w for x, y, z, w in rest]
         if max(over) <= 0:
             continue
         if min(over) >= 0:
-            return [*left, polygon]
-        polygon, outer = _halves(polygon, over)
+            return [polygon]
+        rest, outer = _halves(rest, over)
         left.append(outer)
     return left
 
 
-def _halves(polygon: Polygon, over: list[Fraction]) -> tuple[Polygon, Polygon]:
-    inner, outer = list[Point](), list[Point]()
+def _halves(polygon: list[Corner], over: list[int]) -> tuple[list[Corner], list[Corner]]:
+    """The parts below and above a plane, given heights times the ``w`` of each corner."""
+    inner, outer = list[Corner](), list[Corner]()
     for i, here in enumerate(polygon):
         following = (i + 1) % len(polygon)
         high, next_high = over[i], over[following]
@@ -212,8 +145,14 @@ def _halves(polygon: Polygon, over: list[Fraction]) -> tuple[Polygon, Polygon]:
         if high >= 0:
             outer.append(here)
         if (high < 0 < next_high) or (next_high < 0 < high):
-            share = high / (high - next_high)
-            x, y, z = (p + share * (q - p) for p, q in zip(here, polygon[following], strict=True))
-            inner.append((x, y, z))
-            outer.append((x, y, z))
+            between = _on_plane(here, high, polygon[following], next_high)
+            inner.append(between)
+            outer.append(between)
     return inner, outer
+
+
+def _on_plane(one: Corner, high: int, other: Corner, next_high: int) -> Corner:
+    """Where the segment of two corners on different sides of a plane meets it."""
+    x, y, z, w = (high * q - next_high * p for p, q in zip(one, other, strict=True))
+    divisor = gcd(x, y, z, w) if w > 0 else -gcd(x, y, z, w)
+    return x // divisor, y // divisor, z // divisor, w // divisor

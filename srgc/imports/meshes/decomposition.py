@@ -36,6 +36,8 @@ TRIALS, LESS = 4, 0.85
 """If grown pieces add too much, how often and by which factor the budget is reduced."""
 ROUNDS = 40
 """The most rounds of growing; in the second half whatever is missing becomes a piece."""
+CANDIDATES = 5
+"""So many of the nearest pieces may grow to hold what is missing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,13 +149,13 @@ def covering(
             missing = not_covered(parts.solids, [e.piece for e in found])
         if not missing:
             break
-        grown = set[int]()
+        grown, nearby = set[int](), _Nearby([each.piece.points() for each in found])
         for points in missing:
             if 2 * turn > ROUNDS:  # a growing piece may lose what it held, by rounding
                 held.append(points)
                 found.append(enclosing(_a_bit_beyond(points, points)))
                 continue
-            nearest = _least_growth(points, held)
+            nearest = nearby.least_growth(points)
             held[nearest] = np.concatenate([held[nearest], _a_bit_beyond(points, held[nearest])])
             grown.add(nearest)
         for number in grown:
@@ -169,11 +171,21 @@ def _a_bit_beyond(points: Floats, held: Floats) -> Floats:
     return np.concatenate([points, points + 1e-9 * (points - middle)])
 
 
-def _least_growth(points: Floats, held: Sequence[Floats]) -> int:
-    """The index of the piece that grows least when it has to hold the points."""
-    boxes = np.array([(each.min(axis=0), each.max(axis=0)) for each in held])
-    apart = np.maximum(points.min(axis=0) - boxes[:, 1], boxes[:, 0] - points.max(axis=0))
-    near: list[int] = np.argsort(np.maximum(apart, 0.0).sum(axis=1), kind="stable")[:5].tolist()
-    return min(
-        near, key=lambda i: hull_volume(np.concatenate([held[i], points])) - hull_volume(held[i])
-    )
+class _Nearby:
+    """Pieces by their corners, to choose the one that is to hold more points."""
+
+    def __init__(self, corners: Sequence[Floats]) -> None:
+        self.corners = corners
+        self.volumes = [hull_volume(each) for each in corners]
+        self.lower = np.array([each.min(axis=0) for each in corners])
+        self.upper = np.array([each.max(axis=0) for each in corners])
+
+    def least_growth(self, points: Floats) -> int:
+        """The index of the piece that grows least when it has to hold the points (n, 3)."""
+        apart = np.maximum(points.min(axis=0) - self.upper, self.lower - points.max(axis=0))
+        order = np.argsort(np.maximum(apart, 0.0).sum(axis=1), kind="stable")
+        near: list[int] = order[:CANDIDATES].tolist()
+        return min(
+            near,
+            key=lambda i: hull_volume(np.concatenate([self.corners[i], points])) - self.volumes[i],
+        )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +15,12 @@ from srgc.imports.meshes.mesh import Bools, Floats, Ints
 class Crossing(NamedTuple):
     """The planes of a piece that a triangle may cross, with the heights of its corners (3, f).
 
-    The triangle is in the halfspaces of all other planes for sure.
+    The triangle is in the halfspaces of all other planes for sure.  ``scale`` is the number of
+    units of the planes in a metre.
     """
 
     planes: tuple[Plane, ...]
-    unit: Fraction
+    scale: int
     heights: Floats
     doubt: Floats
 
@@ -109,9 +109,9 @@ class Heights:
         beyond: Bools = found > -doubt[:, None]
         apart: Bools = np.logical_or.reduce(np.logical_and.reduce(above, axis=1), axis=1)
         crossed: Bools = np.logical_or.reduce(beyond, axis=1)
-        unit = Fraction(1, 10**self.piece.digits)
+        scale = 10**self.piece.digits
         for row in np.flatnonzero(~apart).tolist():
             chosen = np.flatnonzero(crossed[row])
             planes = tuple(self.piece.planes[i] for i in chosen.tolist())
-            crossing = Crossing(planes, unit, found[row][:, chosen], doubt[row][chosen])
+            crossing = Crossing(planes, scale, found[row][:, chosen], doubt[row][chosen])
             yield int(numbers[row]), crossing
