@@ -130,8 +130,17 @@ def refuse_unsimulable(design: FoundDesign, count: int) -> tuple[ModuleType, str
 
 
 def loaded_model(mujoco: ModuleType, text: str, timestep: Fraction, integrator: str) -> Any:
-    """The model of an MJCF with a time step in seconds and one of the ``INTEGRATORS``."""
-    model = mujoco.MjModel.from_xml_string(text)
+    """The model of an MJCF with a time step in seconds and one of the ``INTEGRATORS``.
+
+    Raises:
+        UsageFault: MuJoCo does not accept the robot, such as one with hardly any mass.
+    """
+    try:
+        model = mujoco.MjModel.from_xml_string(text)
+    except ValueError as error:
+        raise UsageFault(
+            f"MuJoCo does not accept the robot: {' '.join(str(error).split())}"
+        ) from None
     model.opt.timestep = float(timestep)
     model.opt.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[integrator])
     # A diverging simulation must not restart unnoticed.

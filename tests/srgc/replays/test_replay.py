@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
+from fractions import Fraction
 from math import log2
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ import scipy
 
 from solvers.verifier.certified_tube import CertifiedTube, certified_tube
 from solvers.verifier.proofs.enclosure import EnclosureFailure
+from srgc.faults import UsageFault
 from srgc.replays import mujoco_replay, replay_run
 from srgc.replays import replay_run as python_replay
 from srgc.replays.mujoco_replay import ReplayedMotion
@@ -353,3 +355,9 @@ def test_without_a_tube(srgc: Command, arm: Path, monkeypatch: pytest.MonkeyPatc
         ran = srgc("replay", arm, "--in", simulator)
         assert (ran.status, ran.out) == (4, "")
         assert "no enclosure of the motion beyond 0.75 s" in ran.err
+
+
+def test_a_robot_that_mujoco_does_not_accept_is_named() -> None:
+    text = '<mujoco><worldbody><body><joint type="hinge"/></body></worldbody></mujoco>'
+    with pytest.raises(UsageFault, match=r"^MuJoCo does not accept the robot: .*mass"):
+        mujoco_replay.loaded_model(mujoco, text, Fraction(1, 100), "rk4")
