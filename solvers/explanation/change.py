@@ -1,8 +1,8 @@
 """Changes that weaken one line of a task, by a value or as a whole, or that change no line.
 
 A scale is a line with the values that it may take, the nearest first; each of its tasks is weaker
-than those before. The text ``says`` of a change describes the new task, mostly as "with ..." or
-"without ...".
+than those before, or has less to carry. The text ``says`` of a change describes the new task,
+mostly as "with ..." or "without ...".
 """
 
 from __future__ import annotations
@@ -25,12 +25,15 @@ from solvers.explanation.relaxation import (
     without,
 )
 from solvers.explanation.task_line import TaskLine
+from solvers.explanation.two_digits import index_above, index_below, number_of
 
 MOST_STEPS = 160
 """The most steps of a longer horizon; it is also at most four times as long. A horizon near or
 above this limit still becomes half as long again."""
 MOST_EFFORT = 64
 """The largest factor by which an effort bound is raised."""
+LIGHTEST = 20
+"""The largest factor by which a payload is reduced."""
 BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
 """Percentages of their width by which bounds are moved outwards."""
 
@@ -81,6 +84,10 @@ def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
             yield _horizon(posed, line)
         case "bounds":
             yield _bounds(posed, line)
+        case "payload":
+            yield _payload(posed, line)
+        case "carry":
+            yield _load(posed, line)
         case _:
             return
 
@@ -288,6 +295,38 @@ def _horizon(posed: PosedTask, line: TaskLine) -> Scale:
     return Scale(line, values, at, posable=False)
 
 
+def _payload(posed: PosedTask, line: TaskLine) -> Scale:
+    payloads, index = posed.task.payloads, int(line.key[0])
+    clause = payloads[index]
+    who = "" if clause.effector is None else f" by effector {clause.effector}"
+
+    def at(value: Fraction) -> Change:
+        lighter = (*payloads[:index], replace(clause, mass=value), *payloads[index + 1 :])
+        says = f"with `payload {number_text(value)} kg{who}`"
+        return Change(line, says, posed.with_task(payloads=lighter), value)
+
+    return Scale(line, _lighter(clause.mass), at, posable=False)
+
+
+def _load(posed: PosedTask, line: TaskLine) -> Scale:
+    loads, index = posed.task.carries, int(line.key[0])
+    clause = loads[index]
+
+    def at(value: Fraction) -> Change:
+        lighter = (*loads[:index], replace(clause, mass=value), *loads[index + 1 :])
+        says = f"with a load of {number_text(value)} kg"
+        return Change(line, says, posed.with_task(carries=lighter), value)
+
+    return Scale(line, _lighter(clause.mass), at, posable=False)
+
+
+def _lighter(mass: Fraction) -> tuple[Fraction, ...]:
+    if not mass:
+        return ()
+    indices = range(index_below(mass), index_below(mass / LIGHTEST) - 1, -1)
+    return tuple(v for v in map(number_of, indices) if v < mass)
+
+
 def _bounds(posed: PosedTask, line: TaskLine) -> Scale:
     def at(value: Fraction) -> Change:
         workspace = grown_bounds(posed.workspace, value / 100)
@@ -333,44 +372,3 @@ def _avoid(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
         alone = with_clause(replace(clause, subject="effector"))
         yield Change(line, f"with `{region}` avoided by effectors alone", alone)
     yield Change(line, f"without avoiding `{region}`", without(posed, [line]))
-
-
-# --- Numbers of two significant digits, for values that a person would write ----------------------
-
-
-DECADE = 90
-"""The count of such numbers from one power of ten to the next."""
-
-
-def number_of(index: int) -> Fraction:
-    """The positive number with an index: 1, 1.1, …, 9.9 have 0 to 89, 10 has 90."""
-    decade, place = divmod(index, DECADE)
-    return Fraction(10 + place, 10) * Fraction(10) ** decade
-
-
-def index_above(value: Fraction) -> int:
-    """The index of the least such number that is at least ``value``, which is positive.
-
-    Raises:
-        ValueError: ``value`` is not positive.
-    """
-    if value <= 0:
-        raise ValueError("a positive number is expected")
-    decade = 0
-    while value >= Fraction(10) ** (decade + 1):
-        decade += 1
-    while value < Fraction(10) ** decade:
-        decade -= 1
-    tenths = value * 10 / Fraction(10) ** decade
-    return decade * DECADE + (-(-tenths.numerator // tenths.denominator) - 10)
-
-
-def index_below(value: Fraction) -> int:
-    """The index of the largest such number that is at most ``value``, which is positive."""
-    index = index_above(value)
-    return index if number_of(index) == value else index - 1
-
-
-def rounded_up(value: Fraction) -> Fraction:
-    """The least number of two digits that is at least ``value``, which is positive."""
-    return number_of(index_above(value))

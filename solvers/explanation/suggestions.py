@@ -26,7 +26,6 @@ from solvers.explanation.change import (
     MOST_STEPS,
     Change,
     Scale,
-    rounded_up,
     scales,
     single_changes,
     with_budget,
@@ -39,6 +38,7 @@ from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.task_line import TaskLine, control_line
+from solvers.explanation.two_digits import rounded_up
 from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
@@ -46,6 +46,8 @@ CLOSE = Fraction(11, 10)
 DRIVES = ("effort", "joint_effort", "horizon")
 """Changed first: if these are to blame, there are poses for any ranges, and changes of ranges would
 use up the runs."""
+LOADS = "payload", "carry"
+"""Changed next: a conflict with a load has poses for any ranges, too."""
 LIMITS = ("joint_range", "joint_rate", "joint_accel")
 """Limits of joints are dropped last, since real joints keep theirs."""
 FURTHER = (1, Fraction(6, 5), Fraction(2))
@@ -80,11 +82,15 @@ class SuggestionSearch:
     def after_conflicts(self, lines: Iterable[TaskLine], bound: TaskLine | None) -> None:
         """Try changes of the lines of conflicts, and of the bound on modules."""
         derivations = self.structures(self.posed)
-        for line in sorted(lines, key=lambda line: line.kind not in DRIVES):
+        shown = not with_poses(self.posed, derivations, self.seed, robots=1)
+        for line in sorted(lines, key=_order):
+            if line.kind in LOADS:
+                self.lighter(line)
+                continue
             by_value = list(scales(self.posed, line))
             for scale in by_value:
                 if scale.posable:
-                    self.posable(scale, derivations)
+                    self.posable(scale, derivations, shown=shown)
                 else:
                     self.far(scale)
             if line.kind != "joint_range" or not by_value:
@@ -99,7 +105,9 @@ class SuggestionSearch:
         self.shorter(horizon)
         self.drives(lines)
         for line in lines:
-            if line.kind not in LIMITS:
+            if line.kind in LOADS:
+                self.lighter(line)
+            elif line.kind not in LIMITS:
                 self.singles(line)
         self.undisturbed(next(line for line in lines if line.kind == "start"))
         if bound is not None:
@@ -116,6 +124,11 @@ class SuggestionSearch:
             if line.kind in DRIVES:
                 for scale in scales(self.posed, line):
                     self.far(scale)
+
+    def lighter(self, line: TaskLine) -> None:
+        """Try less of a payload or a load; if a small part of it does not help, without it."""
+        if not any(self.far(scale) for scale in scales(self.posed, line)):
+            self.singles(line)
 
     def undisturbed(self, line: TaskLine) -> None:
         """Try without disturbances, and with feedback against them."""
@@ -180,8 +193,13 @@ class SuggestionSearch:
 
     # --- values ---------------------------------------------------------------------------------
 
-    def posable(self, scale: Scale, derivations: Sequence[Derivation]) -> None:
-        """Try the least change for which there are poses, and then a few larger ones."""
+    def posable(
+        self, scale: Scale, derivations: Sequence[Derivation], *, shown: bool = True
+    ) -> None:
+        """Try the least change for which there are poses, and then a few larger ones.
+
+        If poses show nothing, as the task has some without the change, the largest is tried first.
+        """
         tasks = [scale.at(value).posed for value in scale.values]
         if not tasks:
             return
@@ -194,23 +212,24 @@ class SuggestionSearch:
             wanted = [scale.origin + (least - scale.origin) * more for more in FURTHER]
         else:
             wanted = [least * more if rising else least / more for more in FURTHER]
-        inside = (_nearest(scale.values, value) for value in wanted)
-        for value in dict.fromkeys(inside):
-            if self.tried(scale.at(value)) is not None:
+        inside = dict.fromkeys(_nearest(scale.values, value) for value in wanted)
+        for value in inside if shown else reversed(inside):
+            if (self.tried(scale.at(value)) is not None) == shown:
                 return
 
-    def far(self, scale: Scale) -> None:
-        """Try the largest change first, and smaller ones if it helps."""
+    def far(self, scale: Scale) -> bool:
+        """Try the largest change first, and smaller ones if it helps; return whether it does."""
         best = self.tried(scale.at(scale.values[-1])) if scale.values else None
         if best is None:
-            return
+            return False
         low, high = scale.values[0], best.change.value or scale.values[-1]
         if scale.line.kind == "effort":
             self.by_peak(scale, best, low, high)
-        elif scale.line.kind == "joint_effort":
+        elif scale.line.kind in {"joint_effort", *LOADS}:
             self.by_values(scale, high)
         else:
             self.by_halving(scale, low, high)
+        return True
 
     def by_peak(self, scale: Scale, best: Suggestion, low: Fraction, high: Fraction) -> None:
         """For an effort, try the peak of a motion as the bound; if that fails, more."""
@@ -231,10 +250,11 @@ class SuggestionSearch:
                 return
 
     def by_values(self, scale: Scale, best: Fraction) -> None:
-        """For one joint's effort, try values between those that were too small and the best."""
+        """For efforts of joints and loads, try values between those too small and the best."""
         low, high = -1, scale.values.index(best)
         for _ in range(NEARER):
-            middle = (low + high) // 2
+            mean = _between(scale.values[max(low, 0)], scale.values[high])
+            middle = scale.values.index(_nearest(scale.values, mean))
             if not low < middle < high:
                 return
             if self.tried(scale.at(scale.values[middle])) is None:
@@ -272,6 +292,11 @@ class SuggestionSearch:
     def size(self, derivation: Derivation) -> int:
         """The number of modules of a structure."""
         return sum(map(self.posed.program.is_module, derivation.word))
+
+
+def _order(line: TaskLine) -> int:
+    """Drives are changed first, then loads, then the other lines in their order."""
+    return 0 if line.kind in DRIVES else 1 if line.kind in LOADS else 2
 
 
 def _nearest(values: Sequence[Fraction], wanted: Fraction) -> Fraction:

@@ -24,7 +24,7 @@ from solvers.explanation.change import (
 from solvers.explanation.explanation import Asked, Tried, explain
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import without
-from solvers.explanation.run import Runs
+from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, control_line, modules_line, task_lines
 from solvers.run_context import RunContext
@@ -297,8 +297,9 @@ def test_shorter_steps_are_not_tried_where_nothing_is_fed_back(clause: str) -> N
 class Vain(Runs):
     """Runs that all fail, at once."""
 
-    def run(self, change: Change) -> None:
+    def run(self, change: Change) -> Suggestion | None:
         self.failed.append(change)
+        return None
 
 
 def test_where_nothing_helps_shorter_horizons_finer_steps_and_budgets_are_tried() -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.explanation.change import index_above, index_below, number_of, rounded_up
+from solvers.explanation.two_digits import index_above, index_below, number_of, rounded_up
 
 VALUES = st.decimals(min_value="1e-6", max_value="1e6", places=9)
 

@@ -1,0 +1,77 @@
+"""Payloads that are lighter, and the order in which changes of conflicts are tried."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from solvers.explanation.change import Change
+from solvers.explanation.run import Suggestion
+from solvers.explanation.suggestions import SuggestionSearch
+from solvers.run_context import RunContext
+from tests.oracles.small_specs import TURNER, replaced
+from tests.solvers.test_changes import Vain, line, posed, scale
+
+CARRIES = replaced(TURNER, "reach T;", "reach T; payload 3 kg;")
+
+
+def test_a_payload_gets_lighter_by_two_digits() -> None:
+    asked = posed(CARRIES)
+    lighter = scale(asked, "payload")
+    assert lighter.values[:2] == (Fraction(29, 10), Fraction(28, 10))
+    assert lighter.values[-1] == Fraction(3, 20)
+    change = lighter.at(Fraction(6, 5))
+    assert change.says == "with `payload 1.2 kg`"
+    assert [each.mass for each in change.posed.task.payloads] == [Fraction(6, 5)]
+    named = posed(replaced(CARRIES, "3 kg", "300 g by effector 1"))
+    heavy = scale(named, "payload").at(Fraction(1, 5))
+    assert heavy.says == "with `payload 0.2 kg by effector 1`"
+    assert named.program.tasks.keys() == heavy.posed.program.tasks.keys()
+
+
+class Below(Vain):
+    """Runs that find a robot wherever a payload is below a bound."""
+
+    most = Fraction(0)
+
+    def run(self, change: Change) -> Suggestion | None:
+        (payload,) = change.posed.task.payloads or (None,)
+        mass = 0 if payload is None else payload.mass
+        if change.line is None or change.line.kind != "payload" or mass > self.most:
+            self.failed.append(change)
+            return None
+        self.found.append(Suggestion(change, (), 0.0, 0.0, {}))
+        return self.found[-1]
+
+
+@pytest.mark.parametrize("most", ["2.95", "2", "0.4", "0.16"])
+def test_the_heaviest_payload_is_found_within_a_few_runs(most: str) -> None:
+    """The bound is met within a factor of 20^(1/8), from four runs."""
+    asked = posed(CARRIES)
+    runs = Below(RunContext(), limit=100)
+    runs.most = Fraction(most)
+    SuggestionSearch(asked, runs).lighter(line(asked, "payload"))
+    best = max(each.change.value or 0 for each in runs.found)
+    assert len(runs.found) + len(runs.failed) <= 4
+    assert best <= runs.most <= best * Fraction(3, 2)
+
+
+def test_where_no_payload_helps_the_last_try_is_without_it() -> None:
+    asked = posed(CARRIES)
+    runs = Vain(RunContext(), limit=100)
+    SuggestionSearch(asked, runs).lighter(line(asked, "payload"))
+    assert [each.says for each in runs.failed] == ["with `payload 0.15 kg`", "without the payload"]
+
+
+def test_ranges_are_widened_at_once_where_poses_say_nothing() -> None:
+    """Poses are there already: the largest change first, drives and payloads before ranges."""
+    asked = posed(CARRIES)
+    runs = Vain(RunContext(), limit=100)
+    kinds = ("parameter", "payload", "effort")
+    SuggestionSearch(asked, runs).after_conflicts([line(asked, kind) for kind in kinds], None)
+    said = [each.says for each in runs.failed]
+    assert said == [
+        "with `effort <= 640 N*m`", "with `payload 0.15 kg`", "without the payload",
+        "with `L.length` up to 4.2 m", "with `L.length` down to 0.5 m",
+    ]  # fmt: skip
