@@ -8,6 +8,7 @@ from fractions import Fraction
 import casadi as ca
 
 from compiler.dynamics.composite_bodies import composite_mass_matrix
+from compiler.dynamics.effector_mass import effector_mass
 from compiler.dynamics.kinematics import kinematics, own_coordinates
 from compiler.dynamics.rigid_bodies import Motion, drive, potential_energy, rotor_inertias
 from compiler.dynamics.symbolic_evaluator import SymbolicEvaluator
@@ -67,6 +68,8 @@ class EnergyGraph:
     - ``slopes``: its derivatives in the inputs ``active``, one after another;
     - ``potential``: the potential energy V (1,) and its gradient (n,); None without gravity;
     - ``effectors``: positions (d * e,), then their Jacobian column by column (d * e * n,);
+    - ``carried``: the masses that move with the effectors (e,), then the amounts that must not be
+      negative for this, then the ``minors`` that must be positive;
     - ``damping``: b of every joint (n,), of any sign, if the forces on the joints are u - b rate;
       None if they have another form, or if modules have states of their own.
     """
@@ -78,6 +81,8 @@ class EnergyGraph:
     active: tuple[int, ...]
     potential: Tape | None
     effectors: Tape
+    carried: Tape
+    minors: int
     damping: Tape | None
 
 
@@ -105,6 +110,7 @@ def energy_graph(model: RobotModel, gravity: tuple[Fraction, ...]) -> EnergyGrap
         energy = potential_energy(model, at, gravity, constants)
         potential = ca.vertcat(energy, ca.densify(ca.gradient(energy, q)))
     damping = _damping(model, theta, constants)
+    carried = effector_mass(model, at, constants)
     inputs = [q, theta, constants.vector()]
     variables = ca.vertcat(q, theta)
     active = _dependencies(mass, variables)
@@ -121,6 +127,8 @@ def energy_graph(model: RobotModel, gravity: tuple[Fraction, ...]) -> EnergyGrap
         active,
         read(potential) if any(gravity) else None,
         read(effectors),
+        read(ca.vertcat(carried.masses, carried.amounts, carried.minors)),
+        carried.minors.numel(),
         None if damping is None else read(damping),
     )
 

@@ -28,6 +28,7 @@ from compiler.unreachability.actuation_metric import (
     Metric,
     kinetic_speed,
     metric,
+    norm,
 )
 
 ZERO = arb(0)
@@ -82,7 +83,8 @@ class BoxEvaluator:
 
     ``tail`` holds the sides of the parameters, then the constants of the graph; ``rates`` are the
     bounds of the joints' rates, where the robot has them; ``groups`` bound the inputs, None if
-    nothing is known about the forces on the joints.
+    nothing is known about the forces on the joints. ``carried`` are lower bounds of the masses (kg)
+    that move with the effectors, 0 if none is known.
     """
 
     graph: EnergyGraph
@@ -91,7 +93,7 @@ class BoxEvaluator:
     rates: Sequence[arb | None]
     groups: Sequence[EffortGroup] | None
     dimension: int
-    effectors: int
+    carried: Sequence[arb]
     _known: dict[tuple[fmpz, ...], _Inertia] = field(
         default_factory=dict[tuple[fmpz, ...], _Inertia]
     )
@@ -176,14 +178,24 @@ class BoxEvaluator:
             slope, extent = self._height(measure, len(sides), places)
         finite = all(item.is_finite() for item in slope)
         steepness = metric.size(slope) if metric is not None and finite else None
+        if isinstance(measure, HeightMeasure):
+            steepness = self._held_back(measure, steepness)
         return Course(extent.low, extent.high, steepness, self._speed(slope) if finite else None)
+
+    def _held_back(self, measure: HeightMeasure, steepness: arb | None) -> arb | None:
+        """A bound of the steepness also by the mass that moves with the effector."""
+        mass = self.carried[measure.effector]
+        if not mass > 0:
+            return steepness
+        found = (norm([ball(factor) for factor in measure.normal]) / mass.sqrt()).upper()
+        return found if steepness is None else steepness.min(found).upper()
 
     def _height(
         self, measure: HeightMeasure, dofs: int, places: list[Ends]
     ) -> tuple[list[arb], Ends]:
         """The gradient of a height, and its ends."""
         d = self.dimension
-        column = d * self.effectors
+        column = d * len(self.carried)
         first = d * measure.effector
 
         def height(start: int) -> arb:

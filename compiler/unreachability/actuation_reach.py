@@ -75,6 +75,19 @@ class DriveReach:
     graph: EnergyGraph
     groups: tuple[EffortGroup, ...] | None
 
+    def carried(self, tail: Sequence[Ends]) -> list[arb]:
+        """Lower bounds of the masses (kg) that move with the effectors, 0 if none is known.
+
+        ``tail`` holds the sides of the parameters, then the constants of the graph.
+        """
+        nowhere = [Ends(arb(0), arb(0))] * len(self.model.dofs)
+        found = self.graph.carried.evaluate([*nowhere, *tail], INTERVALS)
+        count, last = len(self.model.effectors), len(found) - self.graph.minors
+        sound = all(each.finite and each.low >= 0 for each in found[count:last])
+        if not (sound and all(each.finite and each.low > 0 for each in found[last:])):
+            return [arb(0)] * count
+        return [each.low.max(arb(0)).lower() if each.finite else arb(0) for each in found[:count]]
+
 
 def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> DriveReach:
     """The data of a robot and a task that the proof needs, both without maps.
@@ -182,7 +195,7 @@ def _region(
         rates,
         drive.groups if dissipative else None,
         model.dimension,
-        len(model.effectors),
+        drive.carried(tail),
     )
     given = None
     if isinstance(passage.start, GivenPose):

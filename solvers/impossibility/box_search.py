@@ -6,6 +6,7 @@ each. The result is a proof only once the verifier has replayed it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -205,9 +206,14 @@ class Search:
         least = [[cheaper.least(less.amount, half) for less in cheaper.less] for half in halves]
         return float(sum(abs(a - b) for a, b in zip(*least, strict=True)))
 
-    def even(self, box: Parts) -> EvenGrowth:
-        """A covering with evenly halved leaves, for a box of parameters."""
-        return EvenGrowth(self._demands, self._side, *self._ends(box))
+    def even(self, box: Parts, shape: Sequence[int]) -> EvenGrowth:
+        """A covering with evenly halved leaves, for a box of parameters.
+
+        The coordinates ``shape``, on which M depends, are halved more often than others.
+        """
+        weights = np.ones(self._demands.n)
+        weights[list(shape)] = SHAPE
+        return EvenGrowth(self._demands, self._side, *self._ends(box), weights)
 
     def _growth(
         self, box: Parts, leaves: int, rounds: int, cheaper: CheaperRobots | None
@@ -240,15 +246,23 @@ class Search:
 # --- An evenly halved covering of the coordinates for one box of parameters -----------------------
 
 
+SHAPE = 8.0
+"""The effect of coordinates on which M depends counts so often."""
+
+
 @dataclass(slots=True)
 class EvenGrowth:
-    """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` ones can be divided."""
+    """One box of parameters from ``low`` to ``high`` (p,); ``divisible`` ones can be divided.
+
+    The coordinate is halved that moves points most, times its entry of ``weights`` (n,).
+    """
 
     demands: BoxConditions
     side: Side
     low: Array
     high: Array
     divisible: Flags
+    weights: Array
     cover: CoordinateCover = field(init=False)
     judged: Judged = field(init=False)
 
@@ -256,11 +270,21 @@ class EvenGrowth:
         self.cover = CoordinateCover(self.side)
         self._judge()
 
-    def refined(self, size: int) -> CoordinateTree:
-        """A tree with at most ``size`` kept leaves, and at most 2.5 times as many in total."""
-        while 0 < 2 * len(self.cover.node) <= size and 2 * self.cover.leaves <= 4 * size:
+    def refined(self, size: int, *, goals: bool = False) -> CoordinateTree:
+        """A tree with at most ``size`` kept leaves, and at most 2.5 times as many in total.
+
+        With ``goals``, only leaves that may have a goal pose are halved, however often.
+        """
+        while True:
+            chosen: Flags = self.judged.open
+            if goals:
+                chosen = np.logical_or.reduce(self.judged.goal, axis=1)
+            new = int(chosen.sum())
+            if not 0 < len(chosen) + new <= size or self.cover.leaves + new > 4 * size:
+                break
             effects = self.judged.effects[:, : self.demands.n]
-            able = np.where(self.cover.divisible(), effects, -1.0)
+            effects = effects if goals else effects * self.weights
+            able = np.where(self.cover.divisible() & chosen[:, None], effects, -1.0)
             where = np.flatnonzero(able.max(axis=1, initial=0.0) > 0)
             if not len(where):
                 break

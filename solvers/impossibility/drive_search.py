@@ -6,7 +6,7 @@ evaluated at a few sizes; parameters are divided if that does not suffice.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +30,7 @@ from compiler.unreachability.motion_conditions import motion_conditions
 from grammar_lang import ir
 from solvers.impossibility.box_growth import Divide
 from solvers.impossibility.box_refutation import BoxRefutation
-from solvers.impossibility.box_search import Search
+from solvers.impossibility.box_search import EvenGrowth, Search
 from solvers.impossibility.pose_search import PoseWitness
 from solvers.trajectory.task_limits import input_groups, motion_limits
 from solvers.verifier.refutations.box_check import PRECISION, why_not
@@ -44,10 +44,12 @@ class DriveEffort:
     boxes: int
 
 
-BEFORE_MOTIONS = DriveEffort((16,), 1)
-"""Before the search for a motion: only targets far out of reach."""
-AFTER_MOTIONS = DriveEffort((16, 64, 256), 4)
+BEFORE_MOTIONS = DriveEffort((16, 64), 4)
+"""Before the search for a motion, which takes far longer: within about a second."""
+AFTER_MOTIONS = DriveEffort((16, 64, 256), 16)
 """After no motion was found."""
+AT_GOALS = 4
+"""How many times as many leaves coverings have that are fine at the goals alone."""
 INSTANTS = 8
 """The instants of a straight motion at which its inputs are checked."""
 MISSED = 1e-6
@@ -161,14 +163,25 @@ class _DriveSearch:
         """A tree for which some question has no answer, with the reason; else what to divide."""
         divide: Divide | None = None
         for number, search in enumerate(self._searches):
-            even = search.even(box)
-            for size in sizes:
-                tree = even.refined(size)
+            even = search.even(box, self._drive.graph.shape)
+            for tree in self._trees(box, search, even, sizes):
                 reason = self._reason(box, tree, number)
                 if reason is not None:
                     return tree, reason
             divide = divide or even.parameter()
         return divide
+
+    def _trees(
+        self, box: Parts, search: Search, even: EvenGrowth, sizes: tuple[int, ...]
+    ) -> Iterator[CoordinateTree]:
+        """Finer and finer coverings; where a robot has to hold still, finer ones at the goals."""
+        rates = self._drive.task.final_rates
+        still = rates is not None and bool(rates.duration)
+        fine = search.even(box, ()) if still else None
+        for size in sizes:
+            yield even.refined(size)
+            if fine is not None:
+                yield fine.refined(AT_GOALS * size, goals=True)
 
     def _reason(self, box: Parts, tree: CoordinateTree, question: int) -> str | None:
         """Why no passage of a question is possible on a tree, or None."""
