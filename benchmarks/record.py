@@ -152,7 +152,7 @@ BENCHMARKS = {
     ),
     "srgc_bench": Benchmark(
         "The benchmark set",
-        "68 tasks, a few of them open: verdicts, evidence, processor times, gaps.",
+        "71 tasks, a few of them open: verdicts, evidence, processor times, gaps.",
         "benchmarks/srgc_bench.py",
     ),
     "case_study": Benchmark(

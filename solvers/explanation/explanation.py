@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from compiler.robots.candidate import robot_in_task
@@ -61,6 +61,8 @@ class Tried:
     """Derivations, one for each different robot."""
     nearest: Nearest | None = None
     lemmas: tuple[Learnt, ...] = ()
+    reasons: Mapping[tuple[str, ...], str] = field(default_factory=dict[tuple[str, ...], str])
+    """Maps words of refuted robots to the reasons of their refutations."""
 
 
 @dataclass(slots=True)

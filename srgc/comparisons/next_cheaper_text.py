@@ -33,7 +33,7 @@ def cheaper_text(
     explained = Explanation(cheaper.posed, Tried("impossible", "", ()), conflicts)
     blocks += conflict_blocks(explained, colour=colour)
     blocks += _listed(cheaper, cheaper.found, "Found, but with more of what comes behind")
-    blocks += _listed(cheaper, cheaper.other, "Found, and with other parameters not below")
+    blocks += _listed(cheaper, cheaper.other, "Found; no parameters give less than")
     blocks += _listed(cheaper, cheaper.undecided, "Not decided, and perhaps with less")
     if ended is not None:
         blocks.append(f"not all was tried: {ended}")
@@ -47,7 +47,7 @@ def _head(cheaper: NextCheaper) -> str:
         robots = "\n  ".join(" ".join(each.derivation.word) for each in cheaper.refuted)
         return f"Nearest below the design, and refuted: {value}\n  {robots}"
     if cheaper.undecided or cheaper.found or cheaper.other:
-        return f"No robot with less {name} is refuted."
+        return f"Nothing below the design is refuted: robots with less {name} may exist."
     return f"There is no robot with less {name} in the family."
 
 

@@ -101,6 +101,7 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
             (*refuted, *robots_of_lemmas(posed, claims, refuted)),
             _nearest(folder, structures),
             learnt(posed, claims),
+            {tuple(one["word"]): str(one["reason"]) for one in structures if one.get("reason")},
         )
     seed = int(content["seed"])
     if seed < 0:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from compiler.time_limits.time_limit import OutOfTimeError
@@ -16,6 +17,7 @@ from solvers.explanation.explanation import Explanation, foremost, quick_conflic
 from solvers.explanation.learnt_lines import Learnt, learnt
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Suggestion
+from solvers.explanation.suggestions import DRIVES
 from solvers.explanation.task_line import TaskLine
 from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis
@@ -62,7 +64,9 @@ def conflict_blocks(found: Explanation, *, colour: bool = False) -> list[str]:
     shown: set[TaskLine] = set()
     blocks = []
     for conflict in found.conflicts.found[:MOST_CONFLICTS]:
-        blocks.append(_conflict(conflict, sources, shown, colour=colour))
+        blocks.append(
+            _conflict(conflict, sources, shown, colour=colour) + _amounts(found, conflict)
+        )
         shown.update(conflict.lines)
     more = len(found.conflicts.found) - MOST_CONFLICTS
     if more > 0:
@@ -90,6 +94,15 @@ def _conflict(
         else:
             lines += marked_line(sources, line.span, line.says, colour=colour)
     return "\n".join(lines)
+
+
+def _amounts(found: Explanation, conflict: Conflict) -> str:
+    """How much drives lack for the robot that is named, where they are part of a conflict."""
+    if not (conflict.words and any(line.kind in DRIVES for line in conflict.lines)):
+        return ""
+    robot = max(conflict.words, key=len)
+    reason = found.tried.reasons.get(robot)
+    return "" if reason is None else f"\n{_robot(robot)}: {reason}"
 
 
 def _whom(conflict: Conflict) -> str:
@@ -166,7 +179,10 @@ def _quickly(result: Synthesis, posed: PosedTask, context: RunContext) -> list[s
         return lines + ([f"and {more} more lemmas"] if more > 0 else [])
     first = foremost(posed, tuple(reasons)) if reasons else None
     if first is None or not _about_bodies(posed.task):
-        lines += conflict_blocks(quick_conflict(posed, first, context))
+        found = quick_conflict(posed, first, context)
+        if first is not None:
+            found.tried = replace(found.tried, reasons={first.word: reasons[first.labels]})
+        lines += conflict_blocks(found)
     if first is not None and not lines:
         lines.append(f"{_robot(first.word)}: {reasons[first.labels]}")
     return lines

@@ -367,7 +367,7 @@ def test_undecided_robots_are_named_with_their_reason(srgc: Srgc, priced: Path) 
         word("Block").split(), 5, "no motion was found",
     )  # fmt: skip
     ran = srgc("why", priced)
-    assert "No robot with less price is refuted." in ran.out
+    assert "Nothing below the design is refuted: robots with less price may exist." in ran.out
     assert "  Base e Block e Hand, price 5\n    no motion was found" in ran.out
 
 
@@ -417,6 +417,6 @@ def test_the_design_with_other_parameters(srgc: Srgc, spec: Callable[[str], Path
     assert 0.4 < stated["least"] <= 0.45 <= stated["value"]
     said = srgc("why", folder).out
     assert "comes behind" not in said
-    head, _, robots = said.partition("Found, and with other parameters not below:\n")
+    head, _, robots = said.partition("Found; no parameters give less than:\n")
     assert head.startswith("verdict: found (length 0.4")
     assert robots.startswith(f"  Base eps Joint eps A eps Hand, length {stated['least']:.3f}")

@@ -45,6 +45,8 @@ EXACT = 20_000
 FEW = 8
 """A mesh that is one piece with at most this many corners is written into the spec."""
 MARGIN = 0.25
+LEAST_SHOWN = 1e-6
+"""Corners that are less than this (mm) beyond a mesh are on it: the rest is rounding."""
 """The free margin around the scene, as a share of its size."""
 
 
@@ -240,8 +242,10 @@ def described(found: Pieces) -> str:
     said = [
         f"{number} convex piece{'' if number == 1 else 's'}",
         f"{100 * found.measures.added:.1f} % more volume",
-        f"corners up to {1000 * found.measures.farthest:.3g} mm beyond it",
     ]
+    farthest = 1000 * found.measures.farthest
+    if farthest >= LEAST_SHOWN:
+        said.append(f"corners up to {farthest:.3g} mm beyond it")
     if found.thickened:
         said.append(f"{len(found.thickened)} made thicker")
     return ", ".join(said)
