@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -57,27 +58,34 @@ MISSED = 1e-6
 
 
 def drives_seem_able(
-    numeric: NumericRobot, task: ir.Task, witnesses: Sequence[PoseWitness | None]
+    numeric: NumericRobot,
+    task: ir.Task,
+    witnesses: Sequence[PoseWitness | None],
+    deadlines: Sequence[Fraction | None],
 ) -> bool:
     """Whether the drives seem strong enough, so that no covering can show the opposite.
 
     The poses that answer each question are connected by straight motions in joint space, from rest
-    to rest over the whole horizon; obstacles are left to the search for a motion.
+    to rest until the question's deadline, or over the whole horizon (None); obstacles are left to
+    the search for a motion.
     """
     with np.errstate(all="ignore"):
         return bool(witnesses) and all(
-            witness is not None and _is_driven(numeric, task, witness) for witness in witnesses
+            witness is not None and _is_driven(numeric, task, witness, by)
+            for witness, by in zip(witnesses, deadlines, strict=True)
         )
 
 
-def _is_driven(numeric: NumericRobot, task: ir.Task, witness: PoseWitness) -> bool:
+def _is_driven(
+    numeric: NumericRobot, task: ir.Task, witness: PoseWitness, by: Fraction | None
+) -> bool:
     """Whether the inputs and rates of a straight motion between two poses keep their bounds."""
     model, limits = numeric.graph.model, motion_limits(numeric.graph.model, task)
     start = limits.start_values if witness.start is None else witness.start
     if start is None or numeric.r or not numeric.n:
         return False
     part = np.linspace(0.0, 1.0, INSTANTS)[:, None]
-    horizon, way = float(task.steps * task.step), witness.target - start
+    horizon, way = float(by or task.steps * task.step), witness.target - start
     q = start + way * part**3 * (10 - 15 * part + 6 * part**2)
     rates = way / horizon * 30 * part**2 * (1 - part) ** 2
     wanted = way / horizon**2 * 60 * part * (1 - part) * (1 - 2 * part)

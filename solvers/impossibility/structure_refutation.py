@@ -9,6 +9,7 @@ decide, a covering by boxes is tried, which also detects blocked ways between po
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from itertools import islice
 
 import numpy as np
@@ -100,7 +101,7 @@ def refute_structure(
 
 @dataclass(slots=True)
 class _Asked:
-    """The questions asked about a robot; ``witnesses`` has the poses found for each of them."""
+    """The questions asked about a robot: the poses found for each of them, and its deadline (s)."""
 
     model: RobotModel
     numeric: NumericRobot
@@ -108,6 +109,7 @@ class _Asked:
     task: ir.Task
     context: RunContext
     witnesses: list[PoseWitness | None] = field(default_factory=list[PoseWitness | None])
+    deadlines: list[Fraction | None] = field(default_factory=list[Fraction | None])
     calls: int = 0
     unanswered: str = ""
 
@@ -115,6 +117,7 @@ class _Asked:
         """Poses of the effectors alone: found, refuted, or neither."""
         witness = find_poses(self.numeric, question, self.context.seed)
         self.witnesses.append(witness)
+        self.deadlines.append(question.by)
         if witness is not None:
             return None
         script = refutation_script(self.model, question)
@@ -200,7 +203,7 @@ class _Asked:
 
     def drives(self) -> BoxRefutation | None:
         """A covering that shows that the drives are far too weak, if there is a prospect of one."""
-        if drives_seem_able(self.numeric, self.task, self.witnesses):
+        if drives_seem_able(self.numeric, self.task, self.witnesses, self.deadlines):
             return None
         robot = self.model, self.numeric.graph, self.workspace, self.task
         return drive_refutation(*robot, BEFORE_MOTIONS)

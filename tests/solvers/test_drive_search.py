@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -21,7 +23,12 @@ FASTEST = 15 / 8 * WAY / HORIZON
 """The greatest rate on the way, in m/s."""
 
 
-def seems_able(force: float, rate: float = 2 * FASTEST, start: float | None = 0.3) -> bool:
+def seems_able(
+    force: float,
+    rate: float = 2 * FASTEST,
+    start: float | None = 0.3,
+    by: tuple[Fraction | None, ...] = (None, None),
+) -> bool:
     """Whether drives with these bounds seem able to do it; None: without a pose to start from."""
     text = replaced(SLIDER, "effort <= 10 N", f"effort <= {force:.4f} N")
     text = replaced(text, "reach T;", f"reach T; gravity (-{PULL}, 0) m/s^2;")
@@ -35,15 +42,23 @@ def seems_able(force: float, rate: float = 2 * FASTEST, start: float | None = 0.
     numeric = NumericRobot(robot_graph(model, task.gravity))
     first = None if start is None else np.array([start])
     poses = PoseWitness(np.zeros(0), first, np.array([0.3 + WAY]), 0, 0)
-    assert not drives_seem_able(numeric, task, [])
-    assert not drives_seem_able(numeric, task, [poses, None])
-    return drives_seem_able(numeric, task, [poses, poses])
+    assert not drives_seem_able(numeric, task, [], [])
+    assert not drives_seem_able(numeric, task, [poses, None], by)
+    return drives_seem_able(numeric, task, [poses, poses], by)
 
 
 @pytest.mark.parametrize(("share", "able"), [(1.001, True), (0.9, False)])
 def test_forces_of_a_straight_motion(share: float, able: bool) -> None:
     assert seems_able(share * STRONGEST) is able
     assert seems_able(2 * STRONGEST, share * FASTEST) is able
+
+
+@pytest.mark.parametrize(("share", "able"), [(1.001, True), (0.9, False)])
+def test_a_deadline_leaves_less_time(share: float, able: bool) -> None:
+    force = MASS * (10 / np.sqrt(3) * WAY / 1.2**2 + PULL)
+    by = (None, Fraction(6, 5))
+    assert seems_able(share * force, 5 * FASTEST, by=by) is able
+    assert seems_able(share * force, 5 * FASTEST)
 
 
 def test_a_robot_that_cannot_move_is_driven_nowhere() -> None:
@@ -55,7 +70,7 @@ def test_a_robot_that_cannot_move_is_driven_nowhere() -> None:
     numeric = NumericRobot(robot_graph(model, task.gravity))
     assert not numeric.n
     none = np.zeros(0)
-    assert not drives_seem_able(numeric, task, [PoseWitness(none, none, none, 0, 0)])
+    assert not drives_seem_able(numeric, task, [PoseWitness(none, none, none, 0, 0)], [None])
 
 
 def test_without_poses_nothing_seems_able() -> None:

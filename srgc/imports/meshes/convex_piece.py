@@ -81,12 +81,14 @@ def height(plane: Plane, point: IntPoint) -> int:
 
 
 def convex_piece(points: Iterable[IntPoint], digits: int) -> ConvexPiece | None:
-    """The hull of points on a grid of 10^-``digits`` metres; None if it is flat.
+    """The hull of points on a grid of 10^-``digits`` metres, digits >= 0; None if it is flat.
 
     Raises:
-        ValueError: there are more than twice :data:`MOST_CORNERS` points, or they are too far apart
-            for the grid.
+        ValueError: there are more than twice :data:`MOST_CORNERS` points, they are too far apart
+            for the grid, or the grid is coarser than a metre.
     """
+    if digits < 0:
+        raise ValueError("a grid of a metre or finer is expected")
     given = sorted(set(points))
     if len(given) < 4:
         return None

@@ -45,9 +45,9 @@ EXACT = 20_000
 FEW = 8
 """A mesh that is one piece with at most this many corners is written into the spec."""
 MARGIN = 0.25
+"""The free margin around the scene, as a share of its size."""
 LEAST_SHOWN = 1e-6
 """Corners that are less than this (mm) beyond a mesh are on it: the rest is rounding."""
-"""The free margin around the scene, as a share of its size."""
 
 
 @dataclass(frozen=True, slots=True)
