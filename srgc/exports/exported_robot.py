@@ -14,6 +14,7 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import RobotInput, robot_inputs
 from compiler.words.derivation import Derivation, DerivationNode, emission_order
 from grammar_lang import ir
+from grammar_lang.ir.expression_text import number_text
 from solvers.verifier.claims.certificate import exact
 from srgc.exports.joint_drives import JointDrive, joint_drives, viscous_friction
 from srgc.exports.visual_meshes import VisualMesh, pictured_model, visual_meshes
@@ -258,11 +259,14 @@ def motor_bound(model: RobotModel, task: ir.Task, dof: int) -> float | None:
 
 
 def remarks(design: FoundDesign) -> tuple[str, ...]:
-    """Remarks on parts of a robot that an export leaves out."""
+    """Remarks on parts of a robot that an export leaves out, and on what it carries."""
     others = left_out(design)
     found = [f"{others} are left out; every joint has a plain motor"] if others else []
     if design.task.carries:
         found.append("what is taken up and put down is left out: the robot is without it")
+    for payload in design.task.payloads:
+        who = "" if payload.effector is None else f" of effector {payload.effector}"
+        found.append(f"the payload{who}, {number_text(payload.mass)} kg, is part of the robot")
     return tuple(found)
 
 
