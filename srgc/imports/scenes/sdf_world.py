@@ -11,9 +11,10 @@ from pathlib import Path
 from srgc.imports.scenes.scene import Scene, SceneObject
 from srgc.imports.scenes.sdf_frames import Scope, is_true
 from srgc.imports.scenes.sdf_geometry import Geometries
+from srgc.imports.scenes.sdf_once import refuse_second
 from srgc.imports.source_fault import SourceFault
 from srgc.imports.source_files import TEXT_LIMIT, SourceFiles, source_bytes
-from srgc.imports.xml_source import Element, xml_file
+from srgc.imports.xml_source import Element, XmlFile, xml_file
 
 PASSED = frozenset(
     {"pose", "static", "link", "model", "include", "frame", "name", "self_collide", "enable_wind"}
@@ -43,6 +44,19 @@ class _Reader:
         if shapeless:
             self.scene.dropped.append(f"of the world: {', '.join(shapeless)}")
 
+    def beside(self, file: XmlFile, read: Element | None, has: str, why: str) -> None:
+        """Record the elements of the root of a file other than the one that is read.
+
+        If that is None, the models and includes of the root are.
+        """
+        for element in file.root:
+            tag = _tag(element)
+            taken = tag in {"model", "include"} if read is None else element is read
+            if tag and not taken:
+                name = element.get("name") or (element.findtext("uri") or "").strip()
+                said = " ".join(filter(None, (has, tag, name)))
+                self.scene.dropped.append(f"{said}; {why}" if why else said)
+
     def find_models(self, scope: Scope, depth: int = 0) -> None:
         """Find the models and includes of a world or model, before poses refer to them."""
         if depth > DEEPEST:
@@ -71,11 +85,13 @@ class _Reader:
             self.scene.dropped.append(outer.missing[-1])
             return None
         file = xml_file(source_bytes(path, TEXT_LIMIT), path)
+        refuse_second(file)
         model = file.root.find("model")
         if model is None:
             outer.missing.append(f"include {uri}: {path.name} has no model")
             self.scene.dropped.append(outer.missing[-1])
             return None
+        self.beside(file, model, f"include {uri}: {path.name} has", "an include is its first model")
         name = (include.findtext("name") or "").strip() or model.get("name") or "model"
         return Scope(model, file, path.parent, name, outer, include)
 
@@ -137,12 +153,14 @@ def sdf_scene(files: SourceFiles) -> Scene:
     if root.tag != "sdf":
         raise file.fault(root, f"it is not an SDF file: its root is `{_tag(root)}`")
     worlds = root.findall("world")
+    refuse_second(file)
     scene = Scene((worlds[0].get("name") if worlds else None) or files.main.stem)
     reader = _Reader(scene, files)
-    for other in worlds[1:]:
-        scene.dropped.append(f"world {other.get('name', '')}: a file is one scene, of its first")
     if worlds:
+        reader.beside(file, worlds[0], "beside the world:", "a file is one scene, of its first")
         reader.world(worlds[0])
+    else:
+        reader.beside(file, None, "of the file:", "")
     outermost = Scope(worlds[0] if worlds else root, file, files.folder)
     reader.find_models(outermost)
     for model in outermost.children:
