@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -43,6 +43,8 @@ APPEARANCE = (
     "extra",
 )
 """Elements that are removed before pycollada reads the file, so that it opens no image."""
+LINES = ("lines", "linestrips")
+"""Elements that hold no triangle; pycollada loses all of a geometry that has the second."""
 
 
 def collada_mesh(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) -> Mesh:
@@ -62,7 +64,8 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) 
     if _tag(root) != "COLLADA":
         raise file.fault(root, f"it is not a COLLADA file: its root is `{visible(_tag(root))}`")
     scale, up = _asset(file)
-    _strip(root)
+    _strip(root, APPEARANCE)
+    lines = _strip(root, LINES)
     faults = collada.common
     ignored = [faults.DaeUnsupportedError, faults.DaeBrokenRefError]
     try:
@@ -75,6 +78,8 @@ def collada_mesh(content: bytes, path: Path, *, own_unit: bool, own_axes: bool) 
         said = " ".join(str(error).split())[:120]
         raise file_fault(path, f"it cannot be read as COLLADA: {said}") from None
     notes = tuple(f"{path.name}: {' '.join(str(error).split())[:120]}" for error in read.errors)
+    if lines:
+        notes += (f"{path.name}: {lines} sets of lines: left out",)
     if own_axes and up and up != "Z_UP":
         notes += (f"{path.name}: `up_axis` {up} turns nothing, as in ROS and Gazebo",)
     whole = joined([(name, (points, faces)) for name, points, faces, _ in parts])
@@ -151,11 +156,15 @@ def _tag(element: Element) -> str:
     return str(element.tag).rpartition("}")[2]
 
 
-def _strip(root: Element) -> None:
+def _strip(root: Element, tags: Sequence[str]) -> int:
+    """Remove all elements with these tags; how many there were."""
+    count = 0
     for parent in list(root.iter()):
         for child in list(parent):
-            if _tag(child) in APPEARANCE:
+            if _tag(child) in tags:
                 parent.remove(child)
+                count += 1
+    return count
 
 
 def _parts(read: Any, path: Path) -> Iterator[tuple[str, Floats, Ints, str | None]]:

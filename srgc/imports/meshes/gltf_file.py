@@ -1,20 +1,22 @@
 """Read the triangles of a binary glTF file.
 
-Source: the Khronos specification of glTF 2.0.  No other file is opened; materials, skins and
-animations are ignored.
+Source: the Khronos specification of glTF 2.0.  No other file is opened; materials and animations
+are ignored, and bones are refused, since they move vertices.
 """
 
 from __future__ import annotations
 
 import json
+import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from grammar_lang.files.file_tree import visible
 from srgc.imports.meshes.collada_file import UP
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, joined
 from srgc.imports.meshes.mesh_limits import too_many
@@ -28,6 +30,11 @@ INDICES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 TRIANGLES, STRIP, FAN = 4, 5, 6
 PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
 """Extensions that encode vertices in other ways."""
+HARMLESS = re.compile(
+    "(KHR_materials|KHR_texture|KHR_lights|KHR_xmp|KHR_animation|EXT_texture|EXT_lights"
+    "|MSFT_texture)_[a-zA-Z0-9_]*"
+)
+"""Extensions of appearance and motion, which may be required: no vertex depends on them."""
 INSTANCES = "EXT_mesh_gpu_instancing"
 """An extension by which one node places a mesh many times."""
 
@@ -44,9 +51,7 @@ def gltf_mesh(content: bytes, path: Path, *, own_axes: bool) -> Mesh:
     """
     try:
         file = _File(*_chunks(content, path), path)
-        packed = [each for each in file.json.get("extensionsRequired", ()) if each in PACKED]
-        if packed:
-            raise file_fault(path, f"it needs {packed[0]}, which is not unpacked here")
+        _refuse_needed(file.json.get("extensionsRequired", ()), path)
         if INSTANCES in file.json.get("extensionsUsed", ()):
             raise file_fault(path, f"it has {INSTANCES}, which is not read", "write each mesh out")
         parts = list(file.parts())
@@ -56,8 +61,22 @@ def gltf_mesh(content: bytes, path: Path, *, own_axes: bool) -> Mesh:
         raise file_fault(path, "it cannot be read as binary glTF 2.0", "was it cut off?") from None
     turn = np.array(UP["Z_UP" if own_axes else "Y_UP"], dtype=np.float64).T
     found = joined([(name, (points @ turn, faces)) for name, points, faces in parts])
-    notes = (f"{path.name}: {file.left_out} sets of points or lines: left out",)
-    return Mesh(found.vertices, found.triangles, found.objects, notes if file.left_out else ())
+    notes = tuple(f"{path.name}: {note}" for note in file.notes())
+    return Mesh(found.vertices, found.triangles, found.objects, notes)
+
+
+def _refuse_needed(needed: Iterable[str], path: Path) -> None:
+    """Refuse a file that requires an extension by which its vertices may mean something else.
+
+    Raises:
+        SourceFault: it does.
+    """
+    for each in needed:
+        if each in PACKED:
+            raise file_fault(path, f"it needs {each}, which is not unpacked here")
+        if each != INSTANCES and not HARMLESS.fullmatch(each):
+            said = f"it needs {visible(each[:60])}, which is not known here"
+            raise file_fault(path, said, "write it as plain glTF 2.0")
 
 
 def _chunks(content: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
@@ -81,12 +100,31 @@ def _chunks(content: bytes, path: Path) -> tuple[dict[str, Any], bytes]:
 
 @dataclass(slots=True)
 class _File:
-    """The JSON of a file and its buffer; ``left_out`` counts primitives without triangles."""
+    """The JSON of a file and its buffer.
+
+    ``left_out`` counts primitives without triangles, ``odd`` those with vertices left over, and
+    ``morphed`` nodes whose meshes are changed by the weights of their targets.
+    """
 
     json: dict[str, Any]
     binary: bytes
     path: Path
     left_out: int = 0
+    odd: int = 0
+    morphed: int = 0
+
+    def notes(self) -> Iterator[str]:
+        """What was not read."""
+        if self.left_out:
+            yield f"{self.left_out} sets of points or lines: left out"
+        if self.odd:
+            told = "whose vertices are no multiple of three: the last ones are left out"
+            yield f"{self.odd} sets of triangles {told}"
+        if self.morphed:
+            yield f"{self.morphed} nodes with weights of morph targets: read as without them"
+        others = len(self.json["scenes"]) - 1
+        if others:
+            yield f"{others} scenes other than the default one: left out"
 
     def parts(self) -> Iterator[tuple[str, Floats, Ints]]:
         """The name, transformed vertices and triangles of each primitive."""
@@ -96,6 +134,11 @@ class _File:
                 continue
             mesh = self.json["meshes"][node["mesh"]]
             name = str(node.get("name") or mesh.get("name") or self.path.stem)
+            if "skin" in node:
+                said = f"bones move the vertices of `{visible(name[:60])}`, and are not followed"
+                raise file_fault(self.path, said, "write the mesh without bones (`skin`)")
+            targets = any(each.get("targets") for each in mesh["primitives"])
+            self.morphed += targets and any(node.get("weights", mesh.get("weights", ())))
             for primitive in mesh["primitives"]:
                 found = self.primitive(primitive)
                 if found is None:
@@ -132,6 +175,7 @@ class _File:
             order = self.numbers(primitive["indices"], INDICES, "SCALAR")[:, 0]
         count = len(positions if order is None else order)
         too_many(count // (3 if mode == TRIANGLES else 1), self.path)
+        self.odd += mode == TRIANGLES and count % 3 > 0
         used, numbers = np.unique(np.arange(count) if order is None else order, return_inverse=True)
         return positions[used].astype(np.float64), _faces(numbers.reshape(-1), mode)
 

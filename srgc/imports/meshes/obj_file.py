@@ -7,6 +7,7 @@ opened.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -16,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from grammar_lang.diagnostics.diagnostic import Code
+from grammar_lang.files.file_tree import visible
 from grammar_lang.source import Source
 from srgc.imports.meshes.exact_places import SHORT, ExactPlaces, longer_decimals
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, MeshObject
@@ -25,6 +27,15 @@ from srgc.imports.source_fault import SourceFault, file_fault, line_span
 FLAT = 1e-9
 """A corner that turns back by less than this share of the area counts as straight."""
 Corners = list[tuple[float, float, float]]
+HIGHEST = 2**31
+"""No vertex has a number as large as this: no file may have so many."""
+KNOWN = frozenset(
+    {"vn", "vt", "vp", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "bevel", "lod"}
+    | {"c_interp", "d_interp", "shadow_obj", "trace_obj", "cstype", "deg", "bmat", "step"}
+    | {"parm", "trim", "hole", "scrv", "sp", "end", "con", "ctech", "stech"}
+)
+"""Statements that add nothing by themselves: appearance, and details of curves and surfaces."""
+SHOWN = 8
 TOGETHER = "groups (`g`) in an object (`o`), which is one with all of them"
 """A note for scenes, whose objects are obstacles; for a body nothing is lost."""
 
@@ -35,7 +46,7 @@ class _Lines:
 
     ``polygons`` maps numbers of corners above three to faces with their first triangles.
     ``groups`` has for each object the names of its groups with faces, if objects are given by
-    ``o``.
+    ``o``.  ``others`` counts the statements that are not read, by their first words.
     """
 
     path: Path
@@ -49,6 +60,7 @@ class _Lines:
     groups: dict[int, set[str]] = field(default_factory=dict)
     group: str = ""
     left_out: int = 0
+    others: dict[str, int] = field(default_factory=dict)
 
     def read(self, number: int, words: list[str]) -> None:
         match words[0]:
@@ -61,8 +73,8 @@ class _Lines:
                 self.starts.append((" ".join(words[1:]), len(self.triangles)))
             case "g":
                 self.group = " ".join(words[1:])
-            case _:
-                pass
+            case word if word not in KNOWN and word not in {"o", "g"}:
+                self.others[word] = self.others.get(word, 0) + 1
 
     def vertex(self, number: int, words: list[str]) -> tuple[float, float, float]:
         try:
@@ -85,7 +97,7 @@ class _Lines:
             raise self.fault(number, "a face has a corner that is not a number") from None
         count = len(self.vertices)
         corners = [index - 1 if index > 0 else count + index for index in given]
-        if 0 in given or any(corner < 0 for corner in corners):
+        if 0 in given or not all(0 <= corner < HIGHEST for corner in corners):
             raise self.fault(number, "a face names a vertex that is not there")
         if len(corners) > 3:
             self.polygons.setdefault(len(corners), []).append((len(self.triangles), corners))
@@ -129,13 +141,21 @@ def obj_mesh(content: bytes, path: Path) -> Mesh:
     vertices = np.array(lines.vertices, dtype=np.float64)
     for polygons in lines.polygons.values():
         _divide(vertices, triangles, polygons)
-    notes = list[str]()
-    if lines.left_out:
-        notes.append(f"{path.name}: {lines.left_out} faces of one or two corners: left out")
-    if any(len(names) > 1 for names in lines.groups.values()):
-        notes.append(f"{path.name}: {TOGETHER}")
     places = ExactPlaces(vertices, longer=lines.longer)
-    return Mesh(vertices, triangles, _objects(lines, path.stem), tuple(notes), places)
+    return Mesh(vertices, triangles, _objects(lines, path.stem), tuple(_notes(lines)), places)
+
+
+def _notes(lines: _Lines) -> Iterator[str]:
+    """What was not read."""
+    name = lines.path.name
+    if lines.left_out:
+        yield f"{name}: {lines.left_out} faces of one or two corners: left out"
+    if lines.others:
+        said = [f"{count} `{visible(word[:20])}`" for word, count in lines.others.items()]
+        more = ", ..." if len(said) > SHOWN else ""
+        yield f"{name}: {', '.join(said[:SHOWN])}{more}: only faces (`f`) are read"
+    if any(len(names) > 1 for names in lines.groups.values()):
+        yield f"{name}: {TOGETHER}"
 
 
 def _divide(vertices: Floats, triangles: Ints, polygons: list[tuple[int, list[int]]]) -> None:

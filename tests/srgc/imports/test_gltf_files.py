@@ -144,6 +144,39 @@ def test_lines_are_left_out_with_a_note(tmp_path: Path) -> None:
     assert mesh.notes == ("part.glb: 1 sets of points or lines: left out",)
 
 
+def needing(*names: str) -> Callable[[Content], object]:
+    return lambda c: c.update(extensionsRequired=names)
+
+
+def morphed(c: Content) -> None:
+    c["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": 0}]
+    c["nodes"][0]["weights"] = [0.5]
+
+
+def unmorphed(c: Content) -> None:
+    morphed(c)
+    c["nodes"][0]["weights"] = [0]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda c: c["accessors"][1].update(count=5), "1 sets of triangles whose vertices are no"),
+        (lambda c: c["scenes"].append({}), "1 scenes other than the default"),
+        (morphed, "1 nodes with weights of morph targets"),
+        (unmorphed, None),
+        (needing("KHR_materials_unlit", "KHR_texture_transform"), None),
+    ],
+)
+def test_what_is_left_out_is_noted(
+    tmp_path: Path, change: Callable[[Content], object], said: str | None
+) -> None:
+    content, binary = square(4, [0, 1, 2, 0, 2, 3])
+    change(content)
+    notes = read_mesh(written(tmp_path, glb(content, binary))).notes
+    assert [note.startswith(f"part.glb: {said}") for note in notes] == ([True] if said else [])
+
+
 def changed(change: Callable[[Content], object]) -> bytes:
     content, binary = square(4, [0, 1, 2])
     change(content)
@@ -188,6 +221,10 @@ HOSTILE: dict[str, tuple[Callable[[], bytes], str]] = {
         lambda: changed(lambda c: c.update(extensionsRequired=["KHR_draco_mesh_compression"])),
         "needs KHR_draco_mesh_compression",
     ),
+    "an unknown extension": (
+        lambda: changed(needing("EXT_other_places")), "needs EXT_other_places"
+    ),
+    "bones": (lambda: changed(lambda c: c["nodes"][0].update(skin=0)), "bones move .*`plate`"),
     "far off": (
         lambda: changed(lambda c: c["nodes"][0].update(translation=[1e300, 0, 0])), "farther"
     ),

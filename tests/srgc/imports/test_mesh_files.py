@@ -96,6 +96,7 @@ def test_objects_of_obj_in_their_order(tmp_path, monkeypatch):
     assert [part.stop - part.start for part in mesh.objects] == [3, 1]
     assert mesh.triangles.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 4], [2, 3, 4]]
     assert "1 faces of one or two corners" in mesh.notes[0]
+    assert mesh.notes[1] == "two.obj: 1 `l`: only faces (`f`) are read"
     cone = mesh.part(mesh.objects[-1])
     assert sorted(map(tuple, cone.vertices.tolist())) == [(0, 0, 1), (0, 1, 0), (1, 1, 0)]
 
@@ -168,6 +169,26 @@ def test_comments_of_obj_take_no_other_line_away(tmp_path):
     assert same_surface(mesh, loaded)
 
 
+def test_statements_of_obj_that_are_not_read_are_counted(tmp_path):
+    others = "surf 0 1 0 1 1 2 3\np 1\nl 1 2\nl 2 3\ncurv 0 1 1 2\ncurv2 1 2\nF 1 2 3\n"
+    read = "vn 0 0 1\nvt 0 0\nusemtl a\nmtllib b\ns off\ng c\ng\ncstype bezier\n"
+    (tmp_path / "part.obj").write_text(TETRAHEDRON + others + read)
+    (note,) = read_mesh(tmp_path / "part.obj").notes
+    assert note == (
+        "part.obj: 1 `surf`, 1 `p`, 2 `l`, 1 `curv`, 1 `curv2`, 1 `F`: only faces (`f`) are read"
+    )
+
+
+@pytest.mark.parametrize("tag", ["lines", "linestrips"])
+def test_lines_of_collada_are_left_out_with_a_note(tmp_path, tag):
+    path = dae(tmp_path)
+    lines = f'<{tag} count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1</p></{tag}>'
+    path.write_text(path.read_text().replace("</mesh>", f"{lines}</mesh>"))
+    mesh = read_mesh(path)
+    assert len(mesh.triangles) == 1
+    assert mesh.notes == ("plate.dae: 1 sets of lines: left out",)
+
+
 def test_images_of_collada_are_not_opened(tmp_path):
     read_mesh(dae(tmp_path, image="/dev/full"))
     read_mesh(dae(tmp_path, image="../../../etc/passwd"))
@@ -215,6 +236,7 @@ FAR = BINARY[:96] + struct.pack("<f", 1e30) + BINARY[100:]
         ("a.obj", "v 0 0 0\nf 1 1 -7\n", "a.obj:2:1: "),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n", "a.obj:3:1: "),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "a.obj"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9999999999999999999999999\n", "not there"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n", "finite"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n", "finite"),
         ("a.obj", b"v 0 0 0\0\nf 1 1 1", "not text"),
