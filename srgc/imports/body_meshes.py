@@ -5,12 +5,14 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 from grammar_lang.files.file_tree import visible
 from srgc.imports.module_set import Placement, Shape
 from srgc.imports.names import Names, legible
 from srgc.imports.solid_moments import Moments
+from srgc.imports.source_fault import file_fault
 from srgc.imports.source_files import SourceFiles
 from srgc.version import VERSION
 
@@ -73,12 +75,18 @@ class BodyMeshes:
         return [f"{self.folder}/{name}.obj" for name in names]
 
     def _mesh(self, file: str, scale: Sequence[float]) -> Mesh:
-        """Read a mesh in metres, keeping the axes of its file."""
+        """Read a mesh in metres, keeping the axes of its file.
+
+        Raises:
+            SourceFault: it cannot be read, or its scale makes it too large.
+        """
         from srgc.imports.meshes.exact_places import rational
         from srgc.imports.meshes.mesh_file import read_mesh
+        from srgc.imports.meshes.mesh_limits import scaled_within
 
-        mesh = read_mesh(self.files.path_of(file), own_axes=True)
-        return mesh.scaled([rational(factor) for factor in scale])
+        path = self.files.path_of(file)
+        mesh = read_mesh(path, own_axes=True)
+        return scaled_within(mesh, [rational(by) for by in scale], partial(file_fault, path))
 
     def moments(self, file: str, scale: Sequence[float]) -> Moments | None:
         """The moments of a mesh for a density of 1 kg/m^3; None if the mesh is not closed."""

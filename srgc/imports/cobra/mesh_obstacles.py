@@ -5,6 +5,7 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ from srgc.imports.comment_lines import printable
 from srgc.imports.module_set import Move, Turn, steps_of
 from srgc.imports.names import Names, is_legible
 from srgc.imports.quantities import Quantities
+from srgc.imports.source_fault import file_fault
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -81,10 +83,12 @@ class MeshObstacles:
         from srgc.imports.meshes.decomposition import DETAIL, decomposed
         from srgc.imports.meshes.exact_places import rational
         from srgc.imports.meshes.mesh_file import read_mesh
+        from srgc.imports.meshes.mesh_limits import scaled_within
         from srgc.imports.meshes.piece_files import pieces_text
 
-        mesh = read_mesh(self.files.path_of(geometry.file), own_axes=True)
-        mesh = mesh.scaled([rational(factor) for factor in geometry.size])
+        file = self.files.path_of(geometry.file)
+        factors = [rational(factor) for factor in geometry.size]
+        mesh = scaled_within(read_mesh(file, own_axes=True), factors, partial(file_fault, file))
         found = decomposed(
             mesh.vertices,
             mesh.triangles,

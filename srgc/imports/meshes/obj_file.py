@@ -22,6 +22,7 @@ from grammar_lang.source import Source
 from srgc.imports.meshes.exact_places import SHORT, ExactPlaces, longer_decimals
 from srgc.imports.meshes.mesh import Floats, Ints, Mesh, MeshObject
 from srgc.imports.meshes.mesh_limits import too_many
+from srgc.imports.plain_numbers import plain_index, plain_number
 from srgc.imports.source_fault import SourceFault, file_fault, line_span
 
 FLAT = 1e-9
@@ -78,7 +79,7 @@ class _Lines:
 
     def vertex(self, number: int, words: list[str]) -> tuple[float, float, float]:
         try:
-            x, y, z = map(float, words)
+            x, y, z = map(plain_number, words)
         except ValueError:
             raise self.fault(number, "a vertex has no three coordinates") from None
         if max(map(len, words)) > SHORT:
@@ -92,7 +93,7 @@ class _Lines:
             self.left_out += 1
             return
         try:
-            given = [int(word.partition("/")[0]) for word in words]
+            given = [plain_index(word.partition("/")[0]) for word in words]
         except ValueError:
             raise self.fault(number, "a face has a corner that is not a number") from None
         count = len(self.vertices)

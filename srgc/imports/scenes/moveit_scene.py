@@ -16,6 +16,7 @@ from grammar_lang.source import Source
 from srgc.imports.meshes.exact_places import ExactPlaces, longer_decimals
 from srgc.imports.meshes.mesh import Mesh
 from srgc.imports.meshes.mesh_limits import LARGEST, too_many
+from srgc.imports.plain_numbers import plain_number
 from srgc.imports.scenes.scene import (
     BallShape,
     BoxShape,
@@ -72,7 +73,7 @@ class _Lines:
             words = self.line(due).split()
             self.words += words
             try:
-                found += [float(word) for word in words]
+                found += [plain_number(word) for word in words]
             except ValueError:
                 raise self.fault(f"{due} is expected, and no numbers stand here") from None
         if len(found) != count or not np.isfinite(found).all():
@@ -89,8 +90,6 @@ class _Lines:
         shift = self.numbers(3, f"the place of {what}")
         words = self.words
         turn = self.numbers(4, f"the quaternion of {what}")
-        if max(map(abs, shift)) >= LARGEST:
-            raise self.fault(f"{what} is {LARGEST:g} m away or farther")
         return quaternion_pose(shift, turn, self.fault_of(what), words)
 
 

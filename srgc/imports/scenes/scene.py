@@ -12,6 +12,7 @@ import numpy as np
 
 from srgc.imports.meshes.exact_places import Point, exact_decimal, rational
 from srgc.imports.meshes.mesh import Floats, Mesh
+from srgc.imports.meshes.mesh_limits import LARGEST
 from srgc.imports.source_fault import SourceFault
 
 Fault: TypeAlias = Callable[[str], SourceFault]
@@ -150,8 +151,10 @@ class Scene:
 
         It is perpendicular to ``normal`` (3,), ``through`` a point (3,).
         """
+        height = math.inf
         if normal[2] > 0 and np.abs(normal[:2]).max() <= ALIGNED * normal[2]:
             height = float(through[2])
+        if abs(height) < LARGEST:
             self.ground = height if self.ground is None else max(height, self.ground)
             said = "a floor without bounds; the bounds begin at it where nothing is below"
         else:
@@ -179,7 +182,7 @@ def quaternion_pose(
     ``words`` are the numbers of the position as written in the file.
 
     Raises:
-        SourceFault: a number is not finite or too long, or the quaternion is zero.
+        SourceFault: a number is not finite, too long or too large, or the quaternion is zero.
     """
     size = math.hypot(*turn)
     if not all(map(math.isfinite, (*shift, size))) or size < 1e-9:
@@ -199,8 +202,10 @@ def _exact(shift: Sequence[float], words: Sequence[str] | None, fault: Fault) ->
     """A position in rationals: of its words if given, otherwise of its doubles.
 
     Raises:
-        SourceFault: a number is too long.
+        SourceFault: a number is too long or too large.
     """
+    if max(map(abs, shift)) >= LARGEST:
+        raise fault(f"its place is {LARGEST:g} m away or farther")
     try:
         x, y, z = map(rational, shift) if words is None else map(exact_decimal, words)
     except ValueError as error:
@@ -219,7 +224,7 @@ def angle_pose(
     ``words`` are the numbers of the position as written in the file.
 
     Raises:
-        SourceFault: a number is not finite or too long.
+        SourceFault: a number is not finite, too long or too large.
     """
     if not all(map(math.isfinite, (*shift, *angles))):
         raise fault("its pose has a number that is not finite")
@@ -238,11 +243,13 @@ def positive(values: Sequence[float], fault: Fault) -> None:
     """Reject invalid sizes.
 
     Raises:
-        SourceFault: a size is not finite or not positive.
+        SourceFault: a size is not finite, not positive, or too large.
     """
     if not all(math.isfinite(value) and value > 0 for value in values):
         shown = ", ".join(f"{value:g}" for value in values)
         raise fault(f"a size is not positive: {shown}")
+    if max(values) >= LARGEST:
+        raise fault(f"a size is {LARGEST:g} m or more: {max(values):g}")
 
 
 def cone_points(radius: float, length: float) -> Floats:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
+from srgc.imports.plain_numbers import plain_number
 from srgc.imports.scenes.scene import Pose, angle_pose, quaternion_pose
 from srgc.imports.source_fault import SourceFault
 from srgc.imports.xml_source import Element, XmlFile
@@ -221,7 +222,7 @@ def _pose(pose: Element, file: XmlFile) -> Pose:
     fault = partial(_pose_fault, file, pose)
     try:
         words = (pose.text or "").split()
-        numbers = [float(word) for word in words]
+        numbers = [plain_number(word) for word in words]
     except ValueError:
         raise fault("its pose is not a list of numbers") from None
     if not numbers:

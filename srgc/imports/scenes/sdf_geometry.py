@@ -12,6 +12,8 @@ import numpy as np
 from srgc.imports.meshes.exact_places import ExactPlaces, exact_decimal
 from srgc.imports.meshes.mesh import Mesh
 from srgc.imports.meshes.mesh_file import SUFFIXES, read_mesh
+from srgc.imports.meshes.mesh_limits import LARGEST, scaled_within
+from srgc.imports.plain_numbers import plain_number
 from srgc.imports.scenes.scene import (
     BallShape,
     BoxShape,
@@ -97,7 +99,7 @@ class Geometries:
             factors = [exact_decimal(word) for word in words]
         except ValueError as error:
             raise fault(f"its scale has {error}") from None
-        yield MeshShape(mesh.scaled(factors), path.name), Pose(), ""
+        yield MeshShape(scaled_within(mesh, factors, fault), path.name), Pose(), ""
 
 
 def _to_middle(mesh: Mesh) -> list[Fraction]:
@@ -138,6 +140,8 @@ def _polyline(element: Element, fault: Fault) -> Shape:
 
     (height,) = _sizes(element, "height", 1, fault)
     points = [_parsed(point.text or "", 2, "a point", fault) for point in element.findall("point")]
+    if np.abs(points).max(initial=0.0) >= LARGEST:
+        raise fault(f"a point is {LARGEST:g} m away or farther")
     corners, triangles = triangulated(points, fault)
     solid = extrude_triangulation(corners, triangles, height)
     vertices = np.asarray(solid.vertices, dtype=np.float64)
@@ -160,7 +164,7 @@ def _numbers(
 
 def _parsed(text: str, count: int, what: str, fault: Fault) -> list[float]:
     try:
-        found = [float(word) for word in text.split()]
+        found = [plain_number(word) for word in text.split()]
     except ValueError:
         found = []
     if len(found) != count or not np.isfinite(found).all():

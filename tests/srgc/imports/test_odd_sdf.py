@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import pytest
+import trimesh
 
 from srgc.faults import UsageFault
-from srgc.imports.scenes.scene_import import read_scene
-from tests.srgc.imports.test_scenes import BOX, model
+from srgc.imports.scenes.scene_import import read_scene, scene_import
+from srgc.imports.urdf.urdf_import import urdf_import
+from tests.srgc.imports.test_scenes import BOX, model, obj, scene_file
 
 INCLUDE = "<include><uri>model://pair</uri></include>"
 
@@ -68,3 +70,89 @@ def test_a_second_part_is_refused(tmp_path, text, said):
     sdf(tmp_path, model("a", BOX, more=POSES), "pair/model.sdf")
     with pytest.raises(UsageFault, match=f"a second {said}"):
         read_scene(sdf(tmp_path, text))
+
+
+# --- Too large ------------------------------------------------------------------------------------
+
+
+HUGE = [
+    "<sphere><radius>1e308</radius></sphere>",
+    "<box><size>1 1e308 1</size></box>",
+    "<box><size>1 1e6 1</size></box>",
+    "<cylinder><radius>1e308</radius><length>1</length></cylinder>",
+    "<capsule><radius>1</radius><length>1e308</length></capsule>",
+    "<cone><radius>1e308</radius><length>1</length></cone>",
+    "<ellipsoid><radii>1 1 1e308</radii></ellipsoid>",
+    "<polyline><height>1e308</height></polyline>",
+]
+
+
+@pytest.mark.parametrize("shape", HUGE)
+def test_sizes_of_sdf_have_a_limit(tmp_path, shape):
+    with pytest.raises(UsageFault, match=r"m: a size is 1e\+06 m or more"):
+        scene_import(sdf(tmp_path, model("m", shape)))
+
+
+@pytest.mark.parametrize(
+    "shape", ["sphere\n1e308", "box\n1 1 1e308", "cylinder\n1e308 1", "cone\n1 1e308"]
+)
+def test_sizes_of_moveit_have_a_limit(tmp_path, shape):
+    with pytest.raises(UsageFault, match=r"a: a size is 1e\+06 m or more"):
+        scene_import(scene_file(tmp_path, obj("a", shape)))
+
+
+def test_a_floor_out_of_sight_is_none(tmp_path):
+    path = scene_file(tmp_path, obj("floor", "plane\n0 0 1 1e308"), obj("a", "sphere\n1"))
+    assert "floor: a plane without bounds" in scene_import(path).text
+
+
+FAR_POINT = "<polyline><point>0 0</point><point>1 0</point><point>0 1e308</point>"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (model("m", BOX, "1e300 0 0 0 0 0"), "its place is"),
+        (model("m", BOX, link="0 -1e6 0 0 0 0"), "its place is"),
+        (model("m", f"{FAR_POINT}<height>1</height></polyline>"), "m: a point is"),
+        (model("m", "<mesh><uri>a.stl</uri><scale>1e308 1 1</scale></mesh>"), "m: with its scale"),
+        (model("m", "<mesh><uri>a.stl</uri><scale>1 1 -2e6</scale></mesh>"), "m: with its scale"),
+        (model("m", "<mesh><uri>a.stl</uri><scale>1 1 1e390</scale></mesh>"), "finite"),
+    ],
+)
+def test_nothing_is_too_far(tmp_path, text, said):
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / "a.stl")
+    due = said if said == "finite" else rf"{said}.* 1e\+06 m away or farther"
+    with pytest.raises(UsageFault, match=due):
+        scene_import(sdf(tmp_path, text))
+
+
+def test_a_scaled_mesh_of_urdf_is_not_too_far(tmp_path):
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / "a.stl")
+    geometry = "<geometry><mesh filename='a.stl' scale='1e9 1 1'/></geometry>"
+    path = tmp_path / "robot.urdf"
+    path.write_text(
+        f"<robot name='r'><link name='l'><collision>{geometry}</collision></link></robot>"
+    )
+    with pytest.raises(UsageFault, match=r"a.stl.*1e\+06 m away or farther"):
+        urdf_import(path)
+
+
+# --- Other spellings ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", ["1_0", "\u0661", "\uff11"])
+def test_numbers_are_ascii_without_underscores(tmp_path, number):
+    for text in (
+        model("m", f"<box><size>1 1 {number}</size></box>"),
+        model("m", BOX, f"0 0 {number} 0 0 0"),
+    ):
+        with pytest.raises(UsageFault, match="is not a list of"):
+            read_scene(sdf(tmp_path, text))
+    with pytest.raises(UsageFault, match="no numbers stand here"):
+        read_scene(scene_file(tmp_path, obj("a", f"sphere\n{number}")))
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    for rest, said in ((f"v 0 0 {number}\n", "coordinates"), (f"f {number} 2 3\n", "a number")):
+        (tmp_path / "a.obj").write_text(corners + rest)
+        with pytest.raises(UsageFault, match=said):
+            read_scene(tmp_path / "a.obj")
