@@ -13,7 +13,7 @@ from grammar_lang.diagnostics.diagnostic import Code
 from srgc.imports.comment_lines import comment_lines
 from srgc.imports.meshes.convex_piece import decimal_text
 from srgc.imports.meshes.decomposition import DETAIL, Pieces, decomposed
-from srgc.imports.meshes.enclosing import enclosing
+from srgc.imports.meshes.enclosing import Enclosed, enclosing
 from srgc.imports.meshes.piece_files import pieces_text
 from srgc.imports.names import Names, is_legible
 from srgc.imports.scenes.scene import (
@@ -25,6 +25,7 @@ from srgc.imports.scenes.scene import (
     Scene,
     SceneObject,
 )
+from srgc.imports.scenes.thickness import THIN, thick_enough
 from srgc.imports.source_fault import file_fault
 from srgc.imports.spec_text import canonical_text
 from srgc.imports.written_import import Imported, mesh_folder
@@ -117,7 +118,10 @@ class _Writer:
         if item.note:
             self.lines.append(f"  {comment_lines([f'{item.name} is {item.note}.'])}")
             self.notes.append(f"{item.name} is {item.note}")
-        match item.shape:
+        shape, thicker = thick_enough(item.shape)
+        if thicker:
+            self._thicker(item)
+        match shape:
             case BoxShape(size=size):
                 self._box(name, item, size)
             case BallShape(radius=radius):
@@ -126,9 +130,20 @@ class _Writer:
                 ends = np.array([[0, 0, -length / 2], [0, 0, length / 2]])
                 self._round(name, kind, item, ends, radius)
             case PointsShape(points=points):
-                self._piece(name, enclosing(item.pose.of(points)).piece)
+                self._enclosed(name, item, enclosing(item.pose.of(points)))
             case MeshShape():
-                self._mesh(name, item, item.shape)
+                self._mesh(name, item, shape)
+
+    def _thicker(self, item: SceneObject) -> None:
+        said = f"{item.name} is {THIN}"
+        if said not in self.notes[-1:]:
+            self.lines.append(f"  {comment_lines([f'{said}.'])}")
+            self.notes.append(said)
+
+    def _enclosed(self, name: str, item: SceneObject, found: Enclosed) -> None:
+        if found.thickened:
+            self._thicker(item)
+        self._piece(name, found.piece)
 
     def _mesh(self, name: str, item: SceneObject, shape: MeshShape) -> None:
         mesh = item.pose.of_mesh(shape.mesh)
@@ -159,7 +174,7 @@ class _Writer:
         signs = np.array([[(-1, 1)[i >> axis & 1] for axis in range(3)] for i in range(8)])
         points = item.pose.of(signs * half)
         if not item.pose.along_axes():
-            self._piece(name, enclosing(points, EXACT).piece)
+            self._enclosed(name, item, enclosing(points, EXACT))
             return
         lower, upper = points.min(axis=0), points.max(axis=0)
         self._reach(lower, upper)
@@ -169,7 +184,8 @@ class _Writer:
     def _round(self, name: str, kind: str, item: SceneObject, ends: Floats, radius: float) -> None:
         places = item.pose.of(ends)
         self._reach(places.min(axis=0) - radius, places.max(axis=0) + radius)
-        digits = FINER if radius < SMALL else DIGITS
+        length = float(np.linalg.norm(ends[-1] - ends[0])) or radius
+        digits = FINER if min(radius, length) < SMALL else DIGITS
         *points, (wide, _, _) = self._grid([*places, np.array([radius, 0, 0])], digits)
         unit = _unit(np.abs([x for point in points for x in point]).max() * 10.0**-digits)
         shown = ", ".join(_point(point, digits, unit) for point in points)

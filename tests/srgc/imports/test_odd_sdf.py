@@ -8,7 +8,7 @@ import trimesh
 from srgc.faults import UsageFault
 from srgc.imports.scenes.scene_import import read_scene, scene_import
 from srgc.imports.urdf.urdf_import import urdf_import
-from tests.srgc.imports.test_scenes import BOX, model, obj, scene_file
+from tests.srgc.imports.test_scenes import BOX, model, obj, regions, scene_file
 
 INCLUDE = "<include><uri>model://pair</uri></include>"
 
@@ -136,6 +136,49 @@ def test_a_scaled_mesh_of_urdf_is_not_too_far(tmp_path):
     )
     with pytest.raises(UsageFault, match=r"a.stl.*1e\+06 m away or farther"):
         urdf_import(path)
+
+
+# --- Too thin -------------------------------------------------------------------------------------
+
+
+TURNED = "1 2 0 0.3 0.4 0.5"
+
+
+@pytest.mark.parametrize("place", ["", TURNED])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        "<box><size>1 1e-9 1</size></box>",
+        "<box><size>1 1 1e-320</size></box>",
+        "<box><size>1e-10 1e-10 1e-10</size></box>",
+        "<sphere><radius>1e-13</radius></sphere>",
+        "<cylinder><radius>1e-12</radius><length>1</length></cylinder>",
+        "<cylinder><radius>1</radius><length>1e-13</length></cylinder>",
+        "<capsule><radius>0.1</radius><length>1e-13</length></capsule>",
+        "<cone><radius>1e-13</radius><length>1e-13</length></cone>",
+        "<ellipsoid><radii>1 1e-13 1</radii></ellipsoid>",
+    ],
+)
+def test_thin_shapes_are_made_thicker(tmp_path, shape, place):
+    imported = scene_import(sdf(tmp_path, model("m", shape, place)))
+    (found,) = regions(tmp_path, imported).regions
+    assert found.name == "m"
+    (said,) = [note for note in imported.remarks if "made thicker" in note]
+    assert said.startswith("m is made thicker")
+    assert "// m is made thicker" in imported.text
+
+
+@pytest.mark.parametrize(
+    ("shape", "due"),
+    [
+        ("<box><size>1 1e-9 1</size></box>", "box [-50, 50] x [-0.0005, 0.0005] x [-50, 50] cm;"),
+        ("<sphere><radius>1e-13</radius></sphere>", "ball (0, 0, 0) mm radius 0.005 mm;"),
+        ("<capsule><radius>0.1</radius><length>1e-13</length></capsule>",
+         "capsule (0, 0, -0.005), (0, 0, 0.005) mm radius 10 cm;"),
+    ],
+)  # fmt: skip
+def test_thin_shapes_become_a_hundredth_of_a_millimetre(tmp_path, shape, due):
+    assert due in scene_import(sdf(tmp_path, model("m", shape))).text
 
 
 # --- Other spellings ------------------------------------------------------------------------------
