@@ -13,7 +13,7 @@ from tests.oracles.html_page import Page
 from tests.oracles.small_specs import TURNER, replaced
 
 HOSTILE = "</script><script>alert(1)</script><!-- ]]> &lt; \u202e"
-WEAK = replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 0.2 N*m")
+WEAK = replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 0.32 N*m")
 """Drives that are far too weak: motions are searched along several paths, without success."""
 
 
