@@ -46,7 +46,9 @@ class DriveEffort:
 
 
 BEFORE_MOTIONS = DriveEffort((16, 64), 4)
-"""Before the search for a motion, which takes far longer: within about a second."""
+"""Before the search for a motion, which takes far longer."""
+BEFORE_LONG_MOTIONS = DriveEffort((16,), 1)
+"""The same for robots of many joints: so few boxes show only targets far out of reach."""
 AFTER_MOTIONS = DriveEffort((16, 64, 256), 16)
 """After no motion was found."""
 AT_GOALS = 4

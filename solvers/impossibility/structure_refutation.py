@@ -35,6 +35,7 @@ from solvers.impossibility.box_refutation import (
     way_is_seen,
 )
 from solvers.impossibility.drive_search import (
+    BEFORE_LONG_MOTIONS,
     BEFORE_MOTIONS,
     drive_refutation,
     drives_seem_able,
@@ -206,7 +207,8 @@ class _Asked:
         if drives_seem_able(self.numeric, self.task, self.witnesses, self.deadlines):
             return None
         robot = self.model, self.numeric.graph, self.workspace, self.task
-        return drive_refutation(*robot, BEFORE_MOTIONS)
+        few = len(self.model.dofs) <= FEW_DOFS
+        return drive_refutation(*robot, BEFORE_MOTIONS if few else BEFORE_LONG_MOTIONS)
 
 
 def _reason(model: RobotModel, question: PoseQuestion) -> str:
