@@ -7,9 +7,10 @@ mostly as "with ..." or "without ...".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import TypeVar
 
 from compiler.expressions.exact_numbers import rational_bounds
 from grammar_lang import ir
@@ -26,6 +27,8 @@ from solvers.explanation.relaxation import (
 )
 from solvers.explanation.task_line import TaskLine
 from solvers.explanation.two_digits import index_above, index_below, number_of
+
+Carried = TypeVar("Carried", ir.Payload, ir.Carry)
 
 MOST_STEPS = 160
 """The most steps of a longer horizon; it is also at most four times as long. A horizon near or
@@ -297,27 +300,28 @@ def _horizon(posed: PosedTask, line: TaskLine) -> Scale:
 
 def _payload(posed: PosedTask, line: TaskLine) -> Scale:
     payloads, index = posed.task.payloads, int(line.key[0])
-    clause = payloads[index]
-    who = "" if clause.effector is None else f" by effector {clause.effector}"
+    effector = payloads[index].effector
+    who = "" if effector is None else f" by effector {effector}"
 
     def at(value: Fraction) -> Change:
-        lighter = (*payloads[:index], replace(clause, mass=value), *payloads[index + 1 :])
-        says = f"with `payload {number_text(value)} kg{who}`"
-        return Change(line, says, posed.with_task(payloads=lighter), value)
+        lighter = posed.with_task(payloads=_with_mass(payloads, index, value))
+        return Change(line, f"with `payload {number_text(value)} kg{who}`", lighter, value)
 
-    return Scale(line, _lighter(clause.mass), at, posable=False)
+    return Scale(line, _lighter(payloads[index].mass), at, posable=False)
 
 
 def _load(posed: PosedTask, line: TaskLine) -> Scale:
     loads, index = posed.task.carries, int(line.key[0])
-    clause = loads[index]
 
     def at(value: Fraction) -> Change:
-        lighter = (*loads[:index], replace(clause, mass=value), *loads[index + 1 :])
-        says = f"with a load of {number_text(value)} kg"
-        return Change(line, says, posed.with_task(carries=lighter), value)
+        lighter = posed.with_task(carries=_with_mass(loads, index, value))
+        return Change(line, f"with a load of {number_text(value)} kg", lighter, value)
 
-    return Scale(line, _lighter(clause.mass), at, posable=False)
+    return Scale(line, _lighter(loads[index].mass), at, posable=False)
+
+
+def _with_mass(clauses: Sequence[Carried], index: int, mass: Fraction) -> tuple[Carried, ...]:
+    return tuple(replace(c, mass=mass) if i == index else c for i, c in enumerate(clauses))
 
 
 def _lighter(mass: Fraction) -> tuple[Fraction, ...]:

@@ -1,25 +1,27 @@
-"""Read numbers as files of other tools mean them."""
+"""Read numbers as files of other tools mean them: neither `1_0` nor digits of other scripts."""
 
 from __future__ import annotations
 
 
 def plain_index(word: str) -> int:
-    """The integer in a text, spelt as :func:`plain_number` takes it.
+    """The integer in a text.
 
     Raises:
         ValueError: the text is not an integer.
     """
-    if "_" in word or not word.isascii():
-        raise ValueError(f"{word} is not an integer")
-    return int(word)
+    return int(_plain(word))
 
 
 def plain_number(word: str) -> float:
-    """The number in a text; unlike ``float`` it takes neither `1_0` nor digits of other scripts.
+    """The number in a text.
 
     Raises:
         ValueError: the text is not a number.
     """
+    return float(_plain(word))
+
+
+def _plain(word: str) -> str:
     if "_" in word or not word.isascii():
         raise ValueError(f"{word} is not a number")
-    return float(word)
+    return word

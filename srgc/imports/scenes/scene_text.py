@@ -13,7 +13,7 @@ from grammar_lang.diagnostics.diagnostic import Code
 from srgc.imports.comment_lines import comment_lines
 from srgc.imports.meshes.convex_piece import decimal_text
 from srgc.imports.meshes.decomposition import DETAIL, Pieces, decomposed
-from srgc.imports.meshes.enclosing import Enclosed, enclosing
+from srgc.imports.meshes.enclosing import THINNEST, Enclosed, enclosing
 from srgc.imports.meshes.piece_files import pieces_text
 from srgc.imports.names import Names, is_legible
 from srgc.imports.scenes.scene import (
@@ -24,8 +24,8 @@ from srgc.imports.scenes.scene import (
     RodShape,
     Scene,
     SceneObject,
+    Shape,
 )
-from srgc.imports.scenes.thickness import THIN, thick_enough
 from srgc.imports.source_fault import file_fault
 from srgc.imports.spec_text import canonical_text
 from srgc.imports.written_import import Imported, mesh_folder
@@ -47,6 +47,8 @@ FEW = 8
 """A mesh that is one piece with at most this many corners is written into the spec."""
 MARGIN = 0.25
 """The free margin around the scene, as a share of its size."""
+THIN = "made thicker: it is thinner than 0.01 mm, or than a ten-thousandth of its size"
+"""A note on an object whose shape, or the piece about it, was made thicker."""
 LEAST_SHOWN = 1e-6
 """Corners that are less than this (mm) beyond a mesh are on it: the rest is rounding."""
 
@@ -118,7 +120,7 @@ class _Writer:
         if item.note:
             self.lines.append(f"  {comment_lines([f'{item.name} is {item.note}.'])}")
             self.notes.append(f"{item.name} is {item.note}")
-        shape, thicker = thick_enough(item.shape)
+        shape, thicker = _thick_enough(item.shape)
         if thicker:
             self._thicker(item)
         match shape:
@@ -250,6 +252,24 @@ def _told(source: str, name: str) -> bool:
 def _line(text: str) -> str:
     """A text from a file without characters that would break a line."""
     return "".join(each if each.isprintable() else " " for each in text)
+
+
+def _thick_enough(shape: Shape) -> tuple[Shape, bool]:
+    """A shape that holds this one with no edge or diameter below ``THINNEST``; whether it differs.
+
+    Points and meshes stay as they are: the pieces about them are made thick enough.
+    """
+    found: Shape
+    match shape:
+        case BoxShape(size=(x, y, z)):
+            found = BoxShape((max(x, THINNEST), max(y, THINNEST), max(z, THINNEST)))
+        case BallShape(radius=radius):
+            found = BallShape(max(radius, THINNEST / 2))
+        case RodShape(kind=kind, radius=radius, length=length):
+            found = RodShape(kind, max(radius, THINNEST / 2), max(length, THINNEST))
+        case _:
+            return shape, False
+    return found, found != shape
 
 
 def described(found: Pieces) -> str:

@@ -11,7 +11,6 @@ from pathlib import Path
 from srgc.imports.scenes.scene import Scene, SceneObject
 from srgc.imports.scenes.sdf_frames import Scope, is_true
 from srgc.imports.scenes.sdf_geometry import Geometries
-from srgc.imports.scenes.sdf_once import refuse_second
 from srgc.imports.source_fault import SourceFault
 from srgc.imports.source_files import TEXT_LIMIT, SourceFiles, source_bytes
 from srgc.imports.xml_source import Element, XmlFile, xml_file
@@ -21,6 +20,24 @@ PASSED = frozenset(
     | {"kinematic", "allow_auto_disable", "uri"}
 )
 """Elements of a model that are carried over, or do not affect where it is."""
+ONCE: dict[str, tuple[str, ...]] = {
+    "model": ("pose", "static"),
+    "include": ("pose", "uri", "name", "placement_frame"),
+    "link": ("pose",),
+    "joint": ("pose", "child"),
+    "frame": ("pose",),
+    "collision": ("pose", "geometry"),
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "cone": ("radius", "length"),
+    "ellipsoid": ("radii",),
+    "mesh": ("uri", "scale", "submesh"),
+    "polyline": ("height",),
+    "plane": ("normal",),
+}
+"""For each element the parts that it may have once (SDFormat 1.11: required ``0`` or ``1``)."""
 MOST_INCLUDES, DEEPEST = 1000, 20
 
 
@@ -85,7 +102,7 @@ class _Reader:
             self.scene.dropped.append(outer.missing[-1])
             return None
         file = xml_file(source_bytes(path, TEXT_LIMIT), path)
-        refuse_second(file)
+        _refuse_second(file)
         model = file.root.find("model")
         if model is None:
             outer.missing.append(f"include {uri}: {path.name} has no model")
@@ -153,7 +170,7 @@ def sdf_scene(files: SourceFiles) -> Scene:
     if root.tag != "sdf":
         raise file.fault(root, f"it is not an SDF file: its root is `{_tag(root)}`")
     worlds = root.findall("world")
-    refuse_second(file)
+    _refuse_second(file)
     scene = Scene((worlds[0].get("name") if worlds else None) or files.main.stem)
     reader = _Reader(scene, files)
     if worlds:
@@ -166,3 +183,17 @@ def sdf_scene(files: SourceFiles) -> Scene:
     for model in outermost.children:
         reader.model(model)
     return scene
+
+
+def _refuse_second(file: XmlFile) -> None:
+    """Refuse a file in which an element has a second pose, geometry, size or address.
+
+    Raises:
+        SourceFault: it has; the fault names the second one.
+    """
+    for element in file.root.iter(*ONCE):
+        for tag in ONCE[str(element.tag)]:
+            found = element.findall(tag)
+            if len(found) > 1:
+                said = f"a second <{tag}> in one <{element.tag}>"
+                raise file.fault(found[1], said, "remove one")
