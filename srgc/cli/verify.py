@@ -114,7 +114,9 @@ def verify(
 
         text = with_verdict(text, report.outcome.value)
         why = WHY_MISSION if of_mission else WHY
-        text = f"{text}\n{after_verification(report, str(folder), why)}"
+        ended = any((folder / name).exists() for name in ("design.json", MISSION))
+        begun = not ended and (folder / "journal.jsonl").exists()
+        text = f"{text}\n{after_verification(report, str(folder), why, begun=begun)}"
     click.echo(text)
     statuses = {
         Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED,

@@ -143,8 +143,11 @@ def by_map(conditions: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]
 # --- The next step --------------------------------------------------------------------------------
 
 
-def after_verification(report: Report, folder: str, why: str = WHY) -> str:
-    """The line about the next step, for results in a folder; ``why`` is what `srgc why` says."""
+def after_verification(report: Report, folder: str, why: str = WHY, *, begun: bool = False) -> str:
+    """The line about the next step, for results in a folder; ``why`` is what `srgc why` says.
+
+    ``begun``: the folder is that of a search that was interrupted.
+    """
     match report.outcome:
         case Outcome.VALID if report.verdict == "found":
             return next_command("srgc report", folder, "or srgc export")
@@ -154,6 +157,8 @@ def after_verification(report: Report, folder: str, why: str = WHY) -> str:
             return next_command("srgc verify --trust z3", folder)
         case Outcome.UNEXPECTED:
             return next_command("srgc verify", folder, "judges it, whatever it is about")
+        case Outcome.UNDECIDED if report.verdict is None and begun:
+            return f"{HEAD}the `srgc synth` that began it goes on from there"
         case Outcome.UNDECIDED if report.verdict is None:
             return next_command("srgc why", folder)
         case Outcome.UNDECIDED if report.verdict == "found":

@@ -112,6 +112,16 @@ def test_nothing_to_verify(srgc, tmp_path, result):
     assert srgc("verify", folder).status == 4
 
 
+def test_a_search_that_was_interrupted_goes_on(srgc, tmp_path):
+    """`why` has nothing to say of it yet, so it is not the next step."""
+    (tmp_path / "journal.jsonl").write_text("")
+    ran = srgc("verify", tmp_path)
+    assert ran.status == 4
+    assert ran.out.endswith("next:    the `srgc synth` that began it goes on from there\n")
+    (tmp_path / "design.json").write_text("{}")
+    assert "next:    srgc why " in srgc("verify", tmp_path).out
+
+
 def test_a_false_claim_is_refuted_with_its_reason(srgc, result):
     folder = result("turner")
     result_files.alter(folder, lambda c: c["inputs"][4].__setitem__(0, "10.5"), sign=True)
