@@ -119,7 +119,7 @@ def test_a_search_that_was_interrupted_goes_on(srgc, tmp_path):
     assert ran.status == 4
     assert ran.out.endswith("next:    the `srgc synth` that began it goes on from there\n")
     (tmp_path / "design.json").write_text("{}")
-    assert "next:    srgc why " in srgc("verify", tmp_path).out
+    assert "next:    srgc why" in srgc("verify", tmp_path).out
 
 
 def test_a_false_claim_is_refuted_with_its_reason(srgc, result):
