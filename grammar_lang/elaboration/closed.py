@@ -121,12 +121,9 @@ class Constants:
             wrong_sort(value, "a number", expr.span, self.sink)
             return UNKNOWN
         if not constants.is_closed(value.expr):
-            self.sink.error(
-                Code.NOT_CONSTANT,
-                "this is not a constant",
-                expr.span,
-                "a constant is made of numbers, units and `pi`",
-            )
+            message = "this depends on a parameter, so it is not a constant"
+            hint = "write a number, or a module for each value"
+            self.sink.error(Code.NOT_CONSTANT, message, expr.span, hint)
             return UNKNOWN
         if value.bare and unit.broken:
             return UNKNOWN

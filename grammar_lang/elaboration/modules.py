@@ -224,7 +224,8 @@ class _Reader:
             ir.ParameterOf(ir.THIS, item.name.text),
             Sort.SCALAR,
             sample.dimension,
-            declared=item.span,
+            sample.angular,
+            item.span,
         )
 
     def _constant(self, item: s.Const) -> None:

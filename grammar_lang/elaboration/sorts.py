@@ -135,6 +135,8 @@ def mismatch(
         hint = f"write it in `{unit}`, as in `3 {unit}`"
         if dimension == ONE:
             hint = "write a plain number or an angle"
+        elif value.declared is not None and value.dimension == ONE and not value.angular:
+            hint = f"write its unit where it is declared, as in `3 {unit}`"
     notes = [] if value.declared is None else [(value.declared, "declared here")]
     message = f"expected {describe(dimension)}, found {_describe(value)}"
     sink.error(Code.UNIT_MISMATCH, message, at, hint, notes)

@@ -45,6 +45,8 @@ def _in_task(tokens: Tokens, here: int, wanted: str) -> str | None:
         return "modules come in pairs, as in `except Hand Tube, Tube Tube`"
     if wanted == "a name" and found == "(" and before in {"in", "reach", "avoid"}:
         return _POINT
+    if before == "in" and tokens.at(here - 2) == "reach":
+        return f"it takes the region itself: write `reach {found}`"
     if found in {"and", ","} and tokens.at(here - 2) == "reach":
         return "a task reaches one region; for more, write `satisfy eventually A and eventually B`"
     return None

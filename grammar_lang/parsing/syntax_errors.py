@@ -315,7 +315,10 @@ def _wrong(item: RawItem, place: Place, sink: Sink) -> None:
         return
     wanted = _wanted(place.expected)
     message = f"expected {wanted}, found `{_shortened(tokens.at(here))}`"
-    sink.error(Code.SYNTAX, message, tokens.span(here), _hint(item, place, wanted))
+    hint = _hint(item, place, wanted)
+    said = any((each.message, each.hint) == (message, hint) for each in sink.found)
+    if not (said and tokens.at(here) in RESERVED and "NAME" in place.expected):
+        sink.error(Code.SYNTAX, message, tokens.span(here), hint)
 
 
 def explain(item: RawItem, place: Place, repair: Repair | None, sink: Sink) -> None:

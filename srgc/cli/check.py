@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from srgc.cli.arguments import FILES, DocumentedCommand
+from srgc.faults import Checked
 
 
 @click.command(
@@ -28,7 +32,7 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
     from srgc.cli.fault_report import show
     from srgc.session import check_file
 
-    results = [check_file(path) for path in files]
+    results = _each_finding_once([check_file(path) for path in files])
     if as_json:
         from grammar_lang.diagnostics.render import records
 
@@ -41,3 +45,15 @@ def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
             show(result, stderr=False)
         click.echo(summary(results))
     return 0 if all(result.program is not None for result in results) else 1
+
+
+def _each_finding_once(results: Sequence[Checked]) -> list[Checked]:
+    """The results without what an earlier one found in a file that both include."""
+    said, found = set[tuple[object, ...]](), list[Checked]()
+    for result in results:
+        names = [os.path.realpath(source.name) for source in result.sources]
+        new = {(names[d.span.file], d.span[:2], d.code, d.message): d for d in result.diagnostics}
+        kept = tuple(d for key, d in new.items() if key not in said)
+        found.append(replace(result, diagnostics=kept))
+        said |= new.keys()
+    return found

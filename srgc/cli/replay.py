@@ -31,10 +31,10 @@ from srgc.faults import REFUSED, UNKNOWN, UsageFault
 @click.option(
     "--in",
     "simulator",
-    required=True,
+    default="python",
     type=click.Choice(["mujoco", "python"]),
-    help='mujoco: the exported MJCF, with pip install "srgc[mujoco]". python: our own equations '
-    "with a method of order eight.",
+    help="python: our own equations with a method of order eight; the default. mujoco: the "
+    'exported MJCF, with pip install "srgc[mujoco]".',
 )
 @click.option(
     "--timestep",

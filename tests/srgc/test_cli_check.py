@@ -25,6 +25,17 @@ def test_the_example_is_without_findings(srgc, arm_file):
     assert srgc("check", arm_file, arm_file).out == "2 files without errors\n"
 
 
+def test_a_finding_in_a_file_that_several_include_is_told_once(srgc, spec, tmp_path):
+    (tmp_path / "parts.srg").write_text("module A { role base; }\nmodule A { role link; }\n")
+    one, two = (spec('include "parts.srg";\n', name=name) for name in ("one.srg", "two.srg"))
+    ran = srgc("check", one, two, tmp_path / "parts.srg")
+    assert ran.status == 1
+    assert ran.out.count("SRG0202") == 1
+    assert ran.out.endswith("3 files: 1 error; `srgc explain CODE` explains a code\n")
+    found = json.loads(srgc("check", one, two, "--json").out)
+    assert [record["code"] for record in found] == ["SRG0202"]
+
+
 def test_json_is_alone_on_stdout(srgc, arm_file):
     ran = srgc("check", arm_file, "--json")
     assert (ran.status, json.loads(ran.out), ran.err) == (0, [], "")

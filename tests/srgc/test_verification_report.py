@@ -82,3 +82,14 @@ def test_no_line_has_more_than_80_columns(
     text = f"{verification_text(report)}\n{after_verification(report, folder)}"
     assert max(map(len, text.splitlines())) <= 80
     assert set(name.split()) <= set(text.split())
+
+
+def test_margins_have_units_and_shares_say_of_what() -> None:
+    held = CheckedCondition("start held", Status.HOLDS, 0.25, "1", 0.0)
+    pivots = CheckedCondition("mass matrix", Status.HOLDS, 0.5, "SI", 0.0)
+    rate = CheckedCondition("rate of joint 1", Status.HOLDS, 0.75, "rad/s", 0.0)
+    assert told(printed(held, pivots, rate)) == [
+        ("holds", "start held margin 0.25 of the bound at 0.000 s"),
+        ("holds", "mass matrix margin 0.5 (SI) at 0.000 s"),
+        ("holds", "rate of joint 1 margin 0.75 rad/s at 0.000 s"),
+    ]

@@ -88,6 +88,8 @@ def read_scene(
     else:
         known = ", ".join((*SUFFIXES, SCENE, *WORLDS))
         raise file_fault(path, "its file extension is not that of a scene", f"known: {known}")
+    if at is not None and unit not in {None, "m"} and not at.rstrip().endswith("m"):
+        scene.notes.append(f"--at {at} is in m; write `{at} {unit}` if it is in {unit}")
     scene.objects = [
         SceneObject(each.name, each.shape, place.then(each.pose), each.note)
         for each in scene.objects

@@ -387,6 +387,24 @@ def test_an_stl_in_millimetres_at_a_place(tmp_path):
     assert sides(found) == [(Fraction(low, 100), Fraction(high) / 100) for low, high in due]
 
 
+@pytest.mark.parametrize(
+    ("unit", "place", "told"),
+    [
+        ("mm", "(400, 600, 300)", True),
+        ("in", "1, 0, 2", True),
+        ("mm", "(400, 600, 300) mm", False),
+        ("m", "(0.4, 0.6, 0.3)", False),
+        (None, "(0.4, 0.6, 0.3)", False),
+    ],
+)
+def test_a_place_without_a_unit_is_in_metres_whatever_the_mesh(tmp_path, unit, place, told):
+    path = tmp_path / "part.stl"
+    trimesh.creation.box((100, 50, 25) if unit in {"mm", "in"} else (1, 1, 1)).export(path)
+    imported = scene_import(path, unit=unit, at=place)
+    said = f"--at {place} is in m; write `{place} {unit}` if it is in {unit}"
+    assert (said in imported.remarks) is told
+
+
 def test_the_command_writes_a_clean_spec(srgc, tmp_path):
     out = tmp_path / "bench.srg"
     ran = srgc("import", "scene", ROOT / "specs/imports/bench.scene", "-o", out)

@@ -80,6 +80,8 @@ def test_a_found_robot(srgc: Command, made: Result, simulator: str) -> None:
     assert (ran.status, ran.err) == (0, "")
     assert ran.out.count("outside the tube  never") == 3
     assert ran.out.startswith("in MuJoCo" if simulator == "mujoco" else "in SciPy")
+    if simulator == "python":
+        assert srgc("replay", made("spatial") / "out").out == ran.out
 
 
 def test_disturbances_are_in_the_tube(made: Result) -> None:
@@ -277,6 +279,7 @@ def test_a_mujoco_that_does_not_load(
 
 def test_usage(srgc: Command, arm: Path, tmp_path: Path) -> None:
     for options in (("--timestep", "0.1"), ("--integrator", "rk4"), ("--halvings", "1")):
+        refused(srgc("replay", arm, *options), "--in mujoco alone")
         refused(srgc("replay", arm, "--in", "python", *options), "--in mujoco alone")
     for value in ("0", "-1", "nan", "inf"):
         ran = srgc("replay", arm, "--in", "mujoco", "--timestep", value)
@@ -285,7 +288,8 @@ def test_usage(srgc: Command, arm: Path, tmp_path: Path) -> None:
     many = ("--timestep", "1e-5", "--halvings", "16")
     refused(srgc("replay", arm, "--in", "mujoco", *many), "more than 100000000")
     refused(srgc("replay", tmp_path / "none", "--in", "python"), "is not a folder")
-    for arguments in ((arm,), (arm, "--in", "gazebo"), (arm, "--in", "mujoco", "--halvings", "99")):
+    wrong = (("--in",), ("--in", "gazebo"), ("--in", "mujoco", "--halvings", "99"))
+    for arguments in ((arm, *options) for options in wrong):
         assert srgc("replay", *arguments).status == 2
 
 
