@@ -41,7 +41,14 @@ from compiler.unreachability.actuation_measures import (
 )
 from compiler.unreachability.actuation_metric import EffortGroup, most_power
 from compiler.unreachability.actuation_region import Limits, Region
-from compiler.unreachability.actuation_rest import Holding, Rest, TooHeavy, held_goals
+from compiler.unreachability.actuation_rest import (
+    Holding,
+    Rest,
+    Target,
+    TooHeavy,
+    held_goals,
+    targets,
+)
 from compiler.unreachability.covered_poses import NEAR
 from compiler.unreachability.motion_conditions import GivenPose, Passage
 from compiler.workspaces.polytope import polytope_of
@@ -67,13 +74,17 @@ class DriveBound:
 
 @dataclass(frozen=True, slots=True)
 class DriveReach:
-    """One robot in a task, for ``out_of_reach``."""
+    """One robot in a task, for ``out_of_reach``.
+
+    ``targets`` has one entry for each effector; it is empty if the robot need not hold still.
+    """
 
     model: RobotModel
     workspace: ir.Workspace
     task: ir.Task
     graph: EnergyGraph
     groups: tuple[EffortGroup, ...] | None
+    targets: tuple[Target, ...]
 
     def carried(self, tail: Sequence[Ends]) -> list[arb]:
         """Lower bounds of the masses (kg) that move with the effectors, 0 if none is known.
@@ -98,13 +109,9 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
     graph = energy_graph(model, task.gravity)
     # For robots that pick up and put down loads, no energy is known.
     known = graph.damping is not None and not unbounded_kinds(model, task) and not task.carries
-    return DriveReach(
-        model,
-        workspace,
-        task,
-        graph,
-        _groups(model, task) if known else None,
-    )
+    groups = _groups(model, task) if known else None
+    at_rest = targets(model, workspace, task) if known else ()
+    return DriveReach(model, workspace, task, graph, groups, at_rest)
 
 
 def out_of_reach(
@@ -146,7 +153,7 @@ def _still(
 ) -> tuple[Sequence[LeafBox], list[TooHeavy]]:
     """The boxes, without goals at which the drives cannot keep still as long as the task asks."""
     slow = drive.task.final_rates if passage.arrives else None
-    if drive.groups is None or slow is None or not slow.duration:
+    if drive.groups is None or slow is None or not drive.targets:
         return leaves, []
     model = drive.model
     bounds = {joint: group.bound for group in drive.groups for joint in group.joints}
@@ -154,6 +161,8 @@ def _still(
     holding = Holding(
         drive.graph,
         tail,
+        len(model.parameters),
+        drive.targets[passage.reaching],
         [bounds.get(joint, arb("inf")) for joint in range(len(model.dofs))],
         [abs(side.low).max(abs(side.high)) for side in _damping(drive, tail)],
         [dry.get(joint, arb(0)) for joint in range(len(model.dofs))],

@@ -128,11 +128,45 @@ def test_all_lengths_of_a_box(length):
         assert (answer(text, [8]) is not None) is refuted
 
 
-def at_rest(seed, share):
+def test_a_payload_hangs_on_the_first_joint_wherever_the_others_are():
+    """Three links of 0.25 to 0.55 m: 12 kg at x >= 0.5 m, less what balances it behind."""
+    arm = [Segment("{0.25, 0.4, 0.55}", density=0.1) for _ in range(3)]
+    target = "[0.5, 0.8] x [0.2, 0.5]"
+    clauses = f"start in A; reach T at rest for 0.5 s; payload 12 kg; {WEIGHT} "
+    least = 9.81 * (12 * 0.5 - 0.1 * 3 * 0.55**2)
+    most = 9.81 * 12 * 0.5  # the arm itself, folded behind the axis, may hold a part of it
+    for effort, refuted in ((0.95 * least, True), (1.01 * most, False)):
+        efforts = f"effort <= {effort} N*m; horizon 40 steps of 0.1 s;"
+        text = problem(arm, target, clauses + efforts, start="[-0.5, -0.2] x [0.4, 0.7]")
+        found = answer(text, [2, 2, 2])
+        assert (found is not None) is refuted
+        assert found is None or "joint 1 needs" in found.reason
+
+
+@pytest.mark.parametrize("turn", [0, 30, -75])
+def test_a_tilted_target_bounds_the_lever(turn):
+    """One long box, turned: its corner nearest to the axis is the place that needs least."""
+    way = np.array([cos(np.radians(turn)), sin(np.radians(turn))])
+    corners = np.array([[0.6, -0.1], [0.9, -0.1], [0.9, 0.1], [0.6, 0.1]])
+    turned = corners @ np.array([way, [-way[1], way[0]]])
+    least = 9.81 * 5 * max(turned[:, 0].min(), 0.0)
+    arm = [Segment(0.5, density=0.01), Segment(0.5, density=0.01), Segment(0.1, density=0.01)]
+    hull = ", ".join(f"({x:.9f}, {y:.9f})" for x, y in turned)
+    clauses = f"start in A; reach T at rest for 0.5 s; payload 5 kg; {WEIGHT} "
+    for effort, refuted in ((0.9 * least, True), (1.2 * least, False)):
+        efforts = f"effort <= {effort} N*m; horizon 40 steps of 0.1 s;"
+        text = problem(arm, "[0, 1] x [0, 1]", clauses + efforts, start="[-1, 1] x [-1, 1]")
+        text = text.replace("target T box [0, 1] x [0, 1] m", f"target T hull {hull} m")
+        found = answer(text, [3, 3, 3])
+        assert (found is not None and "still" in found.reason) is refuted
+
+
+def at_rest(seed, share, widths=(0.0, 1e-3, 0.02)):
     """Whether a random arm that stays at a pose, with inputs times a share, is said to be too weak.
 
-    The inputs are those at which the equations of motion have no acceleration. None: some joints
-    turn about the same axis, or the equations have no value.
+    The pose is in the middle of a box with one of the ``widths``. The inputs are those at which the
+    equations of motion have no acceleration. None: some joints turn about the same axis, or the
+    equations have no value.
     """
     rng = random.Random(seed)
     dimension, joints = rng.choice([2, 3]), rng.randint(1, 3)
@@ -166,7 +200,7 @@ def at_rest(seed, share):
     tip = np.array(graph.effectors(q, [], constants)).ravel()[:dimension]
     model, workspace, task = posed(tip, share * np.abs(inputs).max() + 1e-6)
     ((passage,),) = motion_conditions(model, workspace, task).passages
-    width = rng.choice([0.0, 1e-3, 0.02])
+    width = rng.choice(widths)
     leaf = LeafBox(tuple(arb(x, width) for x in q), True, True)
     with working_precision(64):
         return out_of_reach(drive_reach(model, workspace, task), passage, [], [leaf]) is not None
@@ -174,6 +208,11 @@ def at_rest(seed, share):
 
 def test_what_stays_where_it_is_is_not_refuted():
     assert not any(at_rest(seed, 1.001) for seed in range(examples(40, 1000)))
+
+
+def test_nor_in_a_wide_box_about_it():
+    found = [at_rest(seed, 1.001, (0.3, 1, 3)) for seed in range(examples(40, 1000))]
+    assert not any(found)
 
 
 def test_half_of_the_inputs_are_too_weak():
