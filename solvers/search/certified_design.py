@@ -18,6 +18,7 @@ from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import ControlOutcome
 from solvers.trajectory.fine_motion import fine_motion, seems_to_satisfy
 from solvers.trajectory.friction_inputs import friction_inputs
+from solvers.trajectory.held_start import holds_still
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.rubbing_motion import rubbing_inputs, rubbing_loop
 from solvers.trajectory.simulated_motion import clear_violations, simulated_motion
@@ -102,9 +103,19 @@ def certified_design(
             0.0 if spread is None else missing_margin(conditions, spread),
             beyond_loop(conditions),
         )
-    design = replace(design, conditions=conditions)
+    held = _held_at_end(path_problem, trajectory)
+    design = replace(design, conditions=conditions, held_at_end=held)
     outcome = _outcome(design, path_problem, replace(trajectory, u=driven), gains)
     return Found(replace(design, configuration=replace(found, outcome=outcome)))
+
+
+def _held_at_end(path_problem: PathProblem, trajectory: Trajectory) -> bool | None:
+    """Whether drives seem to hold the robot where it has to be at rest; None if nothing asks it."""
+    task = path_problem.task
+    if task.final_rates is None or task.stay or task.repeat or not any(task.gravity):
+        return None
+    numeric, groups = path_problem.numeric, path_problem.groups
+    return holds_still(numeric, trajectory.x[-1], trajectory.theta, groups)
 
 
 def _against_friction(

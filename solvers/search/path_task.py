@@ -195,7 +195,8 @@ class Design:
     """A robot in exact decimals, with its trajectory in floats for tables and pictures.
 
     ``effector`` starts and reaches, ``leader`` followed the cell path; ``path`` names cells of
-    ``abstraction``.  ``conditions`` are the results of the proof.
+    ``abstraction``.  ``conditions`` are the results of the proof.  ``held_at_end``: whether the
+    drives seem to hold the robot at its target; None if it need not be at rest, or stays there.
     """
 
     derivation: Derivation
@@ -211,6 +212,7 @@ class Design:
     conditions: tuple[CheckedCondition, ...] = ()
     controller: ControllerClaim | None = None
     loop: LoopClaim | None = None
+    held_at_end: bool | None = None
 
     @property
     def robustness(self) -> float:

@@ -15,6 +15,7 @@ from srgc.report.evidence import Evidence, tried_robots
 from srgc.report.task_sentences import task_sentences
 from srgc.results.found_design import FoundDesign
 from srgc.text_reports.synthesis_report import (
+    NOT_HELD,
     UNASKED_SELF,
     robustness_text,
     steps_taken,
@@ -169,6 +170,8 @@ def _proved_motion(evidence: Evidence) -> Iterator[str]:
             "by what they are off from its reference. What was followed is this closed loop; the "
             "bounds of the inputs hold for all that it commands."
         )
+    if evidence.design.get("held_at_end") is False:
+        yield _code(f"It is at rest there for an instant only; {NOT_HELD}.")
     if evidence.task.avoid_self is None:
         yield _code(f"{UNASKED_SELF[0].upper()}{UNASKED_SELF[1:]}: it may pass through itself.")
     if evidence.task.repeat:

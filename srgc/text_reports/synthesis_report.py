@@ -133,6 +133,9 @@ MORE_EFFORT = "which may use more effort than planned: see `srgc verify`"
 UNASKED_SELF = "self-collision was not asked for (`avoid self with body;`)"
 """The remark about a task that lets a robot pass through itself."""
 
+NOT_HELD = "the drives cannot hold it there: `at rest for 1 s` would ask for that"
+"""The remark about a motion whose end the drives cannot hold against gravity."""
+
 
 def _winding(turns: Sequence[int]) -> Iterator[str]:
     """The joints that turn by whole revolutions in a round, with their numbers of turns."""
@@ -204,6 +207,8 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
         for condition in design.conditions
         if condition.clause is not None
     ]
+    if design.held_at_end is False:
+        lines.append(f"end:     {NOT_HELD}")
     if task.avoid_self is None:
         lines.append(f"self:    {UNASKED_SELF}")
     if design.model.removed:

@@ -8,11 +8,12 @@ from fractions import Fraction
 import pytest
 
 from tests.oracles import result_files
-from tests.oracles.small_specs import SLIDER, replaced
+from tests.oracles.small_specs import SLIDER, TURNER, replaced
 
 DESIGN_FIELDS = [
     "verdict", "reason", "task", "spec", "word", "derivation", "dofs", "parameters", "robustness",
-    "effort_peak", "robustness_share", "robustness_by_unit", "control", "step", "horizon", "path",
+    "effort_peak", "robustness_share", "robustness_by_unit", "control", "held_at_end",
+    "step", "horizon", "path",
     "leader", "satisfy", "reconfiguration", "cells", "structures_tried", "nearest",
     "counterexamples", "iterations", "seed", "least_cells", "all_designs", "solver", "search",
     "paths", "evaluations", "spec_sha256", "version",
@@ -233,3 +234,26 @@ def test_a_time_limit_is_a_number(srgc, arm_file):
     ran = srgc("synth", arm_file, "--time-limit", "nan")
     assert ran.status == 2
     assert "seconds" in ran.err
+
+
+SWING = (
+    replaced(TURNER, "param length in [1, 2] m", "const length = 1.5 m")
+    .replace("[1.2, 1.9] x [-0.3, 0.3]", "[-0.1, 0.1] x [-1.6, -1.4]")
+    .replace("[-0.3, 0.3] x [1.2, 1.9]", "[1.4, 1.6] x [-0.1, 0.1]")
+    .replace("bounds box [-1, 3] x [-1, 3]", "bounds box [-2, 3] x [-2, 3]")
+    .replace("reach T;", "reach T at rest; gravity (0, -9.81) m/s^2;")
+)
+"""A rod swings up to where it is horizontal: its weight then turns it by 11.04 N m."""
+
+
+@pytest.mark.parametrize(("effort", "held"), [(9, False), (14, True)])
+def test_it_is_told_if_the_drives_do_not_hold_what_they_lifted(srgc, spec, tmp_path, effort, held):
+    path = spec(SWING.replace("effort <= 10", f"effort <= {effort}"))
+    ran = srgc("synth", path, "-o", tmp_path / "out")
+    assert ran.status == 0
+    assert ("the drives cannot hold it there" in ran.out) is not held
+    design = json.loads((tmp_path / "out/design.json").read_text())
+    assert design["held_at_end"] is held
+    assert srgc("report", tmp_path / "out").status == 0
+    page = (tmp_path / "out/report.html").read_text()
+    assert ("at rest there for an instant only" in page) is not held

@@ -166,7 +166,6 @@ def test_doubles_never_contradict_integers(seed, monkeypatch):
     quick = [each.triangle for each in uncovered(vertices, triangles, pieces)]
     assert 0 < len(quick) < 60
     monkeypatch.setattr(containment, "in_two", lambda sides, _: np.zeros(len(sides), dtype=bool))
-    monkeypatch.setattr(containment, "_surely_covered", lambda _: False)
     nothing = staticmethod(lambda *given: np.zeros(len(given[-1]), dtype=bool))
     monkeypatch.setattr(containment.Heights, "hold", nothing)
     whole = [each.triangle for each in uncovered(vertices, triangles, pieces)]
