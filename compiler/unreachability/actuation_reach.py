@@ -42,12 +42,13 @@ from compiler.unreachability.actuation_measures import (
 from compiler.unreachability.actuation_metric import EffortGroup, most_power
 from compiler.unreachability.actuation_region import Limits, Region
 from compiler.unreachability.actuation_rest import (
+    Hold,
     Holding,
-    Rest,
-    Target,
     TooHeavy,
-    held_goals,
-    targets,
+    Weight,
+    held,
+    holds,
+    weights,
 )
 from compiler.unreachability.covered_poses import NEAR
 from compiler.unreachability.motion_conditions import GivenPose, Passage
@@ -76,7 +77,7 @@ class DriveBound:
 class DriveReach:
     """One robot in a task, for ``out_of_reach``.
 
-    ``targets`` has one entry for each effector; it is empty if the robot need not hold still.
+    ``weights`` are those by the position of each effector, empty if the robot need not hold still.
     """
 
     model: RobotModel
@@ -84,7 +85,8 @@ class DriveReach:
     task: ir.Task
     graph: EnergyGraph
     groups: tuple[EffortGroup, ...] | None
-    targets: tuple[Target, ...]
+    holds: tuple[Hold, ...]
+    weights: tuple[Weight, ...]
 
     def carried(self, tail: Sequence[Ends]) -> list[arb]:
         """Lower bounds of the masses (kg) that move with the effectors, 0 if none is known.
@@ -110,8 +112,9 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
     # For robots that pick up and put down loads, no energy is known.
     known = graph.damping is not None and not unbounded_kinds(model, task) and not task.carries
     groups = _groups(model, task) if known else None
-    at_rest = targets(model, workspace, task) if known else ()
-    return DriveReach(model, workspace, task, graph, groups, at_rest)
+    still = holds(model, workspace, task) if known else ()
+    by_place = weights(model, task.gravity) if still else ()
+    return DriveReach(model, workspace, task, graph, groups, still, by_place)
 
 
 def out_of_reach(
@@ -132,9 +135,9 @@ def out_of_reach(
     if not (known and drive.model.dofs):
         return None
     tail = [*parameters, *(around(constant_ball(item)) for item in drive.graph.constants)]
-    leaves, too_heavy = _still(drive, passage, tail, leaves)
-    if too_heavy and not any(leaf.goal_possible for leaf in leaves):
-        return _not_still(drive, too_heavy)
+    leaves, not_still = _still(drive, passage, tail, leaves)
+    if not_still is not None:
+        return not_still
     region = _region(drive, passage, tail, leaves)
     for _ in range(ROUNDS):
         if region.empty:
@@ -150,11 +153,13 @@ def out_of_reach(
 
 def _still(
     drive: DriveReach, passage: Passage, tail: Sequence[Ends], leaves: Sequence[LeafBox]
-) -> tuple[Sequence[LeafBox], list[TooHeavy]]:
-    """The boxes, without goals at which the drives cannot keep still as long as the task asks."""
-    slow = drive.task.final_rates if passage.arrives else None
-    if drive.groups is None or slow is None or not drive.targets:
-        return leaves, []
+) -> tuple[Sequence[LeafBox], DriveBound | None]:
+    """The boxes, without starts and goals at which the drives cannot hold still as the task asks.
+
+    With the reason if no start or no goal is left.
+    """
+    if drive.groups is None or not drive.holds:
+        return leaves, None
     model = drive.model
     bounds = {joint: group.bound for group in drive.groups for joint in group.joints}
     dry = {joint: closed_ball(most) for joint, most in dry_friction(model).items()}
@@ -162,23 +167,32 @@ def _still(
         drive.graph,
         tail,
         len(model.parameters),
-        drive.targets[passage.reaching],
         [bounds.get(joint, arb("inf")) for joint in range(len(model.dofs))],
         [abs(side.low).max(abs(side.high)) for side in _damping(drive, tail)],
         [dry.get(joint, arb(0)) for joint in range(len(model.dofs))],
     )
-    return held_goals(holding, Rest(ball(slow.most), ball(slow.duration)), leaves)
+    for hold in drive.holds:
+        if not (hold.at_start or passage.arrives):
+            continue
+        effector = passage.starting if hold.at_start else passage.reaching
+        leaves, too_heavy = held(holding, hold, effector, drive.weights[effector], leaves)
+        left = any(leaf.start_possible if hold.at_start else leaf.goal_possible for leaf in leaves)
+        if too_heavy and not left:
+            return leaves, _not_still(drive, hold, too_heavy)
+    return leaves, None
 
 
-def _not_still(drive: DriveReach, found: Sequence[TooHeavy]) -> DriveBound:
-    """The reason if no goal is left at which the drives keep still."""
+def _not_still(drive: DriveReach, hold: Hold, found: Sequence[TooHeavy]) -> DriveBound:
+    """The reason if no pose is left at which the drives keep still."""
+    where = "start" if hold.at_start else "target"
     joints = {each.joint for each in found}
     if len(joints) != 1:
-        return DriveBound("they do not hold it still at any pose at the target")
+        return DriveBound(f"they do not hold it still at any pose at the {where}")
     (joint,) = joints
     needs, has = _apart(float(least([each.needed for each in found])), float(found[0].available))
     unit = "N*m" if drive.model.dofs[joint].kind == "revolute" else "N"
-    reason = f"joint {joint + 1} needs {needs} {unit} at least to hold still, and has {has} {unit}"
+    still = f"to hold still{' at the start' if hold.at_start else ''}"
+    reason = f"joint {joint + 1} needs {needs} {unit} at least {still}, and has {has} {unit}"
     return DriveBound(reason, float(needs), float(has), unit)
 
 

@@ -1,4 +1,6 @@
-r"""The goal poses in which drives can keep a robot nearly still for a while, against gravity.
+r"""The poses in which drives can keep a robot nearly still for a while, against gravity.
+
+At a start that has to be held, no weight exceeds what its input and dry friction can balance.
 
 The last d seconds of a motion have rates of at most r. For the momentum P_i of a joint, row i of
 M q',
@@ -20,12 +22,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from flint import arb
 
 from compiler.dynamics.energy_graph import EnergyGraph
 from compiler.dynamics.weight_graph import WeightGraph, weight_graph
-from compiler.expressions.evaluators.balls import constant_ball
+from compiler.expressions.evaluators.balls import ball, constant_ball
 from compiler.expressions.evaluators.intervals import INFINITY, INTERVALS, Ends, around, between
 from compiler.robots.robot import RobotModel
 from compiler.unreachability.actuation_bounds import LeafBox
@@ -36,44 +39,60 @@ ZERO = arb(0)
 
 
 @dataclass(frozen=True, slots=True)
-class Rest:
-    """The end of a motion: its last ``duration`` (s) with rates of at most ``rate`` (SI)."""
+class Hold:
+    """That drives hold a robot still with its effector in a box (d,): at its start, or at its goal.
 
+    It is for ``duration`` (s), with rates of at most ``rate`` (SI).
+    """
+
+    box: tuple[Ends, ...]
+    at_start: bool
     rate: arb
     duration: arb
 
 
+def holds(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> tuple[Hold, ...]:
+    """Where a task asks a robot to hold still against gravity: nowhere, or at start or goal."""
+    found = list[Hold]()
+    if not any(task.gravity):
+        return ()
+    if isinstance(task.start, ir.StartIn) and task.start.held:
+        # An instant without any rate: the weight alone has to be within the bounds.
+        box = _box(model, workspace, task.start.region)
+        found.append(Hold(box, at_start=True, rate=ZERO, duration=arb(1)))
+    if task.reach is not None and task.final_rates is not None and task.stay:
+        rest, box = task.final_rates, _box(model, workspace, task.reach.region)
+        found.append(Hold(box, at_start=False, rate=ball(rest.most), duration=ball(task.stay)))
+    return tuple(hold for hold in found if hold.box)
+
+
+def _box(model: RobotModel, workspace: ir.Workspace, region: str) -> tuple[Ends, ...]:
+    """A box (d,) around the part of a region within the bounds; () if there is none."""
+    shapes = (workspace.region(region).shape, workspace.bounds.shape)
+    rows = [row for shape in shapes for row in refuting_polytope(shape, model.dimension).rows]
+    corners = Polytope(tuple(rows)).vertices
+    return tuple(between(min(side), max(side)) for side in zip(*corners, strict=True))
+
+
 @dataclass(frozen=True, slots=True)
-class Target:
-    """Where an effector (from 0) is at rest, and the weight by its position there.
+class Weight:
+    """The weight of a robot by the position of one effector, and its constants, enclosed."""
 
-    ``box`` (d,) holds the target; ``constants`` are those of the weight.
-    """
-
-    effector: int
-    box: tuple[Ends, ...]
-    weight: WeightGraph
+    graph: WeightGraph
     constants: tuple[Ends, ...]
 
 
-def targets(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> tuple[Target, ...]:
-    """The target for each effector, if the task asks a robot to hold still there against gravity.
+def weights(model: RobotModel, gravity: tuple[Fraction, ...]) -> tuple[Weight, ...]:
+    """The weight by the position of each effector, under gravity in m/s^2 (d,).
 
     Raises:
         ValueError: the rules of the robot have no exact value.
     """
-    if task.reach is None or not task.stay or not any(task.gravity):
-        return ()
-    shapes = (workspace.region(task.reach.region).shape, workspace.bounds.shape)
-    rows = [row for shape in shapes for row in refuting_polytope(shape, model.dimension).rows]
-    corners = Polytope(tuple(rows)).vertices
-    box = tuple(between(min(side), max(side)) for side in zip(*corners, strict=True))
-    found = list[Target]()
-    for effector in range(len(model.effectors)):
-        weight = weight_graph(model, task.gravity, effector)
-        constants = tuple(around(constant_ball(item)) for item in weight.constants)
-        found.append(Target(effector, box, weight, constants))
-    return tuple(found) if box else ()
+    graphs = [weight_graph(model, gravity, number) for number in range(len(model.effectors))]
+    return tuple(
+        Weight(graph, tuple(around(constant_ball(item)) for item in graph.constants))
+        for graph in graphs
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +106,6 @@ class Holding:
     graph: EnergyGraph
     tail: Sequence[Ends]
     parameters: int
-    target: Target
     inputs: Sequence[arb]
     damping: Sequence[arb]
     friction: Sequence[arb]
@@ -102,51 +120,62 @@ class TooHeavy:
     available: arb
 
 
-def held_goals(
-    holding: Holding, rest: Rest, leaves: Sequence[LeafBox]
+def held(
+    holding: Holding, hold: Hold, effector: int, weight: Weight, leaves: Sequence[LeafBox]
 ) -> tuple[list[LeafBox], list[TooHeavy]]:
-    """The boxes, without those goals at which the drives cannot keep still, and why not."""
+    """The boxes, without those starts or goals where the drives cannot hold still, and why not.
+
+    Args:
+        holding: the forces.
+        hold: how long the ``effector`` (from 0) is held, and where.
+        effector: the one that starts or arrives.
+        weight: the weight by its position.
+        leaves: boxes of coordinates.
+    """
     kept, reasons = list[LeafBox](), list[TooHeavy]()
+    moved = hold.rate * hold.duration * arb(0, 1)
     for leaf in leaves:
-        possible = leaf.goal_possible
+        possible = leaf.start_possible if hold.at_start else leaf.goal_possible
         if possible:
-            moved = rest.rate * rest.duration * arb(0, 1)
             sides = [around(side + moved) for side in leaf.coordinates]
-            place = _in_target(holding, sides)
-            found = [] if place is None else _too_heavy(holding, rest, sides, place)
+            place = _within(holding, hold, effector, sides)
+            found = [] if place is None else _too_heavy(holding, hold, weight, sides, place)
             possible = place is not None and not found
             reasons += sorted(found, key=lambda each: float(each.available / each.needed))[:1]
-        kept.append(replace(leaf, goal_possible=possible))
+        if hold.at_start:
+            kept.append(replace(leaf, start_possible=possible))
+        else:
+            kept.append(replace(leaf, goal_possible=possible))
     return kept, reasons
 
 
-def _in_target(holding: Holding, sides: Sequence[Ends]) -> list[Ends] | None:
-    """A box (d,) around where the effector may be in the target; None if it is nowhere in it."""
-    target, d = holding.target, len(holding.target.box)
-    places = holding.graph.effectors.evaluate([*sides, *holding.tail], INTERVALS)
-    near = places[d * target.effector : d * (target.effector + 1)]
+def _within(
+    holding: Holding, hold: Hold, effector: int, sides: Sequence[Ends]
+) -> list[Ends] | None:
+    """A box (d,) around where an effector may be held; None if it is not there in any pose."""
+    places, d = holding.graph.effectors.evaluate([*sides, *holding.tail], INTERVALS), len(hold.box)
     both = [
         Ends(one.low.max(other.low), one.high.min(other.high))
-        for one, other in zip(near, target.box, strict=True)
+        for one, other in zip(places[d * effector : d * (effector + 1)], hold.box, strict=True)
     ]
     return None if any(side.low > side.high for side in both) else both
 
 
 def _too_heavy(
-    holding: Holding, rest: Rest, sides: Sequence[Ends], place: Sequence[Ends]
+    holding: Holding, hold: Hold, weight: Weight, sides: Sequence[Ends], place: Sequence[Ends]
 ) -> list[TooHeavy]:
     """The joints that cannot be kept still in any pose of a box with the effector in a place."""
-    graph, target = holding.graph, holding.target
+    graph = holding.graph
     if graph.potential is None:
         return []
     inputs = [*sides, *holding.tail]
     _, *pull = graph.potential.evaluate(inputs, INTERVALS)
-    tail = [*holding.tail[: holding.parameters], *target.constants, *place]
-    by_place = target.weight.pull.evaluate([*sides, *tail], INTERVALS)
+    tail = [*holding.tail[: holding.parameters], *weight.constants, *place]
+    by_place = weight.graph.pull.evaluate([*sides, *tail], INTERVALS)
     found = list[TooHeavy]()
-    for joint, weights in enumerate(zip(pull, by_place, strict=True)):
-        least, most = max(map(_least_size, weights)), holding.inputs[joint]
-        if least > most and _exceeds(holding, rest, inputs, joint, least - most):
+    for joint, bounds in enumerate(zip(pull, by_place, strict=True)):
+        least, most = max(map(_least_size, bounds)), holding.inputs[joint]
+        if least > most and _exceeds(holding, hold, inputs, joint, least - most):
             found.append(TooHeavy(joint, least, most))
     return found
 
@@ -156,7 +185,7 @@ def _least_size(value: Ends) -> arb:
     return value.low.max(-value.high) if value.finite else -INFINITY
 
 
-def _exceeds(holding: Holding, rest: Rest, inputs: list[Ends], joint: int, excess: arb) -> bool:
+def _exceeds(holding: Holding, hold: Hold, inputs: list[Ends], joint: int, excess: arb) -> bool:
     """Whether a weight beyond the input's bound moves the joint too much, whatever else acts."""
     graph, run, count = holding.graph, INTERVALS, len(holding.inputs)
     row = graph.mass.evaluate(inputs, run)[joint * count : (joint + 1) * count]
@@ -165,9 +194,9 @@ def _exceeds(holding: Holding, rest: Rest, inputs: list[Ends], joint: int, exces
         slopes, size = graph.slopes.evaluate(inputs, run), count * count
         first = graph.active.index(joint) * size
         turning = _sum(slopes[first : first + size])
-    other = holding.damping[joint] * rest.rate + holding.friction[joint]
-    other += rest.rate * rest.rate * turning / 2
-    return bool(rest.duration * (excess - other) > 2 * rest.rate * _sum(row))
+    other = holding.damping[joint] * hold.rate + holding.friction[joint]
+    other += hold.rate * hold.rate * turning / 2
+    return bool(hold.duration * (excess - other) > 2 * hold.rate * _sum(row))
 
 
 def _sum(values: Sequence[Ends]) -> arb:

@@ -143,6 +143,21 @@ def test_a_payload_hangs_on_the_first_joint_wherever_the_others_are():
         assert found is None or "joint 1 needs" in found.reason
 
 
+@pytest.mark.parametrize(("coulomb", "refuted"), [(0.0, True), (0.05, True), (0.2, False)])
+def test_a_start_that_is_held(coulomb, refuted):
+    """A rod at 0.2 rad, below which it may hang: only `held` asks for the torque that holds it."""
+    own = f"drive q: coulomb {coulomb * STATIC} N*m;" if coulomb else ""
+    clauses = f"reach T; {WEIGHT} horizon 30 steps of 0.1 s; effort <= {0.85 * STATIC} N*m;"
+    for begin, expected in (("held", refuted), ("", False)):
+        text = problem(
+            [Segment(1, own=own)], spot((cos(-1.5), sin(-1.5))),
+            f"start in A at rest {begin}; {clauses}", start=TIP,
+        )  # fmt: skip
+        found = answer(text, [9])
+        assert (found is not None) is expected
+        assert found is None or "to hold still at the start" in found.reason
+
+
 @pytest.mark.parametrize("turn", [0, 30, -75])
 def test_a_tilted_target_bounds_the_lever(turn):
     """One long box, turned: its corner nearest to the axis is the place that needs least."""
@@ -161,10 +176,11 @@ def test_a_tilted_target_bounds_the_lever(turn):
         assert (found is not None and "still" in found.reason) is refuted
 
 
-def at_rest(seed, share, widths=(0.0, 1e-3, 0.02)):
+def at_rest(seed, share, widths=(0.0, 1e-3, 0.02), *, at_start=False):
     """Whether a random arm that stays at a pose, with inputs times a share, is said to be too weak.
 
-    The pose is in the middle of a box with one of the ``widths``. The inputs are those at which the
+    It has to hold still at its start or at its target, which are at one place. The pose is in the
+    middle of a box with one of the ``widths``. The inputs are those at which the
     equations of motion have no acceleration. None: some joints turn about the same axis, or the
     equations have no value.
     """
@@ -179,8 +195,11 @@ def at_rest(seed, share, widths=(0.0, 1e-3, 0.02)):
         units = [unit for kind, unit in (("revolute", "N*m"), ("prismatic", "N")) if kind in kinds]
         efforts = "".join(f"effort <= {most} {unit};" for unit in units)
         pose = f"start at ({', '.join(map(str, q))}); reach T at rest for 1 s; {efforts}"
+        if at_start:
+            pose = f"start in A at rest held; reach T; {efforts}"
         pull = f"gravity ({', '.join(map(str, gravity))}) m/s^2; horizon 20 steps of 0.1 s;"
-        return robot_of(problem(arm, spot(target, 0.01), pose + pull))
+        there = spot(target, 0.01)
+        return robot_of(problem(arm, there, pose + pull, start=there if at_start else ""))
 
     model, _, task = posed([0.0] * dimension, 1)
     if len(model.dofs) < joints:
@@ -210,12 +229,14 @@ def test_what_stays_where_it_is_is_not_refuted():
     assert not any(at_rest(seed, 1.001) for seed in range(examples(40, 1000)))
 
 
-def test_nor_in_a_wide_box_about_it():
-    found = [at_rest(seed, 1.001, (0.3, 1, 3)) for seed in range(examples(40, 1000))]
-    assert not any(found)
+@pytest.mark.parametrize("at_start", [False, True])
+def test_nor_in_a_wide_box_about_it(at_start):
+    seeds, widths = range(examples(40, 1000)), (0.0, 0.3, 1, 3)
+    assert not any(at_rest(seed, 1.001, widths, at_start=at_start) for seed in seeds)
 
 
-def test_half_of_the_inputs_are_too_weak():
-    found = [at_rest(seed, 0.5) for seed in range(examples(40, 300))]
+@pytest.mark.parametrize("at_start", [False, True])
+def test_half_of_the_inputs_are_too_weak(at_start):
+    found = [at_rest(seed, 0.5, at_start=at_start) for seed in range(examples(40, 300))]
     known = [each for each in found if each is not None]
     assert sum(known) > 0.8 * len(known)
