@@ -10,6 +10,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from solvers.run_context import RunContext
 from solvers.search.evaluation import free_parameters
 from solvers.trajectory.control_problem import FULL, ControlOutcome, IterationBudget
@@ -21,6 +23,7 @@ from solvers.trajectory.path_timing import (
     rests_of,
     smooth_timing,
 )
+from solvers.trajectory.task_limits import effort_scale
 from solvers.trajectory.visited_cells import depth_in_cells, visited_cells
 
 BOUND_RADIUS = 0.1
@@ -61,9 +64,22 @@ class Timed:
         """The unit of effort."""
         return self.path_problem.problem(self.entries).scale
 
+    @property
+    def worth(self) -> float:
+        """The worth of the motion."""
+        return worth(self.path_problem, self.outcome)
+
     def gains(self, before: Timed) -> bool:
-        """Whether this motion is more robust than ``before`` by more than the minimum gain."""
-        return self.outcome.robustness > before.outcome.robustness + GAIN * self.scale
+        """Whether this motion is worth more than ``before`` by more than the minimum gain."""
+        return self.worth > before.worth + GAIN * self.scale
+
+
+def worth(path_problem: PathProblem, outcome: ControlOutcome) -> float:
+    """The robustness of an outcome, less the prices of its parameters, in units of effort."""
+    if not path_problem.prices:
+        return outcome.robustness
+    paid = float(np.dot(path_problem.prices, outcome.trajectory.theta))
+    return outcome.robustness - effort_scale(path_problem.groups) * paid
 
 
 def settled(
@@ -78,6 +94,9 @@ def settled(
         if visited is None:
             break
         along = Timed(replace(path_problem.along(*visited), bound=False), best.outcome, visited[1])
+        if path_problem.prices:  # The timing matters little to what parameters cost.
+            best = along
+            break
         freed = replace(along, outcome=_freed(along, context))
         context.reporter.robustness(freed.outcome.robustness)
         if not freed.outcome.feasible or freed.outcome.robustness <= best.outcome.robustness:

@@ -74,14 +74,15 @@ class ObjectiveSearch:
     def improved(self, best: Design) -> Iterator[PathAttempt]:
         """Attempts at designs with smaller objectives, one objective after another."""
         held, longest = np.full(len(best.model.parameters), np.nan), len(best.inputs)
-        for amount in amounts(self.given.program, self.given.task):
+        asked = amounts(self.given.program, self.given.task)
+        for place, amount in enumerate(asked):
             kind = amount.objective.kind
             if kind == "time" and self.given.task.at_most:
                 best = yield from self.shorter(best, held)
                 longest = int(len(best.inputs) * (1 + amount.objective.within))
             elif kind in ("mass", "sum"):
                 paths = self.paths(best, len(best.inputs))
-                best = yield from LessenedParameters(paths, amount, held).attempts(best)
+                best = yield from LessenedParameters(paths, asked[place:], held).attempts(best)
                 theta = best.configuration.outcome.trajectory.theta
                 ends = least_ends(amount, best.model, theta)
                 held = np.where(np.isnan(held), ends, held)

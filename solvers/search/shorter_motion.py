@@ -5,6 +5,7 @@ Initially the way is traversed as fast as the drives allow.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil
 
@@ -15,7 +16,7 @@ from compiler.workspaces.abstraction import Abstraction
 from grammar_lang import ir
 from solvers.planner import EffectorPath
 from solvers.search.calm_motion import calmer
-from solvers.search.cell_timing import settled
+from solvers.search.cell_timing import settled, worth
 from solvers.search.closed_loop import needs_feedback
 from solvers.search.configuration_search import Configuration
 from solvers.search.evaluation import Evaluator, SolveRequest, free_parameters
@@ -24,12 +25,14 @@ from solvers.search.path_search import PathSearch, blocked_by
 from solvers.search.path_task import Design, entered
 from solvers.search.search_state import PathAttempt
 from solvers.trajectory.control import as_it_is
-from solvers.trajectory.control_problem import FULL, ControlOutcome
+from solvers.trajectory.control_problem import FULL, ControlOutcome, IterationBudget
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.path_timing import Entries
 from solvers.trajectory.time_optimal import Timing, fastest_timing
 from solvers.trajectory.trajectory import Trajectory
 
+LESS = IterationBudget(40, 1e-3, 1e-9, 6, 2, 2e-3)
+"""The effort for a motion whose parameters have prices, which outweigh its robustness by far."""
 WAYS = 8
 """Other ways that are timed, from start poses of the task to end poses."""
 
@@ -98,38 +101,50 @@ def shorter_motion(
     entries = path_problem.waypoints()[1]
     start = _seed(path_problem, best, way, entries)
     label = f"{paths.structure.label}|shorter{price or ''}"
-    return _solved(paths, replace(path_problem, box=box), start, label)
+    return _solved(paths, replace(path_problem, box=box), [start], label)
 
 
 def attempt_along(
-    paths: PathSearch, best: Design, start: Trajectory, box: tuple[Array, Array], name: str
+    paths: PathSearch,
+    best: Design,
+    starts: Sequence[Trajectory],
+    box: tuple[Array, Array],
+    name: str,
+    prices: tuple[float, ...] = (),
 ) -> PathAttempt:
-    """The attempt at a motion along the cells of a design, with as many steps, from another start.
+    """The attempt at a motion between the ends of a design, with as many steps, from other starts.
 
     Args:
         paths: the search of paths of such motions.
         best: the design.
-        start: the initial motion.
+        starts: the initial motions; the best motion that one of them leads to is proved.
         box: bounds (p,) on the parameters.
         name: the name of its purpose in journals.
+        prices: the prices (p,) of the parameters; empty for the most robust motion.
     """
     path_problem = problem_along(paths, best.abstraction, best, len(best.inputs))
     if path_problem is None:
         return PathAttempt(blocked_by(best.configuration.outcome))
-    return _solved(paths, replace(path_problem, box=box), start, f"{paths.structure.label}|{name}")
+    path_problem = replace(path_problem, box=box, prices=prices)
+    return _solved(paths, path_problem, starts, f"{paths.structure.label}|{name}")
 
 
 def _solved(
     paths: PathSearch,
     path_problem: PathProblem,
-    start: Trajectory,
+    starts: Sequence[Trajectory],
     label: str,
 ) -> PathAttempt:
-    """The attempt at a motion from ``start``."""
+    """The attempt at the best motion that one of ``starts`` leads to; there is at least one."""
     context, entries = paths.structure.context, path_problem.waypoints()[1]
     evaluator = Evaluator(path_problem, context.workers, context.journal, label)
-    box = free_parameters(path_problem, start)
-    (outcome,) = evaluator.solutions([SolveRequest(start, entries, box, FULL, released=True)])
+    budget = LESS if path_problem.prices else FULL
+    requests = [
+        SolveRequest(start, entries, free_parameters(path_problem, start), budget, released=True)
+        for start in starts
+    ]
+    outcomes = evaluator.solutions(requests)
+    outcome = max(outcomes, key=lambda each: (each.feasible, worth(path_problem, each)))
     at = settled(path_problem, outcome, entries, context) if outcome.feasible else None
     if at is None:
         return PathAttempt(blocked_by(outcome), outcome.robustness)

@@ -121,12 +121,9 @@ class Iteration:
         return not self.ended(result, trial, gained)
 
     def worth(self, result: StepResult, trial: MeasuredMotion) -> float:
-        """The worth of a step: its margin, less the prices of its rates and its mobility."""
-        problem, n = self.problem, self.problem.numeric.n
-        paid = problem.rates * float(np.sum(result.trajectory.x[:, n : 2 * n] ** 2))
-        if trial.model.mobility is not None:
-            paid += problem.mobility * float(np.sum(trial.model.mobility.value))
-        return result.margin - problem.scale * paid
+        """The worth of a step: its margin, less the prices of rates, mobility and parameters."""
+        paid = self.problem.paid(result.trajectory, trial.model)
+        return result.margin - self.problem.scale * paid
 
     def solved(self, region: TrustRegion, accuracy: float) -> StepResult | None:
         """The convex step about the current motion; if it fails, adapt what is tried next."""
@@ -249,7 +246,9 @@ def begun(
     current = measured(problem, start)
     if current is None:
         return None
-    prices = weights or Weights(rates=problem.rates, mobility=problem.mobility)
+    prices = weights or Weights(
+        rates=problem.rates, mobility=problem.mobility, parameters=problem.prices
+    )
     prices = replace(prices, position=prices.position / problem.unit)
     question = SubproblemSpec(problem.limits, problem.groups, theta_box, prices, unit=problem.unit)
     step, region = problem.steps(question), TrustRegion(radius, PROXIMAL)

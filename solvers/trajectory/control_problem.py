@@ -42,7 +42,8 @@ class ControlProblem:
     price of phi (``mobility.py``) per sample, for efforts that are off by ``errors`` (n,) at the
     joints.  Tolerances in metres refer to the robot's ``unit`` of length (m).  Positions may exceed
     their rows by ``excess``, in metres.  ``held`` says that inputs must be able to balance the
-    robot at its start.  ``loads`` (k, c) are the last inputs, which are given.
+    robot at its start.  ``loads`` (k, c) are the last inputs, which are given.  ``prices`` are
+    those of the parameters (p,), in SI; empty if they have none.
     """
 
     numeric: NumericRobot
@@ -59,6 +60,7 @@ class ControlProblem:
     excess: float = EXCESS
     held: bool = False
     loads: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    prices: tuple[float, ...] = ()
 
     def loaded(self, motion: Trajectory) -> Trajectory:
         """A motion with the given loads."""
@@ -71,6 +73,16 @@ class ControlProblem:
     def scale(self) -> float:
         """The unit of effort by which defects are weighted."""
         return effort_scale(self.groups)
+
+    def paid(self, motion: Trajectory, near: Model) -> float:
+        """What a motion pays for its rates, its mobility (that of ``near``) and its parameters."""
+        n = self.numeric.n
+        found = self.rates * float(np.sum(motion.x[:, n : 2 * n] ** 2))
+        if near.mobility is not None:
+            found += self.mobility * float(np.sum(near.mobility.value))
+        if self.prices:
+            found += float(np.dot(self.prices, motion.theta))
+        return found
 
     def rows(self, trajectory: Trajectory, points: Points) -> PositionRows:
         """The position rows about a trajectory with these points."""

@@ -86,7 +86,8 @@ class PathProblem:
     ``in_joints`` says that seeds are ways in joint space, which ignore the cells in between.
     ``rates`` and ``mobility`` are the prices of squared rates and of phi (``mobility.py``), as
     means over the samples, in SI. ``solver`` is the solver of the convex steps, by its name in
-    cvxpy; None for our own.  ``box`` are bounds (p,) on the parameters, None for their ranges.
+    cvxpy; None for our own.  ``box`` are bounds (p,) on the parameters, None for their ranges;
+    ``prices`` are those of the parameters (p,), in units of the widest margin of inputs.
     """
 
     numeric: NumericRobot
@@ -115,6 +116,7 @@ class PathProblem:
     mobility: float = 0.0
     solver: str | None = None
     box: tuple[Array, Array] | None = None
+    prices: tuple[float, ...] = ()
 
     @property
     def model(self) -> RobotModel:
@@ -224,7 +226,7 @@ class PathProblem:
             joint_errors(self.numeric, task) if self.mobility else np.zeros(0), self.unit,
             min(EXCESS * self.unit, ABSORBED * self.margin),
             isinstance(task.start, ir.StartIn) and task.start.held,
-            load_inputs(samples, task.steps),
+            load_inputs(samples, task.steps), self.prices,
         )  # fmt: skip
 
     # --- seeds and solutions --------------------------------------------------------------------

@@ -22,7 +22,8 @@ has its own slack, the sum of the slacks has a price, and rho has no weight:
 
 S is the largest margin of any input, and w that of one input over S.  If rates have a price
 :math:`w_v`, it times the sum of their squares is subtracted.  If mobility has a price
-:math:`w_\varphi`, it times the linearised change of the sum of :math:`\varphi_i` is subtracted.
+:math:`w_\varphi`, it times the linearised change of the sum of :math:`\varphi_i` is subtracted;
+likewise prices of parameters times their changes.
 The same tiny multiple of the square of every other unknown makes the optimum unique.
 """
 
@@ -125,7 +126,15 @@ class _Step:
             - weights.regular / 2 * sum(cp.sum_squares(unknown) for unknown in rest)
             - weights.rates * cp.sum_squares(self.x[:, self.n : 2 * self.n])
             - weights.mobility * self.pushed()
+            - self.paid()
         )
+
+    def paid(self) -> cp.Expression:
+        """The price of what the parameters grow by."""
+        prices = self.question.weights.parameters
+        if not prices:
+            return cp.Constant(0.0)
+        return np.array(prices) @ (self.theta - self.model.about.theta)
 
     def pushed(self) -> cp.Expression:
         """The growth of phi, summed over the samples, to first order."""

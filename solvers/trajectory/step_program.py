@@ -279,6 +279,8 @@ class StepProgram:
         if layout.p:
             if pushed is not None:
                 linear[layout.theta] = weights.mobility * pushed.by_theta.sum(axis=0)
+            if weights.parameters:
+                linear[layout.theta] += weights.parameters
             # A parameter affects every sample.
             size = np.maximum(np.abs(model.about.theta), LEAST)
             quadratic[layout.theta] = 2 * proximal * (layout.k + 1) / size**2

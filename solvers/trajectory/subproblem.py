@@ -26,7 +26,8 @@ class Weights:
 
     Squares of inputs are in units of the largest margin; ``regular`` applies to every other unknown
     and regularises the program.  ``rates`` is the price of the squares of all rates, in SI, and
-    ``mobility`` that of the linearised phi at every sample.
+    ``mobility`` that of the linearised phi at every sample.  ``parameters`` (p,) are the prices of
+    the parameters, in SI; empty if they have none.
     """
 
     fictitious: float = 20.0
@@ -35,6 +36,7 @@ class Weights:
     regular: float = 1e-9
     rates: float = 0.0
     mobility: float = 0.0
+    parameters: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
