@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import shortest_decimal
 from compiler.objectives.least_values import Amount, mass_bounds
+from compiler.objectives.objective_text import value_text
 from compiler.robots.robot import RobotModel
 from solvers.parameters.parameter_search import parameter_space
 from solvers.search.design_values import design_values
@@ -179,8 +181,12 @@ class LessenedParameters:
 
     def _better(self, attempt: PathAttempt, than: Design) -> Design | None:
         """The design of an attempt, if it has less than another one."""
-        found, most = attempt.design, (1 - GAIN) * self._value(than)
-        return found if found is not None and self._value(found) < most else None
+        found = attempt.design
+        if found is None or self._value(found) >= (1 - GAIN) * self._value(than):
+            return None
+        value = value_text(self.amount.objective, Fraction(f"{self._value(found):.4g}"))
+        self.paths.structure.context.reporter.note(f"best {self.amount.text}: {value}")
+        return found
 
     def _descended(self, best: Design) -> Improved:
         """Attempts at the nearest local minimum."""

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.objectives.cheaper_robots import CheaperRobots, Less
+from compiler.objectives.objective_text import objective_name, value_text
 from compiler.robots.candidate import Candidate
 from compiler.robots.normal_form import RobotFamily
 from compiler.robots.robot import RobotModel
@@ -79,12 +80,19 @@ class ParameterBounds:
         known = self.context.journal.recall(key)
         if not isinstance(known, str):
             self.context.check_time()
+            self.context.reporter.note(f"is there a proof that no robot has less {_sought(asked)}?")
             workspace = self.family.program.workspaces[self.task.workspace]
             graph = robot_graph(asked.model, self.task.gravity)
             answer = box_refutation(asked.model, graph, workspace, self.task, BUDGET, asked)
             known = "" if answer is None else answer.boxes
             self.context.journal.record(key, known)
         return known or None
+
+
+def _sought(asked: CheaperRobots) -> str:
+    """The objective and the amount in question, which is the last one, in words."""
+    objective, amount = asked.less[-1].amount.objective, asked.less[-1].bound
+    return f"{objective_name(objective)} than {value_text(objective, amount)}"
 
 
 def _is_discrete(model: RobotModel) -> bool:

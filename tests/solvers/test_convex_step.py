@@ -128,10 +128,13 @@ class Case:
     epsilon: float | None = None
     rates: float = 0.0
     mobility: float = 0.0
+    prices: tuple[float, ...] = ()
 
     @property
     def question(self) -> SubproblemSpec:
-        weights = Weights(position=200.0, rates=self.rates, mobility=self.mobility)
+        weights = Weights(
+            position=200.0, rates=self.rates, mobility=self.mobility, parameters=self.prices
+        )
         return SubproblemSpec(self.limits, self.groups, self.box, weights, self.epsilon)
 
     @property
@@ -177,6 +180,11 @@ CASES = {
     "rates are dear": Case(offset=0.2, rates=5.0, box=BOX),
     "mobility has a price": Case(offset=0.2, mobility=5.0, proximal=0.1),
     "mobility is dear": Case(offset=0.2, mobility=200.0, box=BOX, proximal=0.1, rates=0.05),
+    "parameters have prices": Case(offset=0.2, box=BOX, proximal=0.1, prices=(0.5, -0.2)),
+    "parameters and mobility have prices": Case(
+        offset=0.2, mobility=5.0, box=BOX, proximal=0.1, prices=(3.0, 1.0)
+    ),
+    "fixed parameters have prices": Case(offset=0.2, prices=(3.0, 1.0)),
     "norm": Case(groups=TOGETHER, offset=0.2),
     "two groups": Case(
         groups=(InputGroup((0,), -3.0, 5.0, norm2=False), InputGroup((1,), -3.0, 3.0, norm2=True)),
@@ -221,6 +229,8 @@ def value(case: Case, model: Model, found: StepResult) -> float:
         pushed = np.sum(model.mobility.by_q * (x - about.x)[:-1, :n])
         pushed += np.sum(model.mobility.by_theta @ (theta - about.theta))
         worth -= scale * weights.mobility * pushed
+    if case.prices:
+        worth -= scale * float(np.dot(case.prices, theta - about.theta))
     moves = np.sum((x - about.x)[:, :n] ** 2)
     moves += len(x) * np.sum(((theta - about.theta) / np.maximum(np.abs(about.theta), 0.1)) ** 2)
     paid = weights.position * found.position_slack + weights.quadratic * np.sum((u / scale) ** 2)
