@@ -79,7 +79,7 @@ def slopes(amount: Amount, model: RobotModel, theta: Array) -> Array:
     space, found = parameter_space(model), np.zeros(len(theta))
     steps = SAME * (space.upper - space.lower)
     lower, upper = np.maximum(theta - steps, space.lower), np.minimum(theta + steps, space.upper)
-    for index in np.flatnonzero(upper > lower):
+    for index in np.flatnonzero(upper > lower).tolist():
         ends = lower[index], upper[index]
         found[index] = _rise(amount, model, theta, index, ends) / (ends[1] - ends[0])
     return np.nan_to_num(found, posinf=0.0, neginf=0.0)
@@ -147,7 +147,7 @@ class LessenedParameters:
         if not len(free):
             return best
         best = yield from self._descended(best)
-        for index in free:
+        for index in free.tolist():
             best = yield from self._bisected(best, ends, index)
         best, is_near = yield from self._around(best)
         return best if is_near else (yield from self._nearer(best, ends, free))
@@ -205,7 +205,7 @@ class LessenedParameters:
                 break
         return best
 
-    def _bisected(self, best: Design, ends: Array, index: np.int64) -> Improved:
+    def _bisected(self, best: Design, ends: Array, index: int) -> Improved:
         """Attempts with values of a discrete parameter nearer its end, that end first."""
         values, motion = parameter_space(self.model).choices[index], _motion(best)
         if values is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import dry_friction, input_bounds, robot_inputs
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
+from solvers.search.objective_result import Optimality
+from solvers.search.parameter_bounds import CLOSELY
 from solvers.search.path_task import Design, robustness_share
 from solvers.search.search_state import CounterExampleRecord, NearestMotion
 from solvers.search.synthesis import OUT_OF_TIME, Synthesis
@@ -242,6 +245,26 @@ def _search_of_least(result: Synthesis, *, ended: bool) -> Iterator[str]:
         yield f"time:    no bound was proved: {result.optimality.untimed}"
     if ended and result.ended:
         yield f"ended:   {result.ended}"
+    free = result.design is not None and bool(result.design.model.parameters)
+    if (advice := gap_advice(result.optimality, free=free)) is not None:
+        yield f"gap:     {advice}"
+
+
+def gap_advice(found: Optimality, *, free: bool) -> str | None:
+    """What may bring a design and the bound on all robots closer; None if nothing is known.
+
+    ``free`` says whether the design has parameters. The search for bounds leaves gaps of up to
+    1 / ``CLOSELY`` anyway.
+    """
+    known = [each for each in found.objectives if each.amount.is_ordering]
+    wide = [each for each in known if (each.gap or 0) > Fraction(1, CLOSELY)]
+    said = list[str]()
+    if any(each.undecided for each in wide):
+        said.append("more `--paths` or `--evaluations` may decide the undecided robots")
+    if free and any(not each.amount.exact for each in wide):
+        said.append("narrower ranges of parameters bring the bound closer")
+        said.append("another `--seed` may find less")
+    return "; ".join(said) or None
 
 
 def objectives_text(result: Synthesis) -> str:

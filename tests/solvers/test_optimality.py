@@ -9,9 +9,11 @@ import pytest
 from compiler.objectives.least_values import Amount
 from grammar_lang import ir
 from solvers.search.objective_result import ObjectiveResult, Optimality
+from srgc.text_reports.synthesis_report import gap_advice
 
 PRICE = Amount(ir.Objective("sum", Fraction(1, 10), "price"), {}, exact=True)
 MASS = Amount(ir.Objective("mass"), {}, exact=False)
+TIME = Amount(ir.Objective("time"), {}, exact=False)
 EFFORT = Amount(ir.Objective("effort"), {}, exact=False)
 
 
@@ -80,6 +82,23 @@ def test_several_objectives_and_a_bound_that_no_one_asked_for() -> None:
     assert of_all.text == "least price 5; then least mass 2 kg"
     few = Optimality(objectives, 12, by_default=True, records=(), dearer=(), lemmas=())
     assert few.text == "least price 5; then least mass 2 kg, of robots with up to 12 modules"
+
+
+def test_what_may_close_a_gap() -> None:
+    def advice(*objectives: ObjectiveResult, free: bool = True) -> str | None:
+        found = Optimality(objectives, None, by_default=False, records=(), dearer=(), lemmas=())
+        return gap_advice(found, free=free)
+
+    decide = "more `--paths` or `--evaluations` may decide the undecided robots"
+    narrow = "narrower ranges of parameters bring the bound closer; another `--seed` may find less"
+    assert advice(result("100", "100")) is None
+    assert advice(result("102", "100", amount=MASS)) is None
+    assert advice(result("103", "100", amount=MASS)) == narrow
+    assert advice(result("103", "100", amount=MASS), free=False) is None
+    assert advice(result("103", "100", undecided=1)) == decide
+    assert advice(result("3", "2", undecided=1, amount=MASS)) == f"{decide}; {narrow}"
+    assert advice(result("1/4", "0", amount=EFFORT), result("3", "3", amount=MASS)) is None
+    assert advice(result("3", "2", amount=TIME)) is None
 
 
 def test_gaps() -> None:
