@@ -40,8 +40,8 @@ TIE = 0.1
 """The price of the next objective relative to that: of equal robots the one with less of it."""
 GAIN = 1e-3
 """The least relative gain for which the search for less goes on."""
-MUCH = 0.1
-"""A gain from which the programs are solved again, from the design that has it."""
+BENT = 0.01
+"""The programs are solved again if slopes of the objective have changed by more than this share."""
 CLOSE = 0.01
 """So near to what is possible without obstacles, no other ways are sought."""
 BETWEEN = (0.1, 0.5)
@@ -141,9 +141,9 @@ class LessenedParameters:
 
     def attempts(self, best: Design) -> Improved:
         """Attempts at designs with less and less of the objective."""
-        theta = best.configuration.outcome.trajectory.theta
+        theta, space = _motion(best).theta, parameter_space(self.model)
         ends = least_ends(self.amount, self.model, theta)
-        free = np.flatnonzero(~np.isnan(ends))
+        free = np.flatnonzero(np.abs(theta - ends) > SAME * (space.upper - space.lower))
         if not len(free):
             return best
         best = yield from self._descended(best)
@@ -160,7 +160,7 @@ class LessenedParameters:
 
     def _prices(self, best: Design) -> tuple[float, ...]:
         """The prices (p,) of the parameters near a design; empty if there is nothing to gain."""
-        theta, value = best.configuration.outcome.trajectory.theta, self._value(best)
+        theta, value = _motion(best).theta, self._value(best)
         found = slopes(self.amount, self.model, theta)
         steepest = float(np.max(np.abs(found), initial=0.0))
         if not steepest or not value:
@@ -191,7 +191,7 @@ class LessenedParameters:
     def _descended(self, best: Design) -> Improved:
         """Attempts at the nearest local minimum."""
         for number in range(ROUNDS):
-            motion = best.configuration.outcome.trajectory
+            motion = _motion(best)
             if self._programmed(best) is None:
                 break
             box = kept_box(self.model, motion.theta, self.held)
@@ -200,8 +200,11 @@ class LessenedParameters:
             found = self._better(attempt, best)
             if found is None:
                 break
-            before, best = best, found
-            if self._value(best) > (1 - MUCH) * self._value(before):
+            before, after = (
+                slopes(self.amount, self.model, _motion(each).theta) for each in (best, found)
+            )
+            best = found
+            if np.allclose(before, after, rtol=BENT, atol=BENT * float(np.max(np.abs(before)))):
                 break
         return best
 
