@@ -26,6 +26,7 @@ import numpy as np
 
 from compiler.arrays import Array
 from solvers.backends.conic import ConvexProgram, NotSolved, Optimum
+from solvers.backends.portfolio import UsualSolver
 from solvers.trajectory.control import synthesise_control
 from solvers.trajectory.control_problem import (
     FULL,
@@ -33,7 +34,7 @@ from solvers.trajectory.control_problem import (
     IterationBudget,
     input_margin,
 )
-from solvers.trajectory.convex_step import ConvexStep, SolverPortfolio
+from solvers.trajectory.convex_step import ConvexStep
 from solvers.trajectory.disturbance_spread import (
     DisturbanceSpread,
     SecondOrder,
@@ -234,7 +235,7 @@ class PricedSolver:
     """The usual solvers, of programs whose first unknowns have a further linear price (q,)."""
 
     price: Array
-    solvers: SolverPortfolio = field(default_factory=SolverPortfolio)
+    solvers: UsualSolver = field(default_factory=UsualSolver)
 
     def solve(self, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
         """The optimum with the price."""

@@ -289,6 +289,7 @@ class SpanningPoints:
         """All points (K, m, …)."""
         parts, left = [], iter(choices)
         for group in self._groups:
+            check_time()
             own = [offsets(each) for each in group.offsets]
             if isinstance(group, _NearGroup):
                 parts.append(group.of(given, own, next(left)))

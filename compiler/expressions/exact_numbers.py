@@ -26,8 +26,15 @@ def shortest_decimal(value: float) -> Fraction:
 
 
 def decimal(value: float) -> str:
-    """The shortest decimal of a double, without an exponent."""
-    return exact_decimal(shortest_decimal(value))
+    """The shortest decimal of a double, without an exponent.
+
+    Raises:
+        ValueError: the double is infinite or not a number.
+    """
+    text = repr(float(value)).removesuffix(".0")
+    if "e" in text or "n" in text or text == "-0":
+        return exact_decimal(shortest_decimal(value))
+    return text  # as almost always: motions of thousands of steps have 100,000 numbers
 
 
 def exact_decimal(value: Fraction) -> str:

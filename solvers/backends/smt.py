@@ -7,6 +7,7 @@ The script that is solved is also the one stored as evidence, byte for byte.
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -29,13 +30,16 @@ def solve_script(script: str, *, resources: int = RESOURCES) -> Answer[None, Non
     Raises:
         OutOfTimeError: the current time limit was reached without an answer.
         ValueError: the script does not parse, or the budget is not positive.
-        KeyboardInterrupt: the user interrupted z3, which handles the signal itself while it runs.
+        KeyboardInterrupt: the user interrupted z3, where an interrupt is this exception.
     """
     if resources < 1:
         raise ValueError("a budget is at least one unit")
     context = z3.Context()
     solver = z3.SolverFor(LOGIC, ctx=context)
     solver.set("rlimit", resources)
+    # Where Python would raise an exception, once z3 returns, z3 takes the signal and returns soon.
+    # A program that handles interrupts in its own way must see the signal at once.
+    solver.set("ctrl_c", signal.getsignal(signal.SIGINT) is signal.default_int_handler)
     try:
         solver.from_string(script)
     except z3.Z3Exception as error:

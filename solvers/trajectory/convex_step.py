@@ -17,7 +17,7 @@ the end.  Rates and mobility may also have prices (``reference_step.py`` has all
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Protocol, TypeAlias
@@ -26,17 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compiler.arrays import Array
-from compiler.time_limits.time_limit import check_time
-from solvers.backends.clarabel import Clarabel
-from solvers.backends.conic import (
-    ConvexProgram,
-    ConvexSolver,
-    NotSolved,
-    Optimum,
-    Status,
-    credible,
-)
-from solvers.backends.piqp import ProximalInteriorPoint
+from solvers.backends.conic import ConvexProgram, ConvexSolver, NotSolved
+from solvers.backends.portfolio import UsualSolver
 from solvers.trajectory.linear_model import LinearRows, Model, PositionRows
 from solvers.trajectory.step_program import StepProgram
 from solvers.trajectory.subproblem import (
@@ -47,56 +38,6 @@ from solvers.trajectory.subproblem import (
     TrustRegion,
 )
 from solvers.trajectory.trajectory import Trajectory
-
-# --------------------------------------------------------------------------------------------------
-# What happens if a solver does not solve a convex program, by the kind of failure.
-#
-# A program that is infeasible or unbounded is so for every solver.  Any other failure is the
-# solver's own: the program is passed to the next solver, which scales it differently or uses
-# another method, and finally solved with a wider tolerance.  A program that no solver solves is
-# *not solved*; this never means infeasible.
-
-
-SOLVED = "a convex program was solved"
-WIDER = 100.0
-"""The factor by which the tolerance is widened in the last attempt."""
-FINAL = frozenset({Status.INFEASIBLE, Status.UNBOUNDED})
-
-
-def _solvers() -> tuple[ConvexSolver, ...]:
-    return ProximalInteriorPoint(), Clarabel(scaled=True), Clarabel(scaled=False)
-
-
-@dataclass(frozen=True, slots=True)
-class SolverPortfolio:
-    """Solvers in the order in which they are tried; the first does not support cones."""
-
-    solvers: Sequence[ConvexSolver] = field(default_factory=_solvers)
-
-    def solve(self, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
-        """The first credible optimum; else the last failure."""
-        answer: Optimum | NotSolved = NotSolved(Status.FAILED, "no solver")
-        solvers = self.solvers if program.cones is None else self.solvers[1:]
-        attempts = [(solver, tolerance) for solver in solvers]
-        attempts += [(solver, WIDER * tolerance) for solver in solvers[:1]]
-        for solver, wanted in attempts:
-            check_time()
-            answer = _guarded(solver, program, wanted)
-            check_time(SOLVED)
-            if isinstance(answer, Optimum) or answer.status in FINAL:
-                return answer
-        return answer
-
-
-def _guarded(solver: ConvexSolver, program: ConvexProgram, tolerance: float) -> Optimum | NotSolved:
-    """The solver's answer, if it is credible; a solver that raises an exception has failed."""
-    try:
-        return credible(program, solver.solve(program, tolerance))
-    except (KeyboardInterrupt, SystemExit):
-        raise
-    except BaseException as error:  # a panic in a Rust library is not an Exception
-        return NotSolved(Status.FAILED, f"{type(error).__name__}: {error}")
-
 
 # --------------------------------------------------------------------------------------------------
 # The convex steps of one question, one after the other.
@@ -120,7 +61,7 @@ class ConvexStep:
     """Convex steps by ``solver``; programs of the same structure differ only in their numbers."""
 
     question: SubproblemSpec
-    solver: ConvexSolver = field(default_factory=SolverPortfolio)
+    solver: ConvexSolver = field(default_factory=UsualSolver)
     _programs: dict[bool, StepProgram] = field(default_factory=dict[bool, StepProgram])
     _samples: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     _working: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))

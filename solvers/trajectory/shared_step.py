@@ -21,8 +21,9 @@ import numpy as np
 from scipy.sparse import block_array, block_diag, coo_matrix, csc_matrix
 
 from solvers.backends.conic import Cones, ConvexProgram, ConvexSolver, NotSolved
+from solvers.backends.portfolio import UsualSolver
 from solvers.trajectory.control_problem import MeasuredMotion
-from solvers.trajectory.convex_step import ConvexStep, OpenStep, SolverPortfolio
+from solvers.trajectory.convex_step import ConvexStep, OpenStep
 from solvers.trajectory.subproblem import Indices, StepResult, TrustRegion
 from solvers.trajectory.trajectory import Trajectory
 
@@ -44,7 +45,7 @@ class SharedStep:
 
     steps: tuple[ConvexStep, ...]
     links: tuple[Link, ...]
-    solver: ConvexSolver = field(default_factory=SolverPortfolio)
+    solver: ConvexSolver = field(default_factory=UsualSolver)
     _structure: tuple[object, ...] = ()
 
     def solve(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from compiler.expressions.exact_numbers import (
@@ -23,6 +23,12 @@ def test_a_double_as_a_decimal(value):
     assert float(text) == value
     assert "e" not in text
     assert exact_number(text) == Fraction(text)
+
+
+@given(st.one_of(st.floats(-1e299, 1e299), st.floats(-10, 10), st.integers(-100, 100).map(float)))
+@example(-0.0)
+def test_a_double_has_the_decimal_of_its_rational(value):
+    assert decimal(value) == exact_decimal(shortest_decimal(value))
 
 
 @given(st.integers(), st.integers(0, 40), st.integers(0, 40))

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
+from subprocess import run
 from types import SimpleNamespace
 
 import clarabel
@@ -13,11 +17,14 @@ import pytest
 from scipy.optimize import linprog
 from scipy.sparse import csc_matrix
 
+from solvers.backends import portfolio
 from solvers.backends.clarabel import Clarabel
 from solvers.backends.conic import Cones, ConvexProgram, NotSolved, Optimum, Status
 from solvers.backends.cvxpy_solvers import SolverNameError, solved, solver_called
 from solvers.backends.piqp import ProximalInteriorPoint
-from solvers.trajectory.convex_step import FINAL, WIDER, SolverPortfolio
+from solvers.backends.portfolio import FINAL, WIDER, SolverPortfolio, UsualSolver
+from solvers.execution import process_pool
+from tests.conftest import ROOT
 
 ALL = (ProximalInteriorPoint(), Clarabel(), Clarabel(scaled=False), SolverPortfolio())
 
@@ -240,6 +247,71 @@ def test_what_none_solves_is_not_solved() -> None:
 def test_an_interrupt_is_none_of_its_business(stop: BaseException) -> None:
     with pytest.raises(type(stop)):
         SolverPortfolio((Scripted([stop]),)).solve(program(), 1e-8)
+
+
+def test_another_process_gives_the_same_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bit by bit, also where solvers go on from what they know of a structure."""
+    structures = object(), object()
+    asked = [program(seed, structures[seed % 3 == 0]) for seed in range(8)]
+    here = SolverPortfolio(), SolverPortfolio()
+    apart = UsualSolver(), UsualSolver()
+    expected, found = list[object](), list[object]()
+    for number, each in enumerate(asked):
+        expected.append(here[number % 2].solve(each, 1e-9))
+        monkeypatch.setattr(portfolio, "LARGE", 6)
+        found.append(apart[number % 2].solve(each, 1e-9))
+        monkeypatch.undo()
+    assert [_bits(answer) for answer in found] == [_bits(answer) for answer in expected]
+    assert all(isinstance(answer, Optimum) for answer in found)
+
+
+def test_the_other_process_ends_in_silence() -> None:
+    """With portfolios that are there to the end."""
+    text = (
+        "from solvers.backends import portfolio\n"
+        "from tests.solvers.test_convex_solvers import program\n"
+        "portfolio.LARGE = 6\n"
+        "solver = portfolio.UsualSolver()\n"
+        "print(solver.solve(program(), 1e-8).value)\n"
+    )
+    ended = run([sys.executable, "-c", text], cwd=ROOT, capture_output=True, check=True)
+    answer = SolverPortfolio().solve(program(), 1e-8)
+    assert isinstance(answer, Optimum)
+    assert float(ended.stdout) == answer.value
+    assert ended.stderr == b""
+
+
+def test_portfolios_that_are_gone_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In this process instead of the other one, to look at what it keeps."""
+    kept = dict[int, object]()
+    monkeypatch.setattr(portfolio, "_KEPT", kept)
+    monkeypatch.setattr(portfolio, "LARGE", 6)
+    monkeypatch.setattr(process_pool, "ProcessPool", lambda _: InThisProcess())
+    monkeypatch.setattr(portfolio, "_OTHER", portfolio._OtherProcess())
+    for seed in range(3):
+        assert isinstance(UsualSolver().solve(program(seed), 1e-8), Optimum)
+        assert len(kept) == 1
+
+
+class InThisProcess:
+    """A pool that does its jobs at once."""
+
+    width = 1
+
+    def start(self, function: Callable[[object], object], job: object) -> Future[object]:
+        done = Future[object]()
+        done.set_result(function(job))
+        return done
+
+    def is_lost(self, _error: BaseException) -> bool:
+        return False
+
+    def is_alive(self) -> bool:
+        return True
+
+
+def _bits(answer: object) -> object:
+    return answer.point.tobytes() if isinstance(answer, Optimum) else answer
 
 
 def test_a_failure_in_one_line() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import z3
+from scipy.sparse import csc_matrix
 
 import solvers.search.synthesis
 from compiler.discretisation.numeric_robot import NumericRobot
@@ -20,6 +21,8 @@ from compiler.time_limits.time_limit import OutOfTimeError, check_time, is_late,
 from compiler.words.structures import structures
 from compiler.workspaces.abstraction import abstract
 from compiler.workspaces.bisection import bisections
+from solvers.backends.conic import ConvexProgram, Optimum
+from solvers.backends.portfolio import LARGE, UsualSolver
 from solvers.backends.smt import solve_script
 from solvers.execution.in_order import in_order
 from solvers.impossibility import structure_refutation
@@ -35,6 +38,7 @@ from solvers.verifier.refutations.box_check import why_not
 from solvers.verifier.verification import verify_directory
 from tests.oracles import small_specs
 from tests.oracles.formulas import program as program_of
+from tests.oracles.hard_programs import hard_program
 from tests.oracles.limits import Asked, asked_by
 from tests.solvers.test_smt import CIRCLE, HARD
 
@@ -162,6 +166,20 @@ def test_what_z3_says_once_time_is_over_is_no_answer(monkeypatch: pytest.MonkeyP
     with time_limit(over), pytest.raises(OutOfTimeError):
         asked.refutes(CIRCLE.format(1), 10_000)
     assert not journal.values
+
+
+def test_a_convex_program_is_abandoned() -> None:
+    """It would take minutes; the next one is solved in another process."""
+    solver, one = UsualSolver(), np.ones(LARGE)
+    limit = Asked(5)
+    with time_limit(limit), pytest.raises(OutOfTimeError):
+        solver.solve(hard_program(), 1e-8)
+    assert limit.times == 6
+    nothing = csc_matrix((0, LARGE))
+    easy = ConvexProgram(one, -2 * one, nothing, np.zeros(0), nothing, np.zeros(0), -one, 5 * one)
+    answer = solver.solve(easy, 1e-9)
+    assert isinstance(answer, Optimum)
+    assert np.allclose(answer.point, 2.0, atol=1e-6)
 
 
 class Never:

@@ -171,6 +171,37 @@ def test_a_main_thread_that_is_busy_elsewhere_is_no_hindrance(tmp_path):
     assert (status, said) == (130, [b"interrupted"])
 
 
+NATIVE = {
+    "a convex program": """
+from solvers.backends.portfolio import UsualSolver
+from tests.oracles.hard_programs import hard_program
+task = lambda: UsualSolver().solve(hard_program(), 1e-8)
+""",
+    "a question to z3": """
+from solvers.backends.smt import solve_script
+from tests.solvers.test_smt import HARD
+task = lambda: solve_script(HARD, resources=1_000_000_000)
+""",
+}
+"""Work that takes minutes within a library."""
+
+
+@pytest.mark.parametrize("sort", NATIVE)
+def test_work_in_a_library_is_interrupted(tmp_path, sort):
+    """Even if the library lets no other thread run, or takes the signal for itself."""
+    program = (
+        "from srgc.interruption import watch\n"
+        "watch()\n"
+        f"{NATIVE[sort]}\n"
+        "print('ready', flush=True)\n"
+        "task()\n"
+    )
+    process = started([], tmp_path, program)
+    time.sleep(1.5)
+    status, _, said = interrupted(process, sort)
+    assert (status, said) == (130, [b"interrupted"])
+
+
 REDRAWN = """
 import sys, time
 from threading import Thread
