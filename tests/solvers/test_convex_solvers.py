@@ -309,6 +309,9 @@ class InThisProcess:
     def is_alive(self) -> bool:
         return True
 
+    def close(self) -> None:
+        """Nothing is there to be ended."""
+
 
 def _bits(answer: object) -> object:
     return answer.point.tobytes() if isinstance(answer, Optimum) else answer
