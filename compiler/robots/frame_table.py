@@ -170,6 +170,7 @@ class Declarations:
                     dof.accel,
                     dof.coulomb,
                     dof.gear,
+                    f"{module.name}.{dof.name}",
                 )
             )
         own = own_dynamics(index, module, self.parameter_index, self.dof_index)

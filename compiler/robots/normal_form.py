@@ -301,6 +301,7 @@ def _merged(model: RobotModel, members: Sequence[Joint]) -> RobotDof:
         dofs[0].axis,
         _sum([dof.range for dof in dofs], signs),
         _sum([dof.rate for dof in dofs], signs),
+        called=" and ".join(dof.called for dof in dofs),
     )
 
 

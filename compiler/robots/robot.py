@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias, TypeVar
 
 from compiler.expressions.scalars import ScalarNode
@@ -145,8 +145,8 @@ class FrameNode:
 class RobotDof:
     """A degree of freedom, into which the joints at the word indices ``symbols`` are merged.
 
-    ``effort`` bounds its free input, ``inertia`` is the rotor's as the joint feels it, ``accel``
-    bounds its acceleration, ``coulomb`` is its dry friction, ``gear`` its gear ratio; all closed.
+    ``effort`` bounds its input, ``inertia`` is the rotor's as the joint feels it, ``accel`` bounds
+    its acceleration, ``coulomb`` is dry friction, ``gear`` a ratio. Its name is ``called``.
     """
 
     symbols: tuple[int, ...]
@@ -159,6 +159,7 @@ class RobotDof:
     accel: ir.Expr | None = None
     coulomb: ir.Expr | None = None
     gear: ir.Expr | None = None
+    called: str = field(default="", compare=False)
 
     @property
     def amounts(self) -> tuple[ir.Expr | None, ...]:
@@ -312,13 +313,12 @@ class RobotModel:
     """A robot.
 
     ``frames`` are in topological order, frame 0 is the world. ``effectors`` are frames, in word
-    order. ``removed`` holds the word indices of joints that move nothing, ``own`` the modules' own
-    dynamics, in word order, ``joints`` the degrees of freedom of the word, in word order, once they
-    may differ from ``dofs``. ``owners`` are the owners of bodies where known, ``shape_owners``
-    those of shapes. Shapes collide instead of ``covered`` bodies. ``apart`` holds pairs of numbers
-    of ``colliders`` that must not touch. If ``posed``, the orientation of effectors matters.
-    ``payloads`` are numbers of bodies. ``seen`` are the frames of visuals, if these were asked for:
-    no frame is kept or merged for them.
+    order, as ``own``, the modules' own dynamics, and ``joints``, the degrees of freedom of the word
+    once they may differ from ``dofs``. ``removed`` are word indices of joints that move nothing,
+    ``owners`` the owners of bodies where known, ``shape_owners`` those of shapes. Shapes collide
+    instead of ``covered`` bodies. ``apart`` are pairs of numbers of ``colliders`` that must not
+    touch. If ``posed``, the orientation of effectors matters. ``payloads`` are numbers of bodies,
+    ``seen`` frames of visuals, if asked for: no frame is kept or merged for them.
     """
 
     dimension: Literal[2, 3]

@@ -122,6 +122,16 @@ class InputBound:
         return min(min(row[i] - self.lower, self.upper - row[i]) for i in self.inputs)
 
 
+def joint_names(model: RobotModel) -> tuple[str, ...]:
+    """The degrees of freedom for people: ``Quill.sz``, or ``Arm.q (joint 2)`` if there are two."""
+    every = [dof.called for dof in model.dofs]
+    numbers = [f"joint {number}" for number in range(1, len(every) + 1)]
+    return tuple(
+        number if not name else name if every.count(name) == 1 else f"{name} ({number})"
+        for name, number in zip(every, numbers, strict=True)
+    )
+
+
 def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
     """The bounds of all inputs: the task's efforts, in order, then joints', then declared inputs'.
 

@@ -14,6 +14,7 @@ from compiler.dynamics.energy_graph import EnergyGraph
 from compiler.expressions.evaluators.balls import ball
 from compiler.expressions.evaluators.intervals import INTERVALS, Ends, around
 from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import joint_names
 from compiler.unreachability.motion_conditions import Passage, PointIn
 from compiler.workspaces.polytope import Polytope
 from grammar_lang import ir
@@ -47,9 +48,11 @@ CELLS = 128
 class MomentumMeasure:
     """The measure xi; ``edges`` of the cells of q_s (exact), F at each edge, and F' on each cell.
 
-    It is a ``circle`` if full turns of c lead back. ``shape`` is None if xi is q_c.
+    ``name`` is that of the joint c.  It is a ``circle`` if full turns of c lead back. ``shape`` is
+    None if xi is q_c.
     """
 
+    name: str
     cyclic: int
     shape: int | None
     unit: str
@@ -57,11 +60,6 @@ class MomentumMeasure:
     edges: tuple[arb, ...]
     values: tuple[arb, ...]
     slopes: tuple[arb, ...]
-
-    @property
-    def name(self) -> str:
-        """The joint it belongs to."""
-        return f"joint {self.cyclic + 1}"
 
     def over(self, box: Sequence[Ends]) -> Ends:
         """The values of xi on a box."""
@@ -145,7 +143,8 @@ def _measure(
     unit = "rad" if revolute else "m"
     edges, values, slopes = (tuple(item) for item in cells)
     circle = revolute and dof.range is None
-    return MomentumMeasure(cyclic, shape, unit, circle, edges, values, slopes)
+    name = joint_names(model)[cyclic]
+    return MomentumMeasure(name, cyclic, shape, unit, circle, edges, values, slopes)
 
 
 def _coupled(
@@ -189,16 +188,12 @@ GRID = 4096
 
 @dataclass(frozen=True, slots=True)
 class CoordinateMeasure:
-    """The coordinate of one degree of freedom; a ``circle`` if full turns lead back."""
+    """The coordinate of a degree of freedom with a name; a ``circle`` if full turns lead back."""
 
+    name: str
     dof: int
     unit: str
     circle: bool
-
-    @property
-    def name(self) -> str:
-        """The joint it belongs to."""
-        return f"joint {self.dof + 1}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,11 +228,12 @@ def coordinate_measures(model: RobotModel) -> list[CoordinateMeasure]:
     """The coordinates of all degrees of freedom as measures."""
     return [
         CoordinateMeasure(
+            name,
             number,
             "rad" if dof.kind == "revolute" else "m",
             dof.kind == "revolute" and dof.range is None,
         )
-        for number, dof in enumerate(model.dofs)
+        for number, (dof, name) in enumerate(zip(model.dofs, joint_names(model), strict=True))
     ]
 
 

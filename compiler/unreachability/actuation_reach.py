@@ -26,6 +26,7 @@ from compiler.robots.robot import RobotDof, RobotModel
 from compiler.robots.state_and_input import (
     dry_friction,
     input_bounds,
+    joint_names,
     robot_inputs,
     unbounded_kinds,
 )
@@ -191,8 +192,9 @@ def _not_still(drive: DriveReach, hold: Hold, found: Sequence[TooHeavy]) -> Driv
     (joint,) = joints
     needs, has = _apart(float(least([each.needed for each in found])), float(found[0].available))
     unit = "N*m" if drive.model.dofs[joint].kind == "revolute" else "N"
-    still = f"to hold still{' at the start' if hold.at_start else ''}"
-    reason = f"joint {joint + 1} needs {needs} {unit} at least {still}, and has {has} {unit}"
+    name, still = joint_names(drive.model)[joint], "to hold still"
+    still += " at the start" if hold.at_start else ""
+    reason = f"{name} needs {needs} {unit} at least {still}, and has {has} {unit}"
     return DriveBound(reason, float(needs), float(has), unit)
 
 

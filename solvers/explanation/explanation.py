@@ -18,8 +18,8 @@ from solvers.explanation.conflict import (
 )
 from solvers.explanation.learnt_lines import Learnt
 from solvers.explanation.posed_task import PosedTask
-from solvers.explanation.run import MOST_RUNS, Runs, Suggestion
-from solvers.explanation.suggestions import SuggestionSearch, smallest
+from solvers.explanation.run import MOST_RUNS, Runs, Suggestion, smallest
+from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, modules_line, task_lines
 from solvers.run_context import RunContext
 from solvers.verdict import NotFound
@@ -92,11 +92,16 @@ class Explanation:
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """The limits of an explanation; ``tell`` receives a line of progress now and then."""
+    """The limits of an explanation, and who is told what becomes known.
+
+    ``tell`` receives a line of progress now and then, ``found`` each conflict and each suggestion
+    at once; a later suggestion for the same line may be a smaller change.
+    """
 
     context: RunContext = field(default_factory=RunContext)
     runs: int = MOST_RUNS
     tell: Callable[[str], None] = lambda _: None
+    found: Callable[[Conflict | Suggestion], None] = lambda _: None
 
 
 def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
@@ -106,7 +111,7 @@ def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
         MapFault: a map of obstacles cannot be used.
     """
     found = Explanation(posed, tried, most_runs=asked.runs)
-    runs = Runs(asked.context, asked.runs, asked.tell)
+    runs = Runs(asked.context, asked.runs, asked.tell, asked.found)
     try:
         _conflicts(found, asked)
         _suggestions(found, asked, runs)
@@ -190,6 +195,8 @@ def _conflicts(found: Explanation, asked: Asked) -> None:
         conflicts = search.found(len(tried.refuted))
         ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
         found.conflicts = Conflicts(tuple(ranked), conflicts.left)
+        for conflict in ranked:
+            asked.found(conflict)
     if tried.verdict == "impossible":
         _bound(found, asked)
 

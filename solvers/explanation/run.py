@@ -6,14 +6,15 @@ they go on. So it is bounded without a clock and is repeatable.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from compiler.robots.state_and_input import input_bounds
 from solvers.explanation.change import Change
-from solvers.run_context import Memory, Recorded, RunContext, Silent
+from solvers.explanation.task_line import TaskLine
+from solvers.run_context import Memory, Recorded, Reporter, RunContext, Silent
 from solvers.search.synthesis import Synthesis, synthesise
 
 MOST_RUNS = 16
@@ -65,31 +66,45 @@ class _Shared:
 
 @dataclass(slots=True)
 class _Meter(Silent):
-    """Counts the paths and time checks of a run, and says when to end it."""
+    """Counts the paths and time checks of a run, and says when to end it.
+
+    It ends with the first proof: that there is a robot is all that it has to show.
+    """
 
     overtime: Callable[[], bool]
+    reporter: Reporter
     budget: int = 1
     paths: int = 0
     pauses: int = 0
+    proved: bool = False
 
     def path(self, cells: tuple[str, ...]) -> None:
         """Count a cell path that is being tried."""
         self.paths += 1
+        self.reporter.path(cells)
+
+    def told(self, _result: Synthesis) -> None:
+        """Note that a design is proved, and would be improved now."""
+        self.proved = True
 
     def ended(self) -> bool:
         """Whether the run has to end; called repeatedly."""
         self.pauses += 1
         many = self.paths > MOST_PATHS * self.budget or self.pauses > MOST_PAUSES * self.budget
-        return many or self.overtime()
+        return self.proved or many or self.overtime()
 
 
 @dataclass(slots=True)
 class Runs:
-    """The runs made so far; ``found`` and ``failed`` are the changes in the order of trial."""
+    """The runs made so far; ``found`` and ``failed`` are the changes in the order of trial.
+
+    ``tell`` receives a line about each run that begins, ``helps`` each suggestion.
+    """
 
     context: RunContext
     limit: int = MOST_RUNS
     tell: Callable[[str], None] = lambda _: None
+    helps: Callable[[Suggestion], None] = lambda _: None
     found: list[Suggestion] = field(default_factory=list[Suggestion])
     failed: list[Change] = field(default_factory=list[Change])
     scripts: dict[str, Recorded] = field(default_factory=dict[str, Recorded])
@@ -129,10 +144,11 @@ class Runs:
         word = design.derivation.word
         found = Suggestion(change, word, outcome.effort_peak, outcome.robustness, efforts)
         self.found.append(found)
+        self.helps(found)
         return found
 
     def _result(self, change: Change) -> Synthesis:
-        meter = _Meter(self.context.out_of_time, change.budget)
+        meter = _Meter(self.context.out_of_time, self.context.reporter, change.budget)
         context = replace(
             self.context,
             journal=_Shared(self.scripts),
@@ -144,4 +160,13 @@ class Runs:
         # A fast motion uses all available effort, so it would not show how much it needs.
         task = change.posed.task
         objectives = tuple(each for each in task.minimize if each.kind != "time")
-        return synthesise(change.posed.program, replace(task, minimize=objectives), context)
+        eased = replace(task, minimize=objectives)
+        return synthesise(change.posed.program, eased, context, told=meter.told)
+
+
+def smallest(found: Sequence[Suggestion]) -> tuple[Suggestion, ...]:
+    """The smallest suggestion for each line and way of change: the one found last."""
+    kept: dict[tuple[TaskLine | None, str], Suggestion] = {}
+    for one in found:
+        kept[one.change.line, one.change.way] = one
+    return tuple(kept.values())

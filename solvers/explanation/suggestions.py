@@ -1,7 +1,7 @@
 """Search for changes of one line with which a robot is found, each confirmed by a run.
 
-Poses show cheaply from which value on a change may help; runs decide. A value for which poses show
-nothing is tried at its far end first, and then nearer, within a few runs.
+Poses show cheaply from which value on a change may help; runs decide. If poses show nothing, the
+far end is tried first, then nearer values.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
+from math import inf
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -39,6 +40,7 @@ from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.task_line import TaskLine, control_line
 from solvers.explanation.two_digits import rounded_up
+from solvers.impossibility.drive_search import loads_at_poses
 from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
@@ -119,11 +121,20 @@ class SuggestionSearch:
                 self.singles(line)
 
     def drives(self, lines: Sequence[TaskLine]) -> None:
-        """Try more effort, then more steps."""
-        for line in sorted(lines, key=lambda line: line.kind == "horizon"):
-            if line.kind in DRIVES:
-                for scale in scales(self.posed, line):
-                    self.far(scale)
+        """Try more effort, of the drives with the largest loads first, then more steps."""
+        loads, posed = dict[str, float](), self.posed.expanded()
+        for one in with_poses(self.posed, self.structures(self.posed), self.seed, robots=1):
+            model = robot_in_task(family_of(posed.program, posed.task), posed.task.origin, one)
+            numeric = NumericRobot(robot_graph(model, posed.task.gravity))
+            loads = loads_at_poses(numeric, posed.workspace, posed.task, self.seed)
+
+        def order(line: TaskLine) -> tuple[bool, float]:
+            load = loads.get(".".join(map(str, line.key)), 0.0)
+            return line.kind == "horizon", -load if line.kind == "joint_effort" else -inf
+
+        for line in sorted((line for line in lines if line.kind in DRIVES), key=order):
+            for scale in scales(self.posed, line):
+                self.far(scale)
 
     def lighter(self, line: TaskLine) -> None:
         """Try less of a payload or a load; if a small part of it does not help, without it."""
@@ -283,9 +294,8 @@ class SuggestionSearch:
     def longer(self) -> Derivation | None:
         """The first structure with more modules than the task allows and with poses for it."""
         family = family_of(self.posed.program, self.posed.task)
-        allowed = module_bound(family, self.posed.task)
-        fewest = family.language.fewest_modules() or 0
-        posed = self.posed.with_task(modules=max(DEFAULT_MODULES, allowed + 1, fewest))
+        allowed, fewest = module_bound(family, self.posed.task), family.language.fewest_modules()
+        posed = self.posed.with_task(modules=max(DEFAULT_MODULES, allowed + 1, fewest or 0))
         every = (each for each in self.structures(posed) if self.size(each) > allowed)
         return next(iter(with_poses(posed, every, self.seed, robots=1)), None)
 
@@ -307,14 +317,6 @@ def _nearest(values: Sequence[Fraction], wanted: Fraction) -> Fraction:
 def _between(low: Fraction, high: Fraction) -> Fraction:
     """The geometric mean, rounded to a double."""
     return Fraction((float(low) * float(high)) ** 0.5)
-
-
-def smallest(found: Sequence[Suggestion]) -> tuple[Suggestion, ...]:
-    """The smallest suggestion for each line and way of change: the one found last."""
-    kept: dict[tuple[TaskLine | None, str], Suggestion] = {}
-    for one in found:
-        kept[one.change.line, one.change.way] = one
-    return tuple(kept.values())
 
 
 # --------------------------------------------------------------------------------------------------

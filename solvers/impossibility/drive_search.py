@@ -12,10 +12,13 @@ from fractions import Fraction
 
 import numpy as np
 
+from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph
+from compiler.encodings.pose_questions import pose_questions
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.robot import RobotModel
+from compiler.robots.state_and_input import input_bounds, robot_inputs
 from compiler.unreachability.actuation_reach import DriveReach, drive_reach, out_of_reach
 from compiler.unreachability.box_tree import (
     MOST_VARIABLES,
@@ -32,7 +35,7 @@ from grammar_lang import ir
 from solvers.impossibility.box_growth import Divide
 from solvers.impossibility.box_refutation import BoxRefutation
 from solvers.impossibility.box_search import EvenGrowth, Search
-from solvers.impossibility.pose_search import PoseWitness
+from solvers.impossibility.pose_search import PoseWitness, find_poses
 from solvers.trajectory.task_limits import input_groups, motion_limits
 from solvers.verifier.refutations.box_check import PRECISION, why_not
 
@@ -78,14 +81,52 @@ def drives_seem_able(
         )
 
 
+def loads_at_poses(
+    numeric: NumericRobot, workspace: ir.Workspace, task: ir.Task, seed: int
+) -> dict[str, float]:
+    """The largest efforts in straight motions to poses over their bounds, by ``Module.dof``.
+
+    The motions are those of :func:`drives_seem_able`; a drive without a bound has no entry.
+    """
+    model, loads = numeric.graph.model, dict[str, float]()
+    driven = robot_inputs(model)
+    for question in pose_questions(workspace, task):
+        witness = find_poses(numeric, question, seed)
+        with np.errstate(all="ignore"):
+            straight = witness and _straight_motion(numeric, task, witness, question.by)
+        if not straight:
+            continue
+        largest = np.max(np.abs(straight[0]), axis=0)
+        for bound in input_bounds(model, task):
+            for place in bound.inputs:
+                dof = driven[place].dof
+                if dof is not None and bound.upper:
+                    name, load = model.dofs[dof].called, largest[place] / float(bound.upper)
+                    loads[name] = max(loads.get(name, 0.0), load)
+    return loads
+
+
 def _is_driven(
     numeric: NumericRobot, task: ir.Task, witness: PoseWitness, by: Fraction | None
 ) -> bool:
     """Whether the inputs and rates of a straight motion between two poses keep their bounds."""
-    model, limits = numeric.graph.model, motion_limits(numeric.graph.model, task)
+    straight = _straight_motion(numeric, task, witness, by)
+    if straight is None:
+        return False
+    limits, (inputs, rates) = motion_limits(numeric.graph.model, task), straight
+    return bool(np.all((rates >= limits.rate_lower) & (rates <= limits.rate_upper))) and all(
+        group.margin(inputs) >= 0 for group in input_groups(numeric.graph.model, task)
+    )
+
+
+def _straight_motion(
+    numeric: NumericRobot, task: ir.Task, witness: PoseWitness, by: Fraction | None
+) -> tuple[Array, Array] | None:
+    """The inputs and the rates of a straight motion between two poses; None without inputs."""
+    limits = motion_limits(numeric.graph.model, task)
     start = limits.start_values if witness.start is None else witness.start
     if start is None or numeric.r or not numeric.n:
-        return False
+        return None
     part = np.linspace(0.0, 1.0, INSTANTS)[:, None]
     horizon, way = float(by or task.steps * task.step), witness.target - start
     q = start + way * part**3 * (10 - 15 * part + 6 * part**2)
@@ -95,14 +136,11 @@ def _is_driven(
     free, slope = numeric.acceleration(x, idle, witness.theta)
     by_input = slope[:, :, numeric.size : numeric.size + numeric.m]
     if not np.isfinite(by_input).all():
-        return False
+        return None
     inputs = np.einsum("kmn,kn->km", np.linalg.pinv(by_input), wanted - free)
     found, _ = numeric.acceleration(x, inputs, witness.theta)
-    return (
-        bool(np.all(np.abs(found - wanted) <= MISSED * (1 + np.max(np.abs(free)))))
-        and bool(np.all((rates >= limits.rate_lower) & (rates <= limits.rate_upper)))
-        and all(group.margin(inputs) >= 0 for group in input_groups(model, task))
-    )
+    caused = np.all(np.abs(found - wanted) <= MISSED * (1 + np.max(np.abs(free))))
+    return (inputs, rates) if caused else None
 
 
 def drive_refutation(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,7 +59,7 @@ def why(
     from srgc.results.why_folder import tried_folder
     from srgc.terminal import out_colours
     from srgc.text_reports.solver_words import without_solver_words
-    from srgc.text_reports.why_report import why_json, why_text
+    from srgc.text_reports.why_report import finding_line, why_json, why_text
 
     if is_mission_folder(folder):
         return _of_mission(folder, quiet=quiet or as_json, as_json=as_json)
@@ -66,8 +67,12 @@ def why(
     if tried.tried is None:
         return _of_found(folder, tried, limit, quiet=quiet, as_json=as_json)
     with limit.holds(), progress("why", quiet=quiet or as_json) as display:
-        context = tried.context(limit.reached)
-        asked = Asked(context, 0 if no_runs else MOST_RUNS, display.note)
+        asked = Asked(
+            replace(tried.context(limit.reached), reporter=display),
+            0 if no_runs else MOST_RUNS,
+            display.note,
+            lambda each: display.finding(finding_line(each)),
+        )
         found = explain(tried.posed, tried.tried, asked)
     text = why_json(found) if as_json else why_text(found, colour=out_colours())
     click.echo(text if as_json or verbose else without_solver_words(text), nl=False)

@@ -60,6 +60,9 @@ class QuietProgress:
     def note(self, text: str) -> None:
         """Report a finding that is worth a line."""
 
+    def finding(self, text: str) -> None:
+        """Report a part of the answer; it stays, whatever happens to the rest of the work."""
+
     def part(self, done: int, count: int) -> None:
         """Report that ``done`` of ``count`` parts of the work are finished."""
 
@@ -92,6 +95,8 @@ class PlainProgress(QuietProgress):
     def note(self, text: str) -> None:
         """Print a finding."""
         self._line(text)
+
+    finding = note
 
     def part(self, done: int, count: int) -> None:
         """Print a line now and then, and none if the work is short."""
@@ -173,6 +178,10 @@ class LiveProgress(QuietProgress):
         """Show a finding until there is another."""
         self._detail = " ".join(text.split())
 
+    def finding(self, text: str) -> None:
+        """Print a line above the one that is redrawn."""
+        self._console.print(text, markup=False, soft_wrap=True)
+
     def part(self, done: int, count: int) -> None:
         """Show that ``done`` of ``count`` parts are finished."""
         self._total = count
@@ -248,6 +257,10 @@ class NotebookProgress(LiveProgress):
         """Show a finding until there is another."""
         super().note(text)
         self._draw()
+
+    def finding(self, text: str) -> None:
+        """Show a part of the answer until there is another."""
+        self.note(text)
 
     def part(self, done: int, count: int) -> None:
         """Show that ``done`` of ``count`` parts are finished."""

@@ -149,6 +149,13 @@ def _suggested(found: Explanation) -> str:
     return "\n".join(lines)
 
 
+def finding_line(found: Conflict | Suggestion) -> str:
+    """A conflict or a suggestion in one line, told as soon as it is known."""
+    if isinstance(found, Suggestion):
+        return f"possible {_suggestion(found)}"
+    return f"ruled out, {_whom(found)}: {'; '.join(line.says for line in found.lines)}"
+
+
 def _suggestion(one: Suggestion) -> str:
     robot = f"{one.change.says}: {_robot(one.word)}"
     if not one.efforts:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
@@ -11,6 +12,8 @@ from flint import arb
 
 from compiler.dynamics.equations_of_motion import robot_graph
 from compiler.expressions.evaluators.balls import constant_ball, working_precision
+from compiler.robots.robot import RobotDof
+from compiler.robots.state_and_input import joint_names
 from compiler.unreachability.actuation_bounds import LeafBox
 from compiler.unreachability.actuation_reach import drive_reach, out_of_reach
 from compiler.unreachability.motion_conditions import motion_conditions
@@ -37,8 +40,26 @@ def test_a_rod_is_held_by_its_weight_times_its_lever():
     assert found is not None
     assert (found.unit, found.available) == ("N*m", pytest.approx(0.97 * STATIC, rel=0.01))
     assert 0.985 * STATIC < found.needed <= STATIC * 1.001
-    assert "joint 1 needs" in found.reason
+    assert "J0.q needs" in found.reason
     assert "hold still" in found.reason
+
+
+def test_joints_have_the_names_of_their_modules():
+    """With their numbers where a module occurs twice; merged joints have both names."""
+    dofs = [
+        RobotDof((number,), "revolute", "z", None, None, called=name)
+        for number, name in enumerate(["A.q", "B.q", "A.q", "C.q and D.q", ""])
+    ]
+    model = replace(
+        robot_of(
+            problem(
+                [Segment(1)], TIP, "start at (1); reach T; horizon 3 steps of 1 s; effort <= 1 N*m;"
+            )
+        )[0],
+        dofs=tuple(dofs),
+    )
+    expected = "A.q (joint 1)", "B.q", "A.q (joint 3)", "C.q and D.q", "joint 5"
+    assert joint_names(model) == expected
 
 
 def test_it_may_pass_where_it_need_not_stay():

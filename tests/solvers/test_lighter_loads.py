@@ -7,9 +7,11 @@ from fractions import Fraction
 import pytest
 
 from solvers.explanation.change import Change
-from solvers.explanation.run import Suggestion
+from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.suggestions import SuggestionSearch
+from solvers.explanation.task_line import task_lines
 from solvers.run_context import RunContext
+from solvers.search.synthesis import synthesise
 from tests.oracles.small_specs import TURNER, replaced
 from tests.solvers.test_changes import Vain, line, posed, scale
 
@@ -75,3 +77,43 @@ def test_ranges_are_widened_at_once_where_poses_say_nothing() -> None:
         "with `effort <= 640 N*m`", "with `payload 0.15 kg`", "without the payload",
         "with `L.length` up to 4.2 m", "with `L.length` down to 0.5 m",
     ]  # fmt: skip
+
+
+HOIST = """
+module Rail { role base; dof sx: prismatic x in [-1, 1] m effort <= 50 N; port out: P;
+  frame out = in * move(x, sx); }
+module Boom { role joint; dof sy: prismatic x in [-1, 1] m effort <= 50 N; port in: P; port out: Q;
+  point(frame: in, mass: 1 kg); frame out = in * move(x, sy); }
+module Hook { role effector; dof sz: prismatic y in [-1, 1] m effort <= 15 N; port in: Q;
+  frame end = in * move(y, sz); point(frame: end, mass: 2 kg); effector(frame: end); }
+grammar Hoist from ports { start Rail; with Boom, Hook; accept count(Boom) == 1; }
+workspace W { plane xy; bounds box [-2, 2] x [-2, 2] m;
+  region S box [-0.1, 0.1] x [-0.1, 0.1] m; target T box [0.4, 0.6] x [0.4, 0.6] m; }
+task Lift { robot Hoist; workspace W; start in S at rest; reach T at rest;
+  gravity (0, -9.81) m/s^2; horizon 20 steps of 0.1 s; }
+"""
+
+
+def test_the_drive_that_carries_the_weight_comes_first() -> None:
+    """It is the last in the file: 2 kg weigh 19.6 N, and it has 15 N."""
+    asked = posed(HOIST)
+    runs = Vain(RunContext(), limit=100)
+    SuggestionSearch(asked, runs).drives(task_lines(asked))
+    drives = ["Hook.sz", "Boom.sy", "Rail.sx"]
+    said = [each.says.partition(" of ")[2].strip("`") for each in runs.failed]
+    assert said[0] == drives[0]
+    assert sorted(said[:3]) == sorted(drives)
+    assert runs.failed[-1].line is not None
+    assert runs.failed[-1].line.kind == "horizon"
+
+
+def test_a_run_ends_with_its_first_proof() -> None:
+    """Which shows that there is a robot; what would improve it is not tried."""
+    told = list[Suggestion]()
+    runs = Runs(RunContext(), helps=told.append)
+    found = runs.run(scale(posed(TURNER), "effort").at(Fraction(12)))
+    assert found is not None
+    assert told == [found]
+    whole = synthesise(found.change.posed.program, found.change.posed.task, RunContext())
+    assert whole.design is not None
+    assert found.robustness < whole.design.configuration.outcome.robustness
