@@ -118,7 +118,7 @@ def test_runs_do_not_look_for_the_least_time(monkeypatch: pytest.MonkeyPatch) ->
     )
     kinds = list[str]()
 
-    def synthesised(_: object, task: ir.Task, __: object, *, told: object) -> object:
+    def synthesised(_: object, task: ir.Task, __: object) -> object:
         kinds.extend(each.kind for each in task.minimize)
         raise OutOfTimeError
 
@@ -321,7 +321,7 @@ def test_where_nothing_helps_shorter_horizons_finer_steps_and_budgets_are_tried(
 def test_a_larger_budget_is_what_its_run_has(monkeypatch: pytest.MonkeyPatch) -> None:
     asked, seen = posed(TURNER), list[RunContext]()
 
-    def searched(_: object, __: object, context: RunContext, *, told: object) -> Synthesis:
+    def searched(_: object, __: object, context: RunContext, *, told: object = None) -> Synthesis:
         seen.append(context)
         raise OutOfTimeError
 

@@ -111,7 +111,7 @@ def test_a_run_ends_with_its_first_proof() -> None:
     """Which shows that there is a robot; what would improve it is not tried."""
     told = list[Suggestion]()
     runs = Runs(RunContext(), helps=told.append)
-    found = runs.run(scale(posed(TURNER), "effort").at(Fraction(12)))
+    found = runs.run(scale(posed(TURNER), "horizon").at(Fraction(13)))
     assert found is not None
     assert told == [found]
     whole = synthesise(found.change.posed.program, found.change.posed.task, RunContext())
