@@ -3,7 +3,7 @@
 PIQP and Clarabel neither ask for the time nor let another thread run.  A program of thousands of
 steps keeps them busy for seconds, and a difficult one for minutes, in which no limit of time and no
 signal would be noticed.  So large programs are solved in a process of their own, which can be
-killed: what it was doing is then no answer at all (decision 147).
+killed: what it was doing is then no answer at all (decision 148).
 """
 
 from __future__ import annotations
