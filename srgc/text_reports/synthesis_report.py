@@ -12,7 +12,12 @@ from compiler.objectives.objective_text import gap_text
 from compiler.robots.normal_form import family_of
 from compiler.robots.reconfiguration import Reconfiguration, reconfiguration
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import dry_friction, input_bounds, robot_inputs
+from compiler.robots.state_and_input import (
+    dry_friction,
+    input_bounds,
+    joint_names,
+    robot_inputs,
+)
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
 from solvers.search.objective_result import Optimality
@@ -158,10 +163,11 @@ def _control(design: Design, task: ir.Task) -> str:
 def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
     """What the motion uses of each bound on its inputs, and the robustness."""
     used = used_inputs(design.model, task, design.inputs)
+    names = {f"joint {n}": name for n, name in enumerate(joint_names(design.model), 1)}
     for each in used:
         if each.effort:
             of = each.name.removeprefix("effort").removeprefix(" of ")
-            whose = f"{of}, " if of else ""
+            whose = f"{names.get(of, of)}, " if of else ""
             yield f"effort:  {whose}peak {each.peak:.4g} of {amount(each.widest, each.unit)}"
         else:
             name = each.name.removeprefix("input ")
