@@ -49,7 +49,8 @@ def holds_still(
 ) -> bool:
     """Whether inputs within their bounds seem to hold a robot still in the pose of a state (N,)."""
     found = _balance(numeric, state, theta, groups)
-    within = all(np.all(_rows(group, found.inputs)[1] >= -KEPT) for group in groups)
+    chosen = (group for group in groups if group.widest_margin > 0)
+    within = all(np.all(_rows(group, found.inputs)[1] >= -KEPT) for group in chosen)
     return bool(within and np.all(np.abs(found.left) <= STILL * (1 + np.abs(found.free))))
 
 

@@ -51,3 +51,10 @@ def test_what_nothing_drives_hangs_or_falls():
     arm = [Segment(0.5), Segment(0.5, own="torque(q) = 0 N*m;")]
     assert held(arm, "effort <= 100 N*m;", (0.0, -np.pi / 2))
     assert not held(arm, "effort <= 100 N*m;", (0.0, -1.4))
+
+
+@pytest.mark.parametrize(("fixed", "held_up"), [(1, True), (-1, False)])
+def test_a_fixed_input_bears_its_part(fixed, held_up):
+    """At -0.2 rad a rod of 1 kg needs 4.807 N m; a bias of 1 N m helps a drive that has 4 N m."""
+    own = f"input bias in [{fixed}, {fixed}] N*m; torque(q) = u + bias;"
+    assert held([Segment(1, own=own)], "effort <= 4 N*m;", (-0.2,)) is held_up
