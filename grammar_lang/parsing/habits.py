@@ -14,6 +14,15 @@ _POLYTOPE = "write inequalities with `;` between, as in `polytope { x >= 0; y >=
 _POINT = (
     "it takes a region: declare one in the workspace, such as `target T ball (3, 4) m radius 1 cm;`"
 )
+_MEANT = {
+    "acceleration": "accel",
+    "polygon": "hull",
+    "speed": "rate",
+    "torque": "effort",
+    "velocity": "rate",
+    "vertices": "hull",
+}
+"""Words of other notations, and those of this one."""
 
 
 def habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
@@ -21,9 +30,16 @@ def habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
     return (
         _in_horizon(tokens, here, wanted)
         or _in_task(tokens, here, wanted)
+        or _in_reach_or_avoid(tokens, here, wanted)
         or _in_expression(tokens, here, wanted)
         or _elsewhere(tokens, here, wanted)
     )
+
+
+def meant_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
+    """The word of the language for a word of other notations; ``wanted`` is what would fit."""
+    meant = _MEANT.get(tokens.at(here))
+    return f"did you mean `{meant}`?" if meant is not None and f"`{meant}`" in wanted else None
 
 
 def _in_horizon(tokens: Tokens, here: int, wanted: str) -> str | None:
@@ -45,6 +61,17 @@ def _in_task(tokens: Tokens, here: int, wanted: str) -> str | None:
         return "modules come in pairs, as in `except Hand Tube, Tube Tube`"
     if wanted == "a name" and found == "(" and before in {"in", "reach", "avoid"}:
         return _POINT
+    return None
+
+
+def _in_reach_or_avoid(tokens: Tokens, here: int, wanted: str) -> str | None:
+    before, found = tokens.at(here - 1), tokens.at(here)
+    if wanted == "`,` or `with`" and found == "margin":
+        return "write what keeps it: `with effector` or `with body`, then the margin"
+    if before == "self" and tokens.at(here - 2) == "avoid":
+        return "write `avoid self with body;`"
+    if found == "for" and tokens.at(here - 2) == "reach":
+        return f"the rates come first, as in `reach {before} at rest for 0.5 s;`"
     if before == "in" and tokens.at(here - 2) == "reach":
         return f"it takes the region itself: write `reach {found}`"
     if found in {"and", ","} and tokens.at(here - 2) == "reach":
@@ -60,6 +87,8 @@ def _in_expression(tokens: Tokens, here: int, wanted: str) -> str | None:
         return "an inequality has two sides: write two of them, with `;` between"
     if tokens.at(here - 1) == "polytope" or (wanted == "`;` or `}`" and found == ","):
         return _POLYTOPE
+    if found == "," and wanted == "`]`":
+        return "a list of values is in braces, as in `{30, 40, 50} cm`; `[a, b]` is a range"
     if found == "!=":
         return "write `not count(…) == …`"
     return None

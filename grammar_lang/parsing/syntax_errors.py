@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.parsing.clause_forms import BLOCK, FORMS, ITEMS, MEANT, OTHERS
-from grammar_lang.parsing.habits import habit_hint
+from grammar_lang.parsing.habits import habit_hint, meant_hint
 from grammar_lang.parsing.lalr import TOO_DEEP
 from grammar_lang.parsing.repair import Place, Repair, mended
 from grammar_lang.parsing.tables import RESERVED, tables
@@ -293,9 +293,11 @@ def _hint(item: RawItem, place: Place, wanted: str) -> str:
     word = tokens.at(here)
     close, form = _near(word, expected), _form(item, place)
     if word in RESERVED and "NAME" in expected:
-        return f"`{word}` is reserved; choose another name"
-    if close is not None:
-        return f"did you mean `{close}`?"
+        other = f", such as `p{word}`" if word in {"x", "y", "z"} else ""
+        return f"`{word}` is reserved; choose another name{other}"
+    meant = meant_hint(tokens, here, wanted) or (close and f"did you mean `{close}`?")
+    if meant is not None:
+        return meant
     if tokens.kinds[here] == STRING and _WORD.fullmatch(word[1:-1]):
         return f"write a name without quotes: `{_shortened(word[1:-1])}`"
     habit = habit_hint(tokens, here, wanted)

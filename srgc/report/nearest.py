@@ -31,7 +31,7 @@ def _says(nearest: Mapping[str, Any]) -> str:
     cause, reason = (text(str(nearest.get(name, ""))) for name in ("cause", "reason"))
     parts = [f'<p><span class="word">{text(robot)}</span>: {cause}{_stuck(nearest.get("stuck"))}.']
     if reason:
-        parts.append(f' <span class="soft">{reason}</span>')
+        parts.append(f' <span class="soft">{reason.removesuffix(".")}.</span>')
     parts.append(" Nothing of this motion is proved.</p>")
     return "".join(parts)
 

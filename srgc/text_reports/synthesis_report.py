@@ -20,6 +20,7 @@ from compiler.robots.state_and_input import (
 )
 from grammar_lang import ir
 from grammar_lang.diagnostics.wording import counted
+from solvers.planner import Exhaustion
 from solvers.search.objective_result import Optimality
 from solvers.search.parameter_bounds import CLOSELY
 from solvers.search.path_task import Design, robustness_share
@@ -366,6 +367,15 @@ def _advice(result: Synthesis, task: ir.Task) -> str | None:
     first = None if nearest is None else f"try {nearest}"
     if result.unfinished:
         return GO_ON if first is None else f"{first}; or {GO_ON}"
+    if Exhaustion.APART.value in (result.reason or "") and (walls := _passed_by_effectors(task)):
+        return f"add `avoid {', '.join(walls)} with effector;`: that may be impossible"
     unbounded = task.modules is None and nearest is None
     refuted = all(record.verdict in ("refuted", "same") for record in result.records)
     return "try `modules <= n;` in the task" if unbounded and refuted else first
+
+
+def _passed_by_effectors(task: ir.Task) -> list[str]:
+    """The regions that bodies avoid, where nothing is said of effectors without a body there."""
+    apart = {name for item in task.avoid if item.subject == "effector" for name in item.regions}
+    bodies = (name for item in task.avoid if item.subject == "body" for name in item.regions)
+    return [name for name in dict.fromkeys(bodies) if name not in apart]

@@ -72,12 +72,23 @@ def conflict_blocks(found: Explanation, *, colour: bool = False) -> list[str]:
     if more > 0:
         blocks.append(f"and {more} more conflicts; `srgc why --json` prints them all")
     if found.conflicts.left:
-        blocks.append(f"Refuted robots that are not explained: {found.conflicts.left}")
+        blocks.append(_unexplained(found))
     if found.bound is not None:
         lines = [f"Longer robots are ruled out by the bound, as {_robot(found.beyond)}:"]
         lines += marked_line(sources, found.bound.span, found.bound.says, colour=colour)
         blocks.append("\n".join(lines))
     return blocks
+
+
+def _unexplained(found: Explanation) -> str:
+    """The refuted robots whose lines are not known, with what the search said of some of them."""
+    explained = {word for conflict in found.conflicts.found for word in conflict.words}
+    known = [word for word in found.tried.reasons if word not in explained]
+    lines = [f"Refuted robots that no lines explain yet: {found.conflicts.left}"]
+    return "\n".join(
+        lines
+        + [f"  {_robot(word)}: {found.tried.reasons[word]}" for word in known[:MOST_CONFLICTS]]
+    )
 
 
 def _conflict(

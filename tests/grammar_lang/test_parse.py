@@ -122,6 +122,9 @@ def test_syntax_errors(text: str, found: tuple[str, str], check: Check) -> None:
         ("horizon <= 5 steps of 1 s;", "`horizon at most 10", "horizon at most 5 steps of 1 s;"),
         ("horizon at most;", "`horizon at most 10", "horizon at most 5 steps of 1 s;"),
         ("start at S;", "`start in` a region", "start in S;"),
+        ("avoid self collisions;", "`avoid self with body;`", "avoid self with body;"),
+        ("reach T for 1 s at rest;", "`reach T at rest for 0.5 s;`", "reach T at rest for 1 s;"),
+        ("reach in T;", "`reach T`", "reach T;"),
         ("avoid self with body, except L;", "in pairs", "avoid self with body;"),
         ("avoid self with body except;", "in pairs", "avoid self with body;"),
         (
@@ -144,6 +147,21 @@ def test_habits_of_other_notations_get_a_hint_that_helps(
     hints = [diagnostic.hint or "" for diagnostic in load_text(spec(clause), "t.srg").diagnostics]
     assert any(advised in hint for hint in hints), hints
     assert not check_fragment(spec(followed))
+
+
+@pytest.mark.parametrize(
+    ("text", "advised"),
+    [
+        ("module L { role link; param length in [30, 40, 50] cm; }", "`{30, 40, 50} cm`"),
+        ("module L { role joint; dof q: revolute z acceleration <= 2 rad/s^2; }", "`accel`"),
+        ("module L { role joint; dof q: revolute z in [0, 1] rad speed in [0, 1]; }", "`rate`"),
+        ("workspace W { plane xy; obstacle O polygon (0, 0), (1, 0), (0, 1) m; }", "`hull`"),
+        ("task P { avoid A, B margin 1 cm; }", "`with effector` or `with body`"),
+    ],
+)
+def test_words_and_brackets_of_other_notations(text: str, advised: str) -> None:
+    hints = [diagnostic.hint or "" for diagnostic in load_text(text, "t.srg").diagnostics]
+    assert any(advised in hint for hint in hints), hints
 
 
 def test_chained_inequalities_are_to_be_split() -> None:

@@ -4,10 +4,14 @@ import csv
 import json
 import xml.etree.ElementTree as ET
 from fractions import Fraction
+from types import SimpleNamespace
 
 import pytest
 
+from solvers.planner import Exhaustion
+from srgc.text_reports.synthesis_report import after_synthesis
 from tests.oracles import result_files
+from tests.oracles.formulas import program
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
 
 DESIGN_FIELDS = [
@@ -257,3 +261,21 @@ def test_it_is_told_if_the_drives_do_not_hold_what_they_lifted(srgc, spec, tmp_p
     assert srgc("report", tmp_path / "out").status == 0
     page = (tmp_path / "out/report.html").read_text()
     assert ("at rest there for an instant only" in page) is not held
+
+
+def test_a_wall_that_bodies_alone_avoid_is_named(srgc, spec, tmp_path):
+    """Nothing keeps an effector without a body out of it: only with this are cells a proof."""
+    wall = "obstacle Wall box [-1, 3] x [0.8, 1] m; target T box [-0.3, 0.3]"
+    text = replaced(TURNER, "target T box [-0.3, 0.3]", wall)
+    text = text.replace("avoid O with effector;", "avoid Wall with body; avoid O with effector;")
+    task = program(text).tasks["Turn"]
+    reason = f"planning: {Exhaustion.APART.value}"
+    undecided = SimpleNamespace(
+        verdict="unknown", reason=reason, nearest=None, unfinished=False, records=()
+    )
+    said = after_synthesis(undecided, task, "out")
+    assert said.startswith("next:    add `avoid Wall with effector;`")
+    text = text.replace("avoid Wall with body;", "avoid Wall with body; avoid Wall with effector;")
+    ran = srgc("synth", spec(text), "-o", tmp_path / "out")
+    assert ran.status == 3
+    assert "every way between them leads through `Wall`" in ran.out

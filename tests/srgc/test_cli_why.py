@@ -131,6 +131,11 @@ def test_time_that_is_too_short(srgc: Srgc, impossible: Path) -> None:
     ran = srgc("why", impossible, "--time-limit", 1e-9)
     assert ran.status == 0
     assert "not all was tried: the time limit was reached" in ran.out
+    # What the search said of robots stands there, whether or not lines were found.
+    tried = json.loads((impossible / "design.json").read_text())["structures_tried"]
+    refuted = [each for each in tried if each["verdict"] == "refuted"]
+    for each in refuted[:3]:
+        assert f"  {' '.join(each['word'])}: {each['reason']}" in ran.out
 
 
 def test_synth_ends_with_a_conflict(srgc: Srgc, impossible: Path) -> None:

@@ -28,12 +28,12 @@ def test_other_texts_stay() -> None:
 
 def test_the_command_line(srgc, spec, tmp_path, monkeypatch) -> None:
     """All solvers claim that every program is infeasible."""
-    from solvers.trajectory import convex_step
+    from solvers.backends import portfolio
 
     def claimed(*_arguments: object) -> NotSolved:
         return NotSolved(Status.INFEASIBLE, "PrimalInfeasible")
 
-    monkeypatch.setattr(convex_step, "_guarded", claimed)
+    monkeypatch.setattr(portfolio, "_guarded", claimed)
     asked = ("synth", spec(SLIDER), "-o", tmp_path / "out", "-q")
     plain = srgc(*asked)
     assert plain.status == 4
