@@ -47,8 +47,8 @@ from compiler.unreachability.actuation_rest import (
     Holding,
     TooHeavy,
     Weight,
-    held,
-    holds,
+    held_boxes,
+    holds_asked,
     weights,
 )
 from compiler.unreachability.covered_poses import NEAR
@@ -113,7 +113,7 @@ def drive_reach(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> Dr
     # For robots that pick up and put down loads, no energy is known.
     known = graph.damping is not None and not unbounded_kinds(model, task) and not task.carries
     groups = _groups(model, task) if known else None
-    still = holds(model, workspace, task) if known else ()
+    still = holds_asked(model, workspace, task) if known else ()
     by_place = weights(model, task.gravity) if still else ()
     return DriveReach(model, workspace, task, graph, groups, still, by_place)
 
@@ -176,7 +176,7 @@ def _still(
         if not (hold.at_start or passage.arrives):
             continue
         effector = passage.starting if hold.at_start else passage.reaching
-        leaves, too_heavy = held(holding, hold, effector, drive.weights[effector], leaves)
+        leaves, too_heavy = held_boxes(holding, hold, effector, drive.weights[effector], leaves)
         left = any(leaf.start_possible if hold.at_start else leaf.goal_possible for leaf in leaves)
         if too_heavy and not left:
             return leaves, _not_still(drive, hold, too_heavy)

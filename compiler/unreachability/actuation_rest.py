@@ -51,7 +51,7 @@ class Hold:
     duration: arb
 
 
-def holds(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> tuple[Hold, ...]:
+def holds_asked(model: RobotModel, workspace: ir.Workspace, task: ir.Task) -> tuple[Hold, ...]:
     """Where a task asks a robot to hold still against gravity: nowhere, or at start or goal."""
     found = list[Hold]()
     if not any(task.gravity):
@@ -120,7 +120,7 @@ class TooHeavy:
     available: arb
 
 
-def held(
+def held_boxes(
     holding: Holding, hold: Hold, effector: int, weight: Weight, leaves: Sequence[LeafBox]
 ) -> tuple[list[LeafBox], list[TooHeavy]]:
     """The boxes, without those starts or goals where the drives cannot hold still, and why not.

@@ -14,7 +14,7 @@ _POLYTOPE = "write inequalities with `;` between, as in `polytope { x >= 0; y >=
 _POINT = (
     "it takes a region: declare one in the workspace, such as `target T ball (3, 4) m radius 1 cm;`"
 )
-_MEANT = {
+_FOREIGN = {
     "acceleration": "accel",
     "polygon": "hull",
     "speed": "rate",
@@ -22,7 +22,7 @@ _MEANT = {
     "velocity": "rate",
     "vertices": "hull",
 }
-"""Words of other notations, and those of this one."""
+"""Words of other notations within clauses, and what is meant; ``MEANT`` has those at the start."""
 
 
 def habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
@@ -38,7 +38,7 @@ def habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
 
 def meant_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
     """The word of the language for a word of other notations; ``wanted`` is what would fit."""
-    meant = _MEANT.get(tokens.at(here))
+    meant = _FOREIGN.get(tokens.at(here))
     return f"did you mean `{meant}`?" if meant is not None and f"`{meant}`" in wanted else None
 
 
