@@ -33,15 +33,31 @@ def several_effectors(program: ir.Program, grammar: ir.Grammar) -> bool | None:
         return None
     emitted = tuple(_emitted(grammar.semantics.get(p.label)) for p in grammar.productions)
     cfg = srg(grammar, program.terminals, program.modules).cfg
+    return some_word_has_several(cfg, emitted, grammar.accept, program.terminals)
+
+
+def some_word_has_several(
+    cfg: Cfg, emitted: tuple[int, ...], accept: ir.Accept, terminals: tuple[str, ...]
+) -> bool | None:
+    """Whether some accepted derivation emits two effectors or more.
+
+    None if the automaton of ``accept`` is too large.
+
+    Args:
+        cfg: the grammar.
+        emitted: how many effectors each of its rules emits, at most ``SEVERAL``.
+        accept: the accept condition.
+        terminals: the names of the terminals.
+    """
     if _most(cfg, emitted) < SEVERAL:
         return False
     try:
-        accept = accept_dfa(grammar.accept, program.terminals)
+        accepted = accept_dfa(accept, terminals)
     except AutomatonTooLargeError:
         return None
     marked = binary_normal_form(_marked(cfg, emitted))
     try:
-        return not intersect(marked, _with_marks(accept), CHECKED_RULES).is_empty()
+        return not intersect(marked, _with_marks(accepted), CHECKED_RULES).is_empty()
     except IntersectionTooLargeError:
         return None
 

@@ -9,6 +9,7 @@ from functools import reduce
 from typing import TypeAlias
 
 from compiler.robots.effector_counts import several_effectors
+from compiler.robots.effectors_on_bodies import effectors_are_on_bodies
 from grammar_lang import ir
 
 # --- Where the effectors must be at some instant, whatever the robot ------------------------------
@@ -124,6 +125,18 @@ def task_avoidance(task: ir.Task, effector: int | None) -> tuple[str, ...]:
         found = permanently_avoided(clause.formula, end)
         regions.update(place.region for place in found if place.effector == effector)
     return tuple(sorted(regions))
+
+
+def family_avoidance(program: ir.Program, task: ir.Task, effector: int | None) -> tuple[str, ...]:
+    """The regions that an effector of no robot of the family enters, sorted.
+
+    They are those of ``task_avoidance``, and what bodies avoid if all effectors are on bodies.
+    """
+    avoided = set(task_avoidance(task, effector))
+    bodies = {name for a in task.avoid if a.subject == "body" for name in a.regions}
+    if not bodies <= avoided and effectors_are_on_bodies(program, program.grammars[task.grammar]):
+        avoided |= bodies
+    return tuple(sorted(avoided))
 
 
 def _union(parts: Iterable[Places]) -> Places:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from compiler.tasks.necessary import Stop, stops, task_avoidance
+from compiler.tasks.necessary import Stop, family_avoidance, stops
 from compiler.workspaces.abstraction import Abstraction, PassableCells, connected
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import SeparationClaim
@@ -33,7 +33,7 @@ def disconnected(
     for one, other in combinations(stops(program, task), 2):
         if one.effector != other.effector or one.region == other.region:
             continue
-        avoided = task_avoidance(task, one.effector)
+        avoided = family_avoidance(program, task, one.effector)
         if avoided and cells.cut_off(one.region, other.region, avoided):
             return _claimed(cells, one, other, avoided)
     return None

@@ -164,13 +164,24 @@ class MotionConstraints:
         own = self.start_effector == self.effector
         return own and isinstance(self.task.start, ir.StartIn)
 
+    @property
+    def ends_in_its_cell(self) -> bool:
+        """Whether the task says where the effector of the path ends, other than by formulas."""
+        return self.task.reach is not None and self.recorded == self.effector
+
     def dwells(
-        self, entries: Entries | None, obligations: Sequence[Obligation]
+        self, entries: Entries | None, obligations: Sequence[Obligation], *, closed: bool = False
     ) -> tuple[Dwell, ...]:
-        """The dwells of points; without ``entries`` only the two ends of the path bind to cells."""
+        """The dwells of points.
+
+        Without ``entries`` only the ends of the path that the task fixes bind to cells.  A path
+        that is ``closed`` ends in its last cell.
+        """
         k = self.task.steps
-        last = convex_set(self.abstraction.cells[self.cells[-1]].polytope)
-        found = [Dwell(self.effector, k, k, last)]
+        found = list[Dwell]()
+        if closed or self.ends_in_its_cell:
+            last = convex_set(self.abstraction.cells[self.cells[-1]].polytope)
+            found.append(Dwell(self.effector, k, k, last))
         if self.starts_in_its_cell:
             first = convex_set(self.abstraction.cells[self.cells[0]].polytope)
             found.insert(0, _planned_start(self.effector, first))

@@ -96,7 +96,8 @@ def _poses(
 ) -> Array:
     """Clear poses (K, n) with the points of a stop in their sets, far from each other.
 
-    If no point reaches its target, new targets are chosen up to ``nearer`` times.
+    If no point reaches its target, new targets are chosen up to ``nearer`` times, or ``NEARER``
+    times if the robot has too few coordinates to reach most targets.
     """
     if not stop.aims:
         q = drawn.q[: POSES * LOOKED]
@@ -113,7 +114,9 @@ def _poses(
         points = [point for point, _ in stop.aims]
         q, left = solve_positions(space.numeric, starts, space.theta, points, targets, space.box)
         reached = left < REACHED * space.extent
-        for _ in range(0 if reached.any() else nearer):
+        # With fewer coordinates than the targets have, hardly any of these can be reached exactly.
+        rounds = NEARER if space.numeric.n < targets.shape[1] else nearer
+        for _ in range(0 if reached.any() else rounds):
             places = positions_of(space.numeric, q, space.theta)
             targets = np.concatenate(
                 [_nearest(region, places[:, point]) for point, region in stop.aims], axis=1

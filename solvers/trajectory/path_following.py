@@ -200,12 +200,12 @@ class PathProblem:
     # --- constraints ----------------------------------------------------------------------------
 
     def plan(self, entries: Entries, *, released: bool = False) -> PositionPlan:
-        """All half-planes for given entries; if ``released``, only the cells at both ends bind."""
+        """All half-planes for given entries; if ``released``, only cells at fixed ends bind."""
         place, needs = self.waypoints()[0], self.obligations(entries)
         constraints, released = self.constraints, released or not self.bound
         return PositionPlan(
             self.task.steps,
-            constraints.dwells(None if released else entries, needs),
+            constraints.dwells(None if released else entries, needs, closed=self.loop is not None),
             constraints.separations(needs),
             self.margin,
             None if released else self.effector,

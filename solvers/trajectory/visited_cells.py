@@ -36,8 +36,10 @@ def visited_cells(
                 return None
             cells.append(cell)
             entries.append(sample)
-    starts = cells[0] == path_problem.cells[0] or not path_problem.constraints.starts_in_its_cell
-    if not starts or cells[-1] != path_problem.cells[-1]:
+    fixed, given = path_problem.constraints, path_problem.cells
+    starts = cells[0] == given[0] or not fixed.starts_in_its_cell
+    free_end = path_problem.loop is None and not fixed.ends_in_its_cell
+    if not starts or not (cells[-1] == given[-1] or free_end):
         return None
     found = tuple(cells), tuple(entries)
     return found if path_problem.along(*found).allows(found[1]) else None

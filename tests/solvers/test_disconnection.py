@@ -63,7 +63,9 @@ AVOID = "avoid Wall, Block with effector;"
         (f"start in S by effector 1; reach T; {AVOID}", WALL, ("S", "T", ("Wall",))),
         (f"start in S; reach F; {AVOID}", WALL, None),
         ("start in S; reach T; avoid Block with effector;", WALL, None),
-        ("start in S; reach T; avoid Wall with body;", WALL, None),  # the effector is no body
+        ("start in S; reach T; avoid Wall with body;", WALL, ("S", "T", ("Wall",))),  # on a rod
+        ("start in S; reach T; avoid Wall with body, margin 5 cm; avoid Block with effector;", WALL,
+         ("S", "T", ("Wall",))),
         ("start in S; reach T; avoid Wall with effector, margin 5 cm;", WALL,
          ("S", "T", ("Wall",))),
         ("start in S; reach T; satisfy always not Wall;", WALL, ("S", "T", ("Wall",))),
@@ -82,6 +84,32 @@ AVOID = "avoid Wall, Block with effector;"
 )  # fmt: skip
 def test_what_is_cut_off(clauses: str, regions: str, cut: Decided) -> None:
     assert decided(clauses, regions) == cut
+
+
+ROD = "rod(frame: N.frame, axis: x, length: L.length, density: 1 kg/m);"
+
+
+@pytest.mark.parametrize(
+    ("emitted", "cut"),
+    [
+        ("point(frame: N.frame, mass: 1 kg);", False),
+        ("point(frame: this.frame, mass: 1 kg);", True),
+        ("point(frame: this.frame, mass: 1 kg); sphere(frame: N.frame, radius: 1 cm);", False),
+        ("rod(frame: N.frame, axis: x, length: 0.9 * L.length, density: 1 kg/m);", False),
+    ],
+)
+def test_what_bodies_avoid_binds_effectors_on_bodies(emitted: str, cut: bool) -> None:
+    """A tip that no body reaches may pass through what only bodies avoid, and a claim may not."""
+    text = spec("start in S; reach T; avoid Wall with body;", WALL)
+    assert ROD in text
+    on_rod = program(text)
+    claim = disconnected(on_rod, on_rod.tasks["P"], abstract(on_rod.workspaces["W"]))
+    assert claim is not None
+    found = program(text.replace(ROD, emitted))
+    task, cells = found.tasks["P"], abstract(found.workspaces["W"])
+    assert (disconnected(found, task, cells) is not None) is cut
+    reason = misstated_separation(found, task, cells, claim)
+    assert reason == (None if cut else "the separation names a region that the task does not avoid")
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import replace
 from math import cos, sin, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from solvers.trajectory.joint_ways import ClearSpace, joint_way
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.position_plan import Dwell
 from tests.oracles.planned_arm import planned_spec
+from tests.solvers.test_path_following import path_problem
 from tests.solvers.test_seeds_of_bodies import OBSTACLE, clearance
 
 THETA = np.array([2.3, 3.1])
@@ -147,3 +149,17 @@ def test_a_set_is_reached_whose_middle_is_too_far(
     for q in found:
         tip = np.array(outline(q[-1]).coords[-1])
         assert np.all(normals @ tip <= place.offsets)
+
+
+@pytest.mark.parametrize("length", [1.3, 1.55, 1.8])
+def test_one_joint_reaches_a_region_though_hardly_any_place_in_it(
+    tmp_path: Path, length: float
+) -> None:
+    """The tip is on a circle, which meets every set from whose points it has to be chosen."""
+    turner = path_problem(tmp_path)
+    found = turner.joint_ways(np.array([length]), straight=True)
+    assert found
+    for q in found:
+        x, y = length * cos(q[0, 0]), length * sin(q[0, 0])
+        assert 1.2 <= x <= 1.9
+        assert -0.3 <= y <= 0.3

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from math import cos, sin
 from pathlib import Path
 
 import pytest
@@ -179,3 +180,46 @@ def test_where_poses_reach_cells_only_at_their_boundary(srgc: Run, tmp_path: Pat
     ran = srgc("synth", spec, "-o", tmp_path / "out", "--cells", "40")
     assert ran.status == 4
     assert "robustness" in ran.out
+
+
+FORK = """\
+module Foot { role base; }
+module Turn { role joint; dof q: revolute z in [-170, 170] deg rate in [-3, 3] rad/s; }
+module Bar { role link; const length = 1 m; const spread = 0.2 m; const mass = 0.5 kg; }
+module Left { role effector; }
+module Right { role effector; }
+grammar G { start R; whole: R -> Foot Turn Bar Left Right; }
+semantics G {
+  whole {
+    this.hub = world * rot(z, Turn.q);
+    this.tip = this.hub * move(x, Bar.length);
+    point(frame: this.tip, mass: Bar.mass);
+    effector(frame: this.tip * move(y, Bar.spread));
+    effector(frame: this.tip * move(y, -Bar.spread));
+  }
+}
+workspace W {
+  plane xy; bounds box [-1.5, 1.5] x [-1.5, 1.5] m;
+  region Home box [0.9, 1.1] x [0.1, 0.35] m;
+  region A box [0.5, 0.75] x [0.7, 0.95] m;
+  region B box [0.4, 0.65] x [0.75, 1] m;
+}
+task T {
+  robot G; workspace W; start in Home by effector 1 at rest; effort <= 20 N*m;
+  satisfy not B by effector 2 until A by effector 1;
+  satisfy eventually[0 s, 1 s] A by effector 1 and last[0.2 s] B by effector 2;
+  horizon 15 steps of 0.1 s;
+}
+"""
+
+
+def test_one_effector_goes_on_when_the_other_has_work_left(srgc: Run, tmp_path: Path) -> None:
+    """The first is done in A, and has to leave it before the second one can be in B."""
+    out = found(srgc, tmp_path, FORK)
+    rows = (out / "trajectory.csv").read_text().splitlines()
+    last = float(rows[-1].split(",")[rows[0].split(",").index("q1")])
+    first = cos(last) - 0.2 * sin(last), sin(last) + 0.2 * cos(last)
+    other = cos(last) + 0.2 * sin(last), sin(last) - 0.2 * cos(last)
+    assert 0.4 <= other[0] <= 0.65
+    assert 0.75 <= other[1] <= 1
+    assert not (0.5 <= first[0] <= 0.75 and 0.7 <= first[1] <= 0.95)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from compiler.tasks.necessary import stops, task_avoidance
+from compiler.tasks.necessary import family_avoidance, stops
 from compiler.workspaces.abstraction import Abstraction, PassableCells
 from grammar_lang import ir
 from solvers.verifier.claims.certificate import SeparationClaim
@@ -22,7 +22,7 @@ def misstated_separation(
     found = [stop.region for stop in stops(program, task) if stop.effector == claim.effector]
     if {claim.source, claim.target} - set(found):
         return "the task does not bring one effector into both regions of the separation"
-    avoided = task_avoidance(task, claim.effector)
+    avoided = family_avoidance(program, task, claim.effector)
     if set(claim.avoided) - set(avoided):
         return "the separation names a region that the task does not avoid"
     known = {cell.name: i for i, cell in enumerate(abstraction.cells)}
