@@ -92,9 +92,10 @@ def _joint_names(
 ) -> list[list[str]]:
     """For each degree of freedom of a robot, the names of the joints that are merged into it."""
     joints = [
-        (dof.named or f"{node.module}_{node.place}")
+        dof.named or f"{node.module}_{node.place}" + (f"_{dof.name}" if len(dofs) > 1 else "")
         for node in sorted(graph.nodes, key=lambda node: node.place)
-        for dof in modules[node.module].dofs
+        for dofs in [modules[node.module].dofs]
+        for dof in dofs
     ]
     names: list[list[str]] = [[] for _ in model.dofs]
     for text, found in zip(joints, model.word_dofs, strict=True):

@@ -60,6 +60,31 @@ def test_modules_without_names_have_places(srgc: Export, tmp_path: Path) -> None
     assert parts(fromstring(ran.out)) == (["JO_2", "JO_6"], ["B_0", "L_4", "L_8", "EN_10"])
 
 
+CART = """\
+module Cart { role base; dof px: prismatic x in [-3, 3] m; dof py: prismatic y in [-3, 3] m; }
+module Hand { role effector; }
+grammar G { start N; whole: N -> Cart Hand; }
+semantics G {
+  whole {
+    this.at = move(x, Cart.px) * move(y, Cart.py);
+    point(frame: this.at, mass: 2 kg);
+    effector(frame: this.at);
+  }
+}
+workspace W { plane xy; bounds box [-3, 3] x [-3, 3] m; region H box [0, 1] x [0, 1] m; }
+task T { robot G; workspace W; start in H; reach H; effort <= 5 N; horizon 10 steps of 0.1 s; }
+"""
+
+
+def test_joints_of_one_module_have_the_names_of_its_degrees_of_freedom(
+    srgc: Export, tmp_path: Path
+) -> None:
+    folder = claim_found(tmp_path / "claimed", CART, "Cart Hand", [])
+    result_files.alter(folder, lambda c: c.update(inputs=[["0.5", "0.5"]] * 10), sign=True)
+    mjcf = fromstring(srgc("export", folder, "--to", "mjcf").out)
+    assert [each.get("name") for each in mjcf.iter("joint")] == ["Cart_0_px", "Cart_0_py"]
+
+
 def test_a_name_that_is_taken_gets_a_number(srgc: Export, tmp_path: Path) -> None:
     text = named('"hinge"', '"tube"', '"foot"', '"tube"')
     ran = srgc("export", folder_of(tmp_path, text), "--to", "urdf")
