@@ -147,13 +147,14 @@ def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
         if (places := _shared(model, inputs, effort))
     ]  # fmt: skip
     bounds = {effort.kind: effort.bound for effort in task.effort if not effort.norm2}
+    names = joint_names(model)
     for place, item in enumerate(inputs):
         dof = None if item.dof is None else model.dofs[item.dof]
         if item.dof is None or dof is None or dof.effort is None:
             continue
         own = rational_bounds(dof.effort)[0]
         bound = min(own, bounds.get(dof.kind, own))
-        name = f"effort of joint {item.dof + 1}"
+        name = f"effort of {names[item.dof]}"
         unit = EFFORT_UNITS[dof.kind]
         found.append(InputBound((place,), -bound, bound, unit, name, effort=True))
     for place, item in enumerate(inputs):

@@ -15,7 +15,6 @@ from compiler.robots.robot import RobotModel
 from compiler.robots.state_and_input import (
     dry_friction,
     input_bounds,
-    joint_names,
     robot_inputs,
 )
 from grammar_lang import ir
@@ -164,11 +163,10 @@ def _control(design: Design, task: ir.Task) -> str:
 def _inputs(design: Design, task: ir.Task) -> Iterator[str]:
     """What the motion uses of each bound on its inputs, and the robustness."""
     used = used_inputs(design.model, task, design.inputs)
-    names = {f"joint {n}": name for n, name in enumerate(joint_names(design.model), 1)}
     for each in used:
         if each.effort:
             of = each.name.removeprefix("effort").removeprefix(" of ")
-            whose = f"{names.get(of, of)}, " if of else ""
+            whose = f"{of}, " if of else ""
             yield f"effort:  {whose}peak {each.peak:.4g} of {amount(each.widest, each.unit)}"
         else:
             name = each.name.removeprefix("input ")

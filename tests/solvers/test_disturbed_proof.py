@@ -136,8 +136,8 @@ def test_one_rod(angle: float, rate: float, part: float) -> None:
     push = 0.8 / INERTIA
     q = 0.3 + 0.2 * time + push * time**2 / 2
     off = angle + rate * time + part * push * time**2 / 2
-    near(found["range of joint 1"], 2 - q, off)
-    near(found["rate of joint 1"], 3 - (0.2 + push * time), rate + part * push * time)
+    near(found["range of J.q"], 2 - q, off)
+    near(found["rate of J.q"], 3 - (0.2 + push * time), rate + part * push * time)
     assert found["start rates"].margin == pytest.approx(0.8)
 
 
@@ -147,16 +147,16 @@ def test_inputs_that_change_their_sign_err_all_the_time() -> None:
     inputs = [(F(3, 5),)] * 10 + [(F(-3, 5),)] * 10
     found = proved(where, (F(0), F(0)), inputs)
     push = 0.6 / INERTIA
-    near(found["range of joint 1"], 2 - push, 0.02 * (push / 2 + push + push / 2))
-    near(found["rate of joint 1"], 3 - push, 0.02 * push)
+    near(found["range of J.q"], 2 - push, 0.02 * (push / 2 + push + push / 2))
+    near(found["rate of J.q"], 3 - push, 0.02 * push)
 
 
 def test_one_slide() -> None:
     """Lengths and speeds are those of slides; angles do not matter to them."""
     where = scene(SLIDE, spec(10, "robust start 1 cm, 2 cm/s, 1 rad, 1 rad/s; robust effort 5 %;"))
     found = proved(where, (F(1, 2), F(1, 5)), [(F(3),)] * 10)
-    near(found["range of joint 1"], 3 - (0.5 + 0.2 + 1.0), 0.01 + 0.02 + 0.05)
-    near(found["rate of joint 1"], 4 - (0.2 + 2.0), 0.02 + 0.1)
+    near(found["range of S.q"], 3 - (0.5 + 0.2 + 1.0), 0.01 + 0.02 + 0.05)
+    near(found["rate of S.q"], 4 - (0.2 + 2.0), 0.02 + 0.1)
     near(found["bounds"], 3 - 1.7, 0.08)
 
 
@@ -197,11 +197,11 @@ def test_where_the_enclosure_outgrows_a_margin_its_time_is_said() -> None:
     found = proved(where, (F(3, 10), F(1, 5)), inputs)
     lost = decisive(tuple(found.values()))
     assert lost is not None
-    assert (lost.name, lost.status) == ("range of joint 1", Status.UNDECIDED)
+    assert (lost.name, lost.status) == ("range of J.q", Status.UNDECIDED)
     push = 0.8 / INERTIA
     time = (-0.2 + (0.04 + 2 * push * (2 - 0.2 - 0.3)) ** 0.5) / push
     assert lost.time == pytest.approx(time, abs=2e-3)
-    said = "the enclosure of the disturbed motions outgrows the margin of `range of joint 1`"
+    said = "the enclosure of the disturbed motions outgrows the margin of `range of J.q`"
     assert lost.reason.startswith(f"{said} at {time:.2f}")
     assert found["bounds"].status is Status.HOLDS
 
@@ -210,12 +210,12 @@ def test_a_disturbed_motion_that_fails_is_shown() -> None:
     """The same range is passed for certain by a rod that starts at the end of the radius."""
     where = scene(ONE, spec(15, "robust start 0.2 rad; robust effort 1 %;"))
     found = proved(where, (F(3, 10), F(1, 5)), [(F(4, 5),)] * 15, refute=True)
-    lost = found["range of joint 1"]
+    lost = found["range of J.q"]
     assert lost.status is Status.FAILS
     push, end = 0.8 / INERTIA, 1.5
     assert 0.3 + 0.2 * end + push * end**2 / 2 < 2
     assert 0.5 + 0.2 * end + 1.01 * push * end**2 / 2 > 2
-    assert lost.reason.startswith("range of joint 1: violated by a disturbed motion at ")
+    assert lost.reason.startswith("range of J.q: violated by a disturbed motion at ")
 
 
 def test_a_target_that_is_missed() -> None:
@@ -335,8 +335,8 @@ def test_no_disturbed_motion_has_less_than_the_proved_margins(seed: int) -> None
     alone = disturbed(replace(plan, angle=0, rate=0, part=0), 0)
     for name, gaps in (
         ("bounds", _from_bounds),
-        ("range of joint 2", _of_range),
-        ("rate of joint 2", _of_rate),
+        ("range of J.q (joint 2)", _of_range),
+        ("rate of J.q (joint 2)", _of_rate),
     ):
         least, without = float(gaps(states).min()), float(gaps(alone).min())
         assert found[name].margin <= least + 1e-7

@@ -120,8 +120,8 @@ def gaps(motion: Motion) -> dict[str, float]:
     if motion.law is not None:
         found["effort (N*m)"] = float(np.min(9 - np.abs(commanded)))
     for joint in range(2):
-        found[f"range of joint {joint + 1}"] = float(np.min(2 - np.abs(states[:, joint])))
-        found[f"rate of joint {joint + 1}"] = float(np.min(3 - np.abs(states[:, 2 + joint])))
+        found[f"range of J.q (joint {joint + 1})"] = float(np.min(2 - np.abs(states[:, joint])))
+        found[f"rate of J.q (joint {joint + 1})"] = float(np.min(3 - np.abs(states[:, 2 + joint])))
     return found
 
 
@@ -151,8 +151,8 @@ def test_what_is_violated_at_the_instants_is_found_and_nothing_else(closed: bool
         seen |= set(found)
     assert seen >= {"target End", "rates at the end"}
     assert ("effort (N*m)" if closed else "clearance of effector to Post") in seen
-    assert any(name.startswith("rate of joint") for name in seen)
-    assert any(name.startswith("range of joint") for name in seen)
+    assert any(name.startswith("rate of J.q") for name in seen)
+    assert any(name.startswith("range of J.q") for name in seen)
 
 
 @pytest.mark.parametrize("closed", chosen([True, False], 1))

@@ -239,7 +239,7 @@ SPEC_CHANGES = {
     "an obstacle on the way": ("[1.4, 2.5] x [1.4, 2.5]", "[0.7, 1.0] x [0.7, 1.0]", ""),
     "another range": ("[1, 2] m", "[1.5, 2] m", "outside its range"),
     "another horizon": ("10 steps", "11 steps", "horizon"),
-    "a joint limit": ("[-180, 180] deg", "[-180, 70] deg", "range of joint 1: violated"),
+    "a joint limit": ("[-180, 180] deg", "[-180, 70] deg", "range of JO.q: violated"),
     "a heavier link": ("1 kg/m", "3 kg/m", "violated"),
     "narrow bounds": ("[-1, 3] x [-1, 3]", "[-1, 1.21] x [-1, 3]", ""),
     "another language": ("and starts with B eps JO", "and ends with L", "the word is not accepted"),
@@ -301,7 +301,7 @@ def test_the_margins_are_those_of_an_independent_calculation(made):
     expected = {
         "start S": min(x0 - 1.2, 1.9 - x0, y0 + 0.3, 0.3 - y0),
         "target T": min(x1 + 0.3, 0.3 - x1, y1 - 1.2, 1.9 - y1),
-        "range of joint 1": min(math.pi - abs(math.atan2(y, x)) for x, y in tips),
+        "range of JO.q": min(math.pi - abs(math.atan2(y, x)) for x, y in tips),
         "bounds": min(min(x + 1, 3 - x, y + 1, 3 - y) for x, y in tips),
         "effort (N*m)": 10 - max(abs(float(text)) for (text,) in content["inputs"]),
         "mass matrix positive definite": length**3 / 3,

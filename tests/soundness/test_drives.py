@@ -88,4 +88,4 @@ def test_a_bound_that_the_motion_does_not_keep_is_refuted(folder: Path) -> None:
     report = verify_directory(folder)
     result_files.alter_spec(folder, new, old, sign=True)
     assert report.outcome is Outcome.REFUTED
-    assert "effort of joint 1" in str(report.reason)
+    assert "effort of Big.q" in str(report.reason)

@@ -116,7 +116,8 @@ def test_it_is_found_and_proved(folder: Path) -> None:
     report = verify_directory(folder)
     assert report.outcome is Outcome.VALID
     named = [each.name for each in report.conditions]
-    assert {f"effort of joint {i} (N*m)" for i in range(1, 5)} <= {*named}
+    joints = ("turn (joint 1)", "bend (joint 2)", "turn (joint 3)", "bend (joint 4)")
+    assert {f"effort of Ball.{joint} (N*m)" for joint in joints} <= {*named}
     assert quiet("replay", folder, "--in", "mujoco") == 0
 
 

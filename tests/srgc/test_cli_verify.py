@@ -25,7 +25,7 @@ def test_a_result_is_valid_with_margins(srgc, made, spec):
     shown = "\n".join(lines[5:-1]).replace("\n    ", " ").splitlines()
     assert all(line.startswith("  holds ") and " at " in line for line in shown)
     assert [line.split()[1] for line in shown if " margin " not in line] == ["start"]
-    for name in ("effort (N", "target T", "start S", "bounds", "cell path", "range of joint 1"):
+    for name in ("effort (N", "target T", "start S", "bounds", "cell path", "range of "):
         assert any(f"  {name}" in line for line in shown)
 
 
@@ -40,7 +40,8 @@ def test_what_drives_the_robot_is_told(srgc, made, spec, control):
     ]
     assert told == ([] if control is None else [f"control: {control}"])
     found = (made(spec) / "stdout").read_text(encoding="utf-8").splitlines()
-    assert [line for line in found if line.startswith("control")] == told
+    said = [line.partition(",")[0] for line in found if line.startswith("control")]
+    assert said == told
     answer = json.loads(srgc("verify", made(spec) / "out", "--json").out)
     assert answer["control"] == control
     assert result_files.read(made(spec) / "out", "design.json")["control"] == control

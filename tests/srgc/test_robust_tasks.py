@@ -81,7 +81,7 @@ def test_margins_are_those_of_disturbed_motions(srgc, copied):
     alter_spec(copied, CLAUSES, "", sign=True)
     _, calm = margins(srgc, copied)
     assert shaky.keys() == calm.keys()
-    for name in ("target T", "bounds", "range of joint 1"):
+    for name in ("target T", "bounds", "range of JO.q"):
         assert shaky[name] < calm[name]
     for name in ("start S", "cell path", "effort (N*m)"):
         assert shaky[name] == pytest.approx(calm[name])

@@ -11,6 +11,7 @@ from flint import arb
 from compiler.expressions.evaluators.balls import ball, closed_ball, scalar_balls
 from compiler.robots.hull_corners import corners_from_middle
 from compiler.robots.robot import Collider, RobotModel, RodBody, Shape
+from compiler.robots.state_and_input import joint_names
 from grammar_lang import ir
 from solvers.verifier.proofs.apart import Apart, BodiesApart
 from solvers.verifier.proofs.extension import BoxExtension, DiscExtension, Extension
@@ -153,6 +154,7 @@ def state_limits(scene: Scene, size: int) -> list[StateLimit]:
     graph, found = scene.graph, list[StateLimit]()
     none = (0,) * len(graph.model.dofs)
     own = (0,) * (size - 2 * len(graph.model.dofs))
+    names = joint_names(graph.model)
     for number, dof in enumerate(graph.model.dofs):
         row = graph.coordinates.rows[number]
         unit = "rad" if dof.kind == "revolute" else "m"
@@ -162,17 +164,17 @@ def state_limits(scene: Scene, size: int) -> list[StateLimit]:
         ):
             if interval is not None:
                 ends = closed_ball(interval.lower), closed_ball(interval.upper)
-                found.append(StateLimit(f"{what} of joint {number + 1}", measure, weights, *ends))
+                found.append(StateLimit(f"{what} of {names[number]}", measure, weights, *ends))
     return found
 
 
 def acceleration_limits(scene: Scene) -> list[AccelerationLimit]:
     """The limits of the joints' accelerations as balls, on the rows of q'' = D y''."""
-    found = list[AccelerationLimit]()
+    found, names = list[AccelerationLimit](), joint_names(scene.model)
     for number, dof in enumerate(scene.model.dofs):
         if dof.accel is not None:
             row, most = tuple(scene.graph.coordinates.rows[number]), closed_ball(dof.accel)
-            name = f"acceleration of joint {number + 1}"
+            name = f"acceleration of {names[number]}"
             unit = "rad/s^2" if dof.kind == "revolute" else "m/s^2"
             found.append(AccelerationLimit(name, unit, row, -most, most))
     return found
