@@ -41,7 +41,7 @@ CLOSE = 1e-8
 """What the oracle may be off by, in SI."""
 FEW = (0, 13, 2)
 """Loops of the usual suite: of a link, two links, and a link; one for each kind of limit."""
-EFFORT, RANGE, RATE = "effort (N*m)", "range of ", "rate of "
+EFFORT, RANGE, RATE = "effort (N*m)", "range of", "rate of"
 SPEC = """
 module B {{ role base; }}
 module J {{ role joint;
@@ -207,7 +207,7 @@ class RandomLoop:
 
 
 def kind(name: str) -> str:
-    return name if name == EFFORT else name.rsplit(" ", 1)[0]
+    return name if name == EFFORT else " ".join(name.split()[:2])
 
 
 def bounds(conditions: tuple[CheckedCondition, ...], limits: Limits) -> dict[str, float]:
