@@ -6,9 +6,10 @@ move stands as its task asks.  Sampling can miss cells: this guides a search and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import combinations, permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,14 @@ from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.tasks.monitor import AtomKey, Monitored, Piece, key
 from compiler.tasks.specification import PlannedEffector, PlanningProblem
+from compiler.tasks.word_formula import (
+    Literal,
+    SampledFormula,
+    every,
+    nodes,
+    some,
+    throughout,
+)
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
@@ -34,6 +43,10 @@ START_SAMPLES = 64
 REACH_LOG2 = 3
 POSES = 512
 """For the cells within reach: 2**``REACH_LOG2`` parameter vectors, with this many poses each."""
+PAIRED = 4096
+"""For the cells of two effectors at once: poses for each of these parameter vectors."""
+FEW = 50
+"""With fewer poses that have an effector in some cells, nothing is said of other effectors."""
 CHUNK = 1 << 22
 """The most products of points and rows held at a time."""
 POSES_OF_BODIES = 4
@@ -102,6 +115,110 @@ def within_reach(
     return replace(problem, effectors=tuple(planned))
 
 
+def together(
+    problem: PlanningProblem, numeric: NumericRobot, abstraction: Abstraction, seed: int
+) -> PlanningProblem:
+    """The problem of several effectors with what follows from their being on one robot.
+
+    Each starts and ends in or next to a cell where it was found while the others do; and two are
+    never at once in regions, named in the formula, where they were not found like that.
+    """
+    if len(problem.effectors) < 2:
+        return problem
+    found = _together(problem, numeric, abstraction, seed)
+    planned = {one.effector: one for one in problem.effectors}
+    for one, other in found:
+        here, there = planned[one], planned[other]
+        start = found[one, other].seen(here.start, there.start)
+        end = there.end if here.end is None else found[one, other].seen(here.end, there.end)
+        planned[other] = replace(there, start=start, end=end)
+    if problem.formula is None:
+        return replace(problem, effectors=tuple(planned.values()))
+    apart = _never_at_once(problem, problem.formula, found)
+    formula = every([problem.formula, *apart]) if apart else problem.formula
+    return replace(problem, effectors=tuple(planned.values()), formula=formula)
+
+
+@dataclass(frozen=True, slots=True)
+class _Together:
+    """Cells of two effectors at once: how often the first was in each, (cells,), and ``beside``.
+
+    ``beside`` (cells, cells) says whether the second was found in or next to the cell of the column
+    while the first was in the cell of the row.
+    """
+
+    often: NDArray[np.int64]
+    beside: NDArray[np.bool_]
+
+    def seen(self, given: Sequence[int], cells: Sequence[int] | None) -> tuple[int, ...]:
+        """The cells (None: all) of the second one while the first is in one of those given.
+
+        All of them if there are none, or too few samples.
+        """
+        candidates = tuple(range(len(self.often)) if cells is None else cells)
+        if self.often[list(given)].sum() < FEW:
+            return candidates
+        with_it = np.any(self.beside[list(given)], axis=0)
+        return tuple(cell for cell in candidates if with_it[cell]) or candidates
+
+    def excludes(self, rows: Sequence[int], columns: Sequence[int]) -> bool:
+        """Whether the first was often in some cells, and never with the second near others."""
+        return self.often[rows].sum() >= FEW and not self.beside[np.ix_(rows, columns)].any()
+
+
+def _together(
+    problem: PlanningProblem, numeric: NumericRobot, abstraction: Abstraction, seed: int
+) -> dict[tuple[int, int], _Together]:
+    """The cells of each two effectors, in either order, at once in random poses."""
+    cells, count = _Stacked(abstraction), len(abstraction.cells)
+    near = np.eye(count, dtype=np.float32)
+    for cell, beside in enumerate(abstraction.neighbours):
+        near[cell, list(beside)] = 1.0
+    rng, limits = np.random.default_rng(seed), state_limits(numeric.graph.model)[:, 0]
+    reach = float(np.max(np.abs(cells.centres), initial=1.0))
+    lower, upper = sampled_box(numeric, (limits[:, 0], limits[:, 1]), reach)
+    poses = [
+        numeric.places(rng.uniform(lower, upper, size=(PAIRED, numeric.n)), theta)
+        for theta in parameter_space(numeric.graph.model).samples(REACH_LOG2, seed)
+    ]
+    # Products of numbers are much faster than those of truth values.
+    inside = {
+        one.effector: cells.inside(np.concatenate([each[:, one.effector] for each in poses]))
+        .astype(np.float32)
+        for one in problem.effectors
+    }  # fmt: skip
+    return {
+        (one, other): _Together(
+            inside[one].sum(axis=0).astype(np.int64),
+            inside[one].T @ np.minimum(inside[other] @ near, 1.0) > 0,
+        )
+        for one, other in permutations(inside, 2)
+    }
+
+
+def _never_at_once(
+    problem: PlanningProblem,
+    formula: SampledFormula,
+    found: Mapping[tuple[int, int], _Together],
+) -> list[SampledFormula]:
+    """That two effectors are not in two regions of the formula at once, where it was not seen."""
+    asked = {(n.effector - 1, n.region) for n in nodes(formula) if isinstance(n, Literal)}
+    cells = {
+        region: [cell for cell, known in enumerate(problem.propositions) if region in known]
+        for _, region in asked
+    }
+    away = list[SampledFormula]()
+    for (one, first), (other, second) in combinations(sorted(asked), 2):
+        if one == other:
+            continue
+        ways = (one, other, first, second), (other, one, second, first)
+        if all(found[a, b].excludes(cells[here], cells[there]) for a, b, here, there in ways):
+            places = (first, one), (second, other)
+            outside = (Literal(name, each + 1, positive=False) for name, each in places)
+            away.append(throughout(some(outside), 0, None))
+    return away
+
+
 def clear_of_bodies(
     problem: PlanningProblem, numeric: NumericRobot, abstraction: Abstraction, task: ir.Task
 ) -> PlanningProblem:
@@ -155,13 +272,18 @@ class _Stacked:
 
     def hit(self, points: Array) -> NDArray[np.bool_]:
         """For each cell, whether one of the points (K, d) lies inside."""
-        hit = np.zeros(len(self.starts), dtype=bool)
+        hit: NDArray[np.bool_] = np.any(self.inside(points), axis=0)
+        return hit
+
+    def inside(self, points: Array) -> NDArray[np.bool_]:
+        """Whether each of the points (K, d) lies in each cell, shape (K, cells)."""
+        found = np.zeros((len(points), len(self.starts)), dtype=bool)
         size = max(1, CHUNK // len(self.offsets))
         for first in range(0, len(points), size):
             excess = points[first : first + size] @ self.normals.T - self.offsets
             worst = np.maximum.reduceat(excess, self.starts, axis=1)
-            hit |= np.any(worst < 0, axis=0)
-        return hit
+            found[first : first + size] = worst < 0
+        return found
 
 
 def standing_configurations(

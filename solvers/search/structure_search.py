@@ -30,6 +30,7 @@ from solvers.search.sampled_cells import (
     clear_of_bodies,
     standing_configurations,
     start_cells,
+    together,
     within_reach,
 )
 from solvers.search.search_state import PathAttempt, StructureState
@@ -231,8 +232,12 @@ class _RoundSearch:
         problem = planning_problem(cells, self.task, self.paths.recorded, starts)
         problem = clear_of_bodies(problem, given.numeric, cells, self.task)
         for closed in closing(problem, self.paths.shape):
-            reachable = within_reach(closed, given.numeric, cells, given.context.seed)
-            for posed in (reachable, closed) if reachable != closed else (closed,):
+            robot = given.numeric, cells, given.context.seed
+            reachable = within_reach(closed, *robot)
+            problems = together(reachable, *robot), reachable, closed
+            for place, posed in enumerate(problems):
+                if posed in problems[:place]:
+                    continue
                 plans = _Plans(
                     self.paths, posed, cells, lessons, budget - count, tried, learning=learning
                 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from math import cos, sin
+from math import atan, cos, sin, sqrt
 from pathlib import Path
 
 import pytest
@@ -223,3 +223,23 @@ def test_one_effector_goes_on_when_the_other_has_work_left(srgc: Run, tmp_path: 
     assert 0.4 <= other[0] <= 0.65
     assert 0.75 <= other[1] <= 1
     assert not (0.5 <= first[0] <= 0.75 and 0.7 <= first[1] <= 0.95)
+
+
+def test_where_effectors_start_follows_from_one_another(srgc: Run, tmp_path: Path) -> None:
+    """Paths of the second effector from B on are shortest, and it is not there at first."""
+    clauses = FORK[FORK.index("  satisfy") : FORK.index("  horizon")]
+    then = "A by effector 1 and eventually (B by effector 2 and eventually Home by effector 2)"
+    out = found(srgc, tmp_path, FORK.replace(clauses, f"  satisfy eventually ({then});\n"))
+    rows = [row.split(",") for row in (out / "trajectory.csv").read_text().splitlines()]
+    angles = [float(row[rows[0].index("q1")]) for row in rows[1:]]
+    first, other = ([angle + sign * atan(0.2) for angle in angles] for sign in (1, -1))
+    in_a, in_b = (0.5, 0.75, 0.7, 0.95), (0.4, 0.65, 0.75, 1)
+    one = next(i for i, angle in enumerate(first) if at(angle, in_a))
+    two = next(i for i, angle in enumerate(other) if i >= one and at(angle, in_b))
+    assert any(at(angle, (0.9, 1.1, 0.1, 0.35)) for angle in other[two:])
+
+
+def at(angle: float, box: tuple[float, float, float, float]) -> bool:
+    """Whether a tip of the fork, whose direction is given, is in a box; 1e-9 m for the text."""
+    x, y = sqrt(1.04) * cos(angle), sqrt(1.04) * sin(angle)
+    return box[0] - 1e-9 <= x <= box[1] + 1e-9 and box[2] - 1e-9 <= y <= box[3] + 1e-9
