@@ -81,7 +81,8 @@ class PoseQuestion:
     None, it is the effector that reaches, or any effector with ``any_start``. If ``reach_effector``
     is None, it is any effector. ``start_at`` is a given start pose: a robot that cannot take it is
     not a candidate; nor is one with fewer than ``effectors`` effectors. ``goal`` names the target
-    in words, and ``by`` is the time (s) not after which it is visited; None is the end.
+    in words, and ``by`` is the time (s) not after which the effector is there, for a stay to the
+    end from then on; None is the end.
     """
 
     start: tuple[ir.HalfSpace, ...] | None
@@ -132,11 +133,21 @@ def pose_questions(workspace: ir.Workspace, task: ir.Task) -> tuple[PoseQuestion
     found: list[PoseQuestion] = []
     if task.reach is not None:
         target = workspace.region(task.reach.region)
-        found.append(question(target, task.reach.effector, "the target"))
+        found.append(question(target, task.reach.effector, "the target", _arrival(task)))
     for place, by in task_visits(task).items():
         goal = f"{place.region}, which it has to visit"
         found.append(question(workspace.region(place.region), place.effector, goal, by))
     return tuple(found) or (question(workspace.bounds, None, "any place"),)
+
+
+def _arrival(task: ir.Task) -> Fraction | None:
+    """The time (s) from which a stay in the target lasts to the end; None without a stay.
+
+    It is that of the longest motion: a shorter one is there earlier.
+    """
+    if task.repeat or not task.stay:
+        return None
+    return max(Fraction(0), task.steps * task.step - task.stay)
 
 
 def _rows(region: ir.Region, workspace: ir.Workspace) -> tuple[ir.HalfSpace, ...]:

@@ -294,7 +294,8 @@ def _rate(dof: RobotDof, task: ir.Task, by: Fraction) -> arb | None:
     """The largest absolute rate of a joint until a time (s); None if nothing bounds it.
 
     An acceleration of at most a lets a rate grow by at most a t from the start, and the rate
-    exceeds a final rate by at most a (T - t). So it is at most half the sum of all of these.
+    exceeds a final rate by at most a (S - t) until the instant S from which that bound holds. So it
+    is at most half the sum of all of these until S, and at most the final rate from then on.
     """
     bounds = list[arb]()
     if dof.rate is not None:
@@ -303,8 +304,9 @@ def _rate(dof: RobotDof, task: ir.Task, by: Fraction) -> arb | None:
         most, first = closed_ball(dof.accel), _first_rate(task)
         bounds.append(first + most * ball(by))
         if task.final_rates is not None:
-            whole = most * ball(task.steps * task.step)
-            bounds.append((first + whole + ball(task.final_rates.most)) / 2)
+            whole = most * ball(max(Fraction(0), task.steps * task.step - task.stay))
+            final = ball(task.final_rates.most)
+            bounds.append(((first + whole + final) / 2).max(final))
     return reduce(arb.min, bounds).upper() if bounds else None
 
 
@@ -374,9 +376,15 @@ def _too_far(name: str, way: float, has: float, unit: str) -> DriveBound:
 
 def _too_slow(drive: DriveReach, passage: Passage, name: str, time: float) -> DriveBound:
     needs, has = _apart(time, float(passage.by))
-    limit = "deadline" if passage.by < drive.task.steps * drive.task.step else "horizon"
-    reason = f"{name} needs {needs} s at least, the {limit} is {has} s"
+    reason = f"{name} needs {needs} s at least, the {_limit(drive.task, passage)} is {has} s"
     return DriveBound(reason, float(needs), float(has), "s")
+
+
+def _limit(task: ir.Task, passage: Passage) -> str:
+    """What the time of a passage is called."""
+    if passage.by == task.steps * task.step:
+        return "horizon"
+    return "time before the stay in the target" if passage.arrives else "deadline"
 
 
 def _apart(needs: float, has: float) -> tuple[str, str]:

@@ -66,9 +66,10 @@ class GivenPose:
 class Passage:
     """One choice of effectors (from 0): a motion leads from ``start`` to ``goal``.
 
-    If it ``arrives``, the goal is the one of ``reach``, where the motion is at the instant T. Other
-    goals, and all goals of endless motions, are visited at some instant not after ``by`` (s). With
-    a given pose, ``starting`` is the effector that reaches.
+    If it ``arrives``, the goal is the one of ``reach``: the motion is there from some instant not
+    after ``by`` (s) to its end, which is the instant T without a stay, and the final rates hold all
+    that time. Other goals, and all goals of endless motions, are visited at some instant not after
+    ``by``. With a given pose, ``starting`` is the effector that reaches.
     """
 
     start: PointIn | GivenPose

@@ -73,6 +73,50 @@ def test_a_visit_has_a_deadline_before_the_end(angle, refuted, formula):
 
 
 @pytest.mark.parametrize(
+    ("angle", "rest", "refuted"),
+    [
+        (0.94, "rates <= 99 rad/s for 0.5 s", False),
+        (0.99, "rates <= 99 rad/s for 0.5 s", True),
+        (0.46, "at rest for 0.5 s", False),
+        (0.51, "at rest for 0.5 s", True),
+        (0.51, "at rest", False),
+    ],
+)
+def test_a_stay_in_the_target_begins_before_the_end(angle, rest, refuted):
+    # 0.8 s of 1.3 s are left before it: u T^2 / (2 I) = 0.96 rad, half of it from rest to rest.
+    found = turned(angle, f"start at (0); reach T {rest}; {PUSH} horizon 13 steps of 0.1 s;")
+    assert (found is not None) is refuted
+    assert found is None or found.available == pytest.approx(
+        0.48 if "at rest" in rest else 0.96, abs=1e-6
+    )
+
+
+@pytest.mark.parametrize("horizon", ["8", "at most 8"])
+@pytest.mark.parametrize(
+    ("limit", "most"),
+    # 0.3 s with 1 rad/s; with 4 rad/s^2, 0.3 s from rest to rest: at most 0.6 rad/s all that time.
+    [("rate in [-1, 1]", 0.3), ("accel <= 4", 0.18)],
+)
+def test_rates_count_until_the_stay_begins(horizon, limit, most):
+    clauses = (
+        "start at (0); reach T at rest for 0.5 s; effort <= 99 N*m; "
+        f"horizon {horizon} steps of 0.1 s;"
+    )
+    limited = [Segment(1, limits=f"{LIMITED} {limit}")]
+    assert turned(most - 0.02, clauses, limited) is None
+    found = turned(most + 0.03, clauses, limited)
+    assert found is not None
+    assert found.available == pytest.approx(most, abs=1e-3)
+    assert turned(most + 0.03, clauses.replace(" for 0.5 s", ""), limited) is None
+
+
+def test_a_robot_that_stays_all_the_time_starts_in_its_target():
+    clauses = f"start at (0); reach T at rest for 0.8 s; {PUSH} horizon 8 steps of 0.1 s;"
+    assert turned(0, clauses) is None
+    assert turned(0.1, clauses) is not None
+
+
+@pytest.mark.parametrize(
     ("limit", "most"),
     # 0.8 s with 1.2 rad/s; accelerations bound the rate, to 3 rad/s^2 * 0.8 s.
     [("rate in [-1.2, 1.2]", 0.96), ("accel <= 3", 1.92)],

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.expressions.evaluators.balls import constant_ball
+from compiler.expressions.evaluators.balls import closed_ball, constant_ball
 from tests.oracles.driven_chains import Segment, answers, problem, robot_of, spot
 from tests.oracles.some_cases import examples
 
@@ -151,3 +152,73 @@ def test_what_was_reached_is_not_refuted_at_large():
     wrong, tried = refuted(range(100, 260), 1)
     assert wrong == 0
     assert tried >= 90
+
+
+def moved_to(seed, excess):
+    """A problem with limits of rates and accelerations whose goal a motion gets to, and stays at.
+
+    Every joint moves from rest to rest, some as far as its limits allow in the time before the stay
+    times ``excess``; drives are strong enough for anything.
+    """
+    rng = random.Random(seed)
+    dimension, joints = rng.choice([2, 2, 3]), rng.choice([1, 1, 1, 2, 3])
+    segments = []
+    for each in random_arm(rng, dimension, joints, wheels=False):
+        unit = "rad" if each.kind == "revolute" else "m"
+        limits = f"in [-2.6, 2.6] {unit} rate in [-{rng.choice([0.5, 1, 2])}, 1.5] {unit}/s"
+        limits += f" accel <= {rng.choice([2, 8])} {unit}/s^2" if rng.random() < 0.5 else ""
+        segments.append(replace(each, limits=limits, own=""))
+    step, moving, resting = 0.05, rng.choice([6, 10]), rng.choice([0, 1, 7])
+    before = 0 if resting == 7 else rng.random() * 0.05
+    hold = f" for {resting * step + before:.6f} s" if resting or before else ""
+    steps = moving + resting + (before > 0)
+    units = {"revolute": "N*m", "prismatic": "N"}
+    strong = (f"effort <= 1e6 {units[kind]};" for kind in sorted({s.kind for s in segments}))
+    horizon = f"horizon {rng.choice(['', 'at most '])}{steps} steps of {step} s; {' '.join(strong)}"
+    nowhere = spot([0.0] * dimension)
+    model, _, task = robot_of(
+        problem(segments, nowhere, f"start in A; reach T; {horizon}", start=nowhere)
+    )
+    graph, n = robot_graph(model, task.gravity), len(model.dofs)
+    if not n:
+        return None
+    seconds = steps * step - resting * step - before
+    ways = []
+    for dof in model.dofs:
+        low, high = (float(closed_ball(end).mid()) for end in (dof.rate.lower, dof.rate.upper))
+        # Without a limit of the acceleration, a jump of the rate is as good as reached.
+        accel = np.inf if dof.accel is None else float(closed_ball(dof.accel).mid())
+        sign = rng.choice([-1, 1])
+        rate = min(-low if sign < 0 else high, accel * seconds / 2)
+        ways.append(sign * rng.choice([0, 0.999, 0.999]) * rate * (seconds - rate / accel))
+    constants = [float(constant_ball(item)) for item in graph.constants]
+    q = np.round([rng.uniform(-1.5, 1.5) for _ in range(n)], 9)
+    way = excess * np.array(ways)
+    tip = np.array(graph.effectors(q + way, [], constants)).ravel()[:dimension]
+    clauses = f"start at ({', '.join(map(str, q))}); reach T at rest{hold}; {horizon}"
+    return problem(segments, spot(tip), clauses), [4, 3, 1][:n] if n > 1 else [7]
+
+
+def limited(seeds, excess):
+    """How many of the problems with limits are refuted, and how many there are."""
+    made = [found for seed in seeds if (found := moved_to(seed, excess)) is not None]
+    found = [[bound for row in answers(*case) for bound in row] for case in made]
+    return sum(any(bound is not None for bound in bounds) for bounds in found), len(made)
+
+
+def test_a_stay_that_limits_allow_is_not_refuted():
+    wrong, tried = limited(range(examples(5, 16)), 1)
+    assert wrong == 0
+    assert tried >= 4
+
+
+def test_a_stay_a_fifth_too_far_away_is_refuted_now_and_then():
+    right, _ = limited(range(examples(5, 16)), 1.2)
+    assert right >= 2
+
+
+@pytest.mark.slow
+def test_a_stay_that_limits_allow_is_not_refuted_at_large():
+    wrong, tried = limited(range(100, 260), 1)
+    assert wrong == 0
+    assert tried >= 130

@@ -234,3 +234,21 @@ def test_a_drive_that_is_too_weak(part: float, *, refuted: bool) -> None:
     assert (shown is not None) == refuted
     if shown is not None:
         assert why_not(shown.boxes, model, found.workspaces["W"], task) is None
+
+
+@pytest.mark.parametrize(("part", "refuted"), [(0.85, True), (1.02, False)])
+def test_a_stay_leaves_less_time_to_get_there(part: float, *, refuted: bool) -> None:
+    """From rest to rest in 3 s of 4 s takes 4 I / 9 times the angle."""
+    effort = part * LEAST_EFFORT * 2 * TIME**2 / 3**2
+    found, task, model = robot(
+        "start in Near; reach T at rest for 1 s;", QUARTER, ONE, turned(effort)
+    )
+    graph, workspace = robot_graph(model, task.gravity), found.workspaces["W"]
+    shown = drive_refutation(model, graph, workspace, task, AFTER_MOTIONS)
+    assert (shown is not None) == refuted
+    if shown is not None:
+        assert why_not(shown.boxes, model, workspace, task) is None
+        _, brief, _ = robot("start in Near; reach T at rest;", QUARTER, ONE, turned(effort))
+        refused = why_not(shown.boxes, model, workspace, brief)
+        assert refused is not None
+        assert "it is not shown that the drives are too weak" in refused
