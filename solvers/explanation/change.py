@@ -1,44 +1,19 @@
-"""Changes that weaken one line of a task, by a value or as a whole, or that change no line.
+"""Changes that weaken one line of a task as a whole, or that change no line.
 
-A scale is a line with the values that it may take, the nearest first; each of its tasks is weaker
-than those before, or has less to carry. The text ``says`` of a change describes the new task,
-mostly as "with ..." or "without ...".
+The text ``says`` of a change describes the new task, mostly as "with ..." or "without ...".
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TypeVar
 
-from compiler.expressions.exact_numbers import rational_bounds
 from grammar_lang import ir
 from grammar_lang.ir.expression_text import number_text
 from solvers.explanation.posed_task import PosedTask
-from solvers.explanation.relaxation import (
-    WIDER,
-    ends,
-    grown_bounds,
-    is_signed,
-    width,
-    with_effort,
-    without,
-)
+from solvers.explanation.relaxation import without
 from solvers.explanation.task_line import TaskLine
-from solvers.explanation.two_digits import index_above, index_below, number_of
-
-Carried = TypeVar("Carried", ir.Payload, ir.Carry)
-
-MOST_STEPS = 160
-"""The most steps of a longer horizon; it is also at most four times as long. A horizon near or
-above this limit still becomes half as long again."""
-MOST_EFFORT = 64
-"""The largest factor by which an effort bound is raised."""
-LIGHTEST = 20
-"""The largest factor by which a payload is reduced."""
-BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
-"""Percentages of their width by which bounds are moved outwards."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,44 +30,6 @@ class Change:
     value: Fraction | None = None
     way: str = ""
     budget: int = 1
-
-
-@dataclass(frozen=True, slots=True)
-class Scale:
-    """The changes of a line by a value, the smallest change first.
-
-    ``posable``: larger changes allow more poses, so poses show from which value on they may help.
-    Steps further away are multiples of the distance from ``origin``; None: of the value.
-    """
-
-    line: TaskLine
-    values: tuple[Fraction, ...]
-    at: Callable[[Fraction], Change]
-    posable: bool
-    origin: Fraction | None = None
-
-
-def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
-    """The scales of a line; none if it has no value to change."""
-    match line.kind:
-        case "parameter":
-            yield from _parameter(posed, line)
-        case "joint_range":
-            yield from _slide(posed, line)
-        case "effort":
-            yield _effort(posed, line)
-        case "joint_effort":
-            yield _joint_effort(posed, line)
-        case "horizon":
-            yield _horizon(posed, line)
-        case "bounds":
-            yield _bounds(posed, line)
-        case "payload":
-            yield _payload(posed, line)
-        case "carry":
-            yield _load(posed, line)
-        case _:
-            return
 
 
 def single_changes(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
@@ -122,10 +59,9 @@ def _single(posed: PosedTask, line: TaskLine) -> Iterator[Change]:
             named = {"bounds_body": "`bounds with body`", "carry": "this load"}
             what = named.get(line.kind, "the payload")
             yield Change(line, f"without {what}", without(posed, [line]))
-        case "joint_range" | "joint_rate" | "joint_accel":
+        case "joint_range":
             module, name = line.key
-            of = {"joint_rate": "the rate of ", "joint_accel": "the acceleration of "}
-            says = f"without a limit of {of.get(line.kind, '')}`{module}.{name}`"
+            says = f"without a limit of `{module}.{name}`"
             yield Change(line, says, without(posed, [line]))
         case "fixed":
             yield Change(line, f"with `{line.key[1]}` free", without(posed, [line]))
@@ -154,12 +90,13 @@ def with_shorter_steps(posed: PosedTask, line: TaskLine, parts: int) -> Change:
     length = number_text(step)
     # Without parentheses, a quotient would be read as that of a number and a time.
     of = f"({length})" if "/" in length else length
-    says = f"with `horizon {_at_most(posed)}{steps} steps of {of} s`"
+    says = f"with `horizon {at_most(posed)}{steps} steps of {of} s`"
     shorter = posed.with_task(steps=steps, step=step)
     return Change(line, says, shorter, Fraction(steps), "shorter")
 
 
-def _at_most(posed: PosedTask) -> str:
+def at_most(posed: PosedTask) -> str:
+    """What precedes the steps of a horizon."""
     return "at most " if posed.task.at_most else ""
 
 
@@ -180,167 +117,6 @@ def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:
     """Another bound on modules."""
     changed = posed.with_task(modules=modules)
     return Change(line, f"with `modules <= {modules}`", changed, Fraction(modules))
-
-
-# --- values --------------------------------------------------------------------------------------
-
-
-def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
-    """A range that extends further up, and one that extends further down."""
-    module, name = (str(part) for part in line.key)
-    p = next(p for p in posed.program.modules[module].parameters if p.name == name)
-    low, high = ends(p.domain)
-    unit = "" if p.unit == "1" else f" {p.unit}"
-
-    def at(value: Fraction, way: str) -> Change:
-        says = f"with `{module}.{name}` {way} {number_text(value)}{unit}"
-        wider = _with_value(p.domain, value)
-        return Change(line, says, posed.with_domain(module, name, wider), value, way)
-
-    if is_signed(p.domain):
-        yield from _signed(line, p.domain, at)
-        return
-    if high > 0:
-        indices = range(index_above(high), index_above(high * WIDER) + 1)
-        up = tuple(v for v in map(number_of, indices) if v > high)
-        yield Scale(line, up, lambda value: at(value, "up to"), posable=True)
-    if low > 0:
-        indices = range(index_below(low), index_below(low / WIDER) - 1, -1)
-        down = tuple(v for v in map(number_of, indices) if v < low)
-        yield Scale(line, down, lambda value: at(value, "down to"), posable=True)
-
-
-def _slide(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
-    """The range of a prismatic joint, extended further up or down."""
-    module, name = (str(part) for part in line.key)
-    dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
-    if dof.kind != "prismatic" or dof.range is None:
-        return
-    domain = dof.range
-
-    def at(value: Fraction, way: str) -> Change:
-        says = f"with `{module}.{name}` {way} {number_text(value)} m"
-        wider = posed.with_dof(module, name, range=_with_value(domain, value))
-        return Change(line, says, wider, value, way)
-
-    yield from _signed(line, domain, at)
-
-
-def _signed(
-    line: TaskLine,
-    domain: ir.Interval | ir.Choices,
-    at: Callable[[Fraction, str], Change],
-) -> Iterator[Scale]:
-    """Extensions of a range with negative values, whose ends may be 0: by its width at most."""
-    (low, high), size = ends(domain), width(domain)
-    most = size * WIDER / 2
-    indices = range(index_above(size / WIDER), index_above(most + abs(low) + abs(high)) + 1)
-    grid = [number_of(index) for index in indices]
-    grid = [*(-value for value in reversed(grid)), Fraction(0), *grid]
-    up = tuple(value for value in grid if high < value <= high + most)
-    down = tuple(value for value in reversed(grid) if low - most <= value < low)
-    yield Scale(line, up, lambda value: at(value, "up to"), posable=True, origin=high)
-    yield Scale(line, down, lambda value: at(value, "down to"), posable=True, origin=low)
-
-
-def _with_value(domain: ir.Interval | ir.Choices, value: Fraction) -> ir.Interval | ir.Choices:
-    """A domain that also has the value: an interval is extended to it."""
-    number = ir.Num(value)
-    if isinstance(domain, ir.Choices):
-        return ir.Choices((*domain.values, number))
-    return (
-        replace(domain, upper=number) if value > ends(domain)[1] else replace(domain, lower=number)
-    )
-
-
-def _effort(posed: PosedTask, line: TaskLine) -> Scale:
-    index = int(line.key[0])
-    clause = posed.task.effort[index]
-    unit = "N*m" if clause.kind == "revolute" else "N"
-
-    def at(value: Fraction) -> Change:
-        changed = with_effort(posed, index, value / clause.bound)
-        return Change(line, f"with `effort <= {number_text(value)} {unit}`", changed, value)
-
-    return Scale(line, _stronger(clause.bound), at, posable=False)
-
-
-def _stronger(bound: Fraction) -> tuple[Fraction, ...]:
-    indices = range(index_above(bound), index_above(bound * MOST_EFFORT) + 1)
-    return tuple(v for v in map(number_of, indices) if v > bound)
-
-
-def _joint_effort(posed: PosedTask, line: TaskLine) -> Scale:
-    """A stronger drive of one joint; bounds of the task stay as they are."""
-    module, name = (str(part) for part in line.key)
-    dof = next(d for d in posed.program.modules[module].dofs if d.name == name)
-    bound = Fraction(0) if dof.effort is None else rational_bounds(dof.effort)[0]
-    unit = "N*m" if dof.kind == "revolute" else "N"
-
-    def at(value: Fraction) -> Change:
-        changed = posed.with_dof(module, name, effort=ir.Num(value))
-        says = f"with `effort <= {number_text(value)} {unit}` of `{module}.{name}`"
-        return Change(line, says, changed, value)
-
-    return Scale(line, _stronger(bound), at, posable=False)
-
-
-def _horizon(posed: PosedTask, line: TaskLine) -> Scale:
-    steps = posed.task.steps
-
-    def at(value: Fraction) -> Change:
-        return Change(
-            line, f"with {_at_most(posed)}{value} steps", posed.with_task(steps=int(value)), value
-        )
-
-    longest = max(min(4 * steps, MOST_STEPS), steps + (steps + 1) // 2)
-    values = tuple(Fraction(value) for value in range(steps + 1, longest + 1))
-    return Scale(line, values, at, posable=False)
-
-
-def _payload(posed: PosedTask, line: TaskLine) -> Scale:
-    payloads, index = posed.task.payloads, int(line.key[0])
-    effector = payloads[index].effector
-    who = "" if effector is None else f" by effector {effector}"
-
-    def at(value: Fraction) -> Change:
-        lighter = posed.with_task(payloads=_with_mass(payloads, index, value))
-        return Change(line, f"with `payload {number_text(value)} kg{who}`", lighter, value)
-
-    return Scale(line, _lighter(payloads[index].mass), at, posable=False)
-
-
-def _load(posed: PosedTask, line: TaskLine) -> Scale:
-    loads, index = posed.task.carries, int(line.key[0])
-
-    def at(value: Fraction) -> Change:
-        lighter = posed.with_task(carries=_with_mass(loads, index, value))
-        return Change(line, f"with a load of {number_text(value)} kg", lighter, value)
-
-    return Scale(line, _lighter(loads[index].mass), at, posable=False)
-
-
-def _with_mass(clauses: Sequence[Carried], index: int, mass: Fraction) -> tuple[Carried, ...]:
-    return tuple(replace(c, mass=mass) if i == index else c for i, c in enumerate(clauses))
-
-
-def _lighter(mass: Fraction) -> tuple[Fraction, ...]:
-    if not mass:
-        return ()
-    indices = range(index_below(mass), index_below(mass / LIGHTEST) - 1, -1)
-    return tuple(v for v in map(number_of, indices) if v < mass)
-
-
-def _bounds(posed: PosedTask, line: TaskLine) -> Scale:
-    def at(value: Fraction) -> Change:
-        workspace = grown_bounds(posed.workspace, value / 100)
-        says = f"with bounds wider by {value} % on every side"
-        return Change(line, says, posed.with_workspace(workspace), value)
-
-    return Scale(line, tuple(map(Fraction, BOUNDS_GROWN)), at, posable=True)
-
-
-# --- parts ---------------------------------------------------------------------------------------
 
 
 def _reach(posed: PosedTask, reach: ir.Reach, line: TaskLine) -> Iterator[Change]:

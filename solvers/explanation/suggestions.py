@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
-from math import inf
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -24,10 +23,7 @@ from compiler.words.derivation import Derivation
 from compiler.words.structures import structures
 from solvers.conclusion import DEFAULT_MODULES, module_bound
 from solvers.explanation.change import (
-    MOST_STEPS,
     Change,
-    Scale,
-    scales,
     single_changes,
     with_budget,
     with_feedback,
@@ -38,19 +34,20 @@ from solvers.explanation.change import (
 from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import Runs, Suggestion
+from solvers.explanation.scale import MOST_STEPS, Scale, scales
+from solvers.explanation.straight_motions import by_promise, straight_motions
 from solvers.explanation.task_line import TaskLine, control_line
 from solvers.explanation.two_digits import rounded_up
-from solvers.impossibility.drive_search import loads_at_poses
 from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
 """An effort within this factor of one that was too small is not refined further."""
-DRIVES = ("effort", "joint_effort", "horizon")
+DRIVES = ("effort", "joint_effort", "joint_rate", "joint_accel", "horizon")
 """Changed first: if these are to blame, there are poses for any ranges, and changes of ranges would
 use up the runs."""
 LOADS = "payload", "carry"
 """Changed next: a conflict with a load has poses for any ranges, too."""
-LIMITS = ("joint_range", "joint_rate", "joint_accel")
+LIMIT = "joint_range"
 """Limits of joints are dropped last, since real joints keep theirs."""
 FURTHER = (1, Fraction(6, 5), Fraction(2))
 """Multiples of the least value with poses that are tried until a run succeeds."""
@@ -85,16 +82,17 @@ class SuggestionSearch:
         """Try changes of the lines of conflicts, and of the bound on modules."""
         derivations = self.structures(self.posed)
         shown = not with_poses(self.posed, derivations, self.seed, robots=1)
-        for line in sorted(lines, key=_order):
+        listed = list(lines)
+        self.drives(listed)
+        for line in sorted(listed, key=lambda line: line.kind not in LOADS):
+            if line.kind in DRIVES:
+                continue
             if line.kind in LOADS:
                 self.lighter(line)
                 continue
             by_value = list(scales(self.posed, line))
             for scale in by_value:
-                if scale.posable:
-                    self.posable(scale, derivations, shown=shown)
-                else:
-                    self.far(scale)
+                self.posable(scale, derivations, shown=shown)
             if line.kind != "joint_range" or not by_value:
                 self.singles(line)
         if bound is not None:
@@ -109,7 +107,7 @@ class SuggestionSearch:
         for line in lines:
             if line.kind in LOADS:
                 self.lighter(line)
-            elif line.kind not in LIMITS:
+            elif line.kind != LIMIT:
                 self.singles(line)
         self.undisturbed(next(line for line in lines if line.kind == "start"))
         if bound is not None:
@@ -117,24 +115,18 @@ class SuggestionSearch:
         if not self.runs.found:
             self.otherwise(horizon)
         for line in () if self.runs.found else lines:
-            if line.kind in LIMITS:
+            if line.kind == LIMIT:
                 self.singles(line)
 
     def drives(self, lines: Sequence[TaskLine]) -> None:
-        """Try more effort, of the drives with the largest loads first, then more steps."""
-        loads, posed = dict[str, float](), self.posed.expanded()
-        for one in with_poses(self.posed, self.structures(self.posed), self.seed, robots=1):
-            model = robot_in_task(family_of(posed.program, posed.task), posed.task.origin, one)
-            numeric = NumericRobot(robot_graph(model, posed.task.gravity))
-            loads = loads_at_poses(numeric, posed.workspace, posed.task, self.seed)
-
-        def order(line: TaskLine) -> tuple[bool, float]:
-            load = loads.get(".".join(map(str, line.key)), 0.0)
-            return line.kind == "horizon", -load if line.kind == "joint_effort" else -inf
-
-        for line in sorted((line for line in lines if line.kind in DRIVES), key=order):
-            for scale in scales(self.posed, line):
-                self.far(scale)
+        """Try stronger and faster drives and more steps, by what straight motions need."""
+        changes = [s for line in lines if line.kind in DRIVES for s in scales(self.posed, line)]
+        if not changes:
+            return
+        able = with_poses(self.posed, self.structures(self.posed), self.seed, robots=1)
+        motions = straight_motions(self.posed, able[0], self.seed) if able else None
+        for scale, value in by_promise(changes, motions):
+            self.far(scale, value)
 
     def lighter(self, line: TaskLine) -> None:
         """Try less of a payload or a load; if a small part of it does not help, without it."""
@@ -228,19 +220,42 @@ class SuggestionSearch:
             if (self.tried(scale.at(value)) is not None) == shown:
                 return
 
-    def far(self, scale: Scale) -> bool:
-        """Try the largest change first, and smaller ones if it helps; return whether it does."""
-        best = self.tried(scale.at(scale.values[-1])) if scale.values else None
-        if best is None:
-            return False
-        low, high = scale.values[0], best.change.value or scale.values[-1]
+    def far(self, scale: Scale, promising: Fraction | None = None) -> bool:
+        """Try the largest change first, and smaller ones if it helps; return whether it does.
+
+        A change that seems large enough is tried before the largest.
+        """
+        low, count = -1, len(scale.values)
+        wanted = [] if promising is None else [scale.values.index(promising)]
+        for high in dict.fromkeys([*wanted, count - 1] if count else ()):
+            best = self.tried(scale.at(scale.values[high]))
+            if best is not None:
+                self.nearer(scale, best, low, high)
+                return True
+            low = high
+        return False
+
+    def nearer(self, scale: Scale, best: Suggestion, low: int, high: int) -> None:
+        """Try changes between one that helps and one that does not, by index; -1 if none is known.
+
+        Between steps and values this halves the way, a few times.
+        """
         if scale.line.kind == "effort":
-            self.by_peak(scale, best, low, high)
-        elif scale.line.kind in {"joint_effort", *LOADS}:
-            self.by_values(scale, high)
-        else:
-            self.by_halving(scale, low, high)
-        return True
+            self.by_peak(scale, best, scale.values[low + 1], scale.values[high])
+            return
+        for _ in range(NEARER):
+            if scale.line.kind == "horizon":
+                between = scale.values[max(low, 0)] - (low < 0), scale.values[high]
+                mean = Fraction(round(_between(*between)))
+            else:
+                mean = _between(scale.values[max(low, 0)], scale.values[high])
+            middle = scale.values.index(_nearest(scale.values, mean))
+            if not low < middle < high:
+                return
+            if self.tried(scale.at(scale.values[middle])) is None:
+                low = middle
+            else:
+                high = middle
 
     def by_peak(self, scale: Scale, best: Suggestion, low: Fraction, high: Fraction) -> None:
         """For an effort, try the peak of a motion as the bound; if that fails, more."""
@@ -260,31 +275,6 @@ class SuggestionSearch:
             if high < CLOSE * low:
                 return
 
-    def by_values(self, scale: Scale, best: Fraction) -> None:
-        """For efforts of joints and loads, try values between those too small and the best."""
-        low, high = -1, scale.values.index(best)
-        for _ in range(NEARER):
-            mean = _between(scale.values[max(low, 0)], scale.values[high])
-            middle = scale.values.index(_nearest(scale.values, mean))
-            if not low < middle < high:
-                return
-            if self.tried(scale.at(scale.values[middle])) is None:
-                low = middle
-            else:
-                high = middle
-
-    def by_halving(self, scale: Scale, low: Fraction, high: Fraction) -> None:
-        """For steps, try a number between one that was too small and the best, a few times."""
-        low = low - 1
-        for _ in range(NEARER):
-            middle = Fraction(round(_between(low, high)))
-            if not low < middle < high:
-                return
-            if self.tried(scale.at(middle)) is None:
-                low = middle
-            else:
-                high = middle
-
     def modules(self, line: TaskLine) -> None:
         """Try the least bound on modules for which there are poses."""
         longer = self.longer()
@@ -302,11 +292,6 @@ class SuggestionSearch:
     def size(self, derivation: Derivation) -> int:
         """The number of modules of a structure."""
         return sum(map(self.posed.program.is_module, derivation.word))
-
-
-def _order(line: TaskLine) -> int:
-    """Drives are changed first, then loads, then the other lines in their order."""
-    return 0 if line.kind in DRIVES else 1 if line.kind in LOADS else 2
 
 
 def _nearest(values: Sequence[Fraction], wanted: Fraction) -> Fraction:

@@ -15,10 +15,8 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import RobotGraph
-from compiler.encodings.pose_questions import pose_questions
 from compiler.expressions.evaluators.balls import working_precision
 from compiler.robots.robot import RobotModel
-from compiler.robots.state_and_input import input_bounds, robot_inputs
 from compiler.unreachability.actuation_reach import DriveReach, drive_reach, out_of_reach
 from compiler.unreachability.box_tree import (
     MOST_VARIABLES,
@@ -35,8 +33,8 @@ from grammar_lang import ir
 from solvers.impossibility.box_growth import Divide
 from solvers.impossibility.box_refutation import BoxRefutation
 from solvers.impossibility.box_search import EvenGrowth, Search
-from solvers.impossibility.pose_search import PoseWitness, find_poses
-from solvers.trajectory.task_limits import input_groups, motion_limits
+from solvers.impossibility.pose_search import PoseWitness
+from solvers.trajectory.task_limits import InputGroup, input_groups, motion_limits
 from solvers.verifier.refutations.box_check import PRECISION, why_not
 
 
@@ -74,56 +72,86 @@ def drives_seem_able(
     to rest until the question's deadline, or over the whole horizon (None); obstacles are left to
     the search for a motion.
     """
-    with np.errstate(all="ignore"):
-        return bool(witnesses) and all(
-            witness is not None and _is_driven(numeric, task, witness, by)
-            for witness, by in zip(witnesses, deadlines, strict=True)
-        )
-
-
-def loads_at_poses(
-    numeric: NumericRobot, workspace: ir.Workspace, task: ir.Task, seed: int
-) -> dict[str, float]:
-    """The largest efforts in straight motions to poses over their bounds, by ``Module.dof``.
-
-    The motions are those of :func:`drives_seem_able`; a drive without a bound has no entry.
-    """
-    model, loads = numeric.graph.model, dict[str, float]()
-    driven = robot_inputs(model)
-    for question in pose_questions(workspace, task):
-        witness = find_poses(numeric, question, seed)
-        with np.errstate(all="ignore"):
-            straight = witness and _straight_motion(numeric, task, witness, question.by)
-        if not straight:
-            continue
-        largest = np.max(np.abs(straight[0]), axis=0)
-        for bound in input_bounds(model, task):
-            for place in bound.inputs:
-                dof = driven[place].dof
-                if dof is not None and bound.upper:
-                    name, load = model.dofs[dof].called, largest[place] / float(bound.upper)
-                    loads[name] = max(loads.get(name, 0.0), load)
-    return loads
+    return bool(witnesses) and all(
+        witness is not None and _is_driven(numeric, task, witness, by)
+        for witness, by in zip(witnesses, deadlines, strict=True)
+    )
 
 
 def _is_driven(
     numeric: NumericRobot, task: ir.Task, witness: PoseWitness, by: Fraction | None
 ) -> bool:
-    """Whether the inputs and rates of a straight motion between two poses keep their bounds."""
-    straight = _straight_motion(numeric, task, witness, by)
-    if straight is None:
-        return False
-    limits, (inputs, rates) = motion_limits(numeric.graph.model, task), straight
-    return bool(np.all((rates >= limits.rate_lower) & (rates <= limits.rate_upper))) and all(
-        group.margin(inputs) >= 0 for group in input_groups(numeric.graph.model, task)
-    )
+    """Whether a straight motion between two poses keeps all bounds."""
+    strains = straight_strains(numeric, numeric.graph.model, task, witness, by)
+    return strains is not None and strains.most <= 1
+
+
+@dataclass(frozen=True, slots=True)
+class Strains:
+    """The largest parts of their bounds that a motion takes: above 1 it exceeds them.
+
+    Of the inputs (m,), and of the rates and accelerations of the joints (n,); 0 without a bound.
+    """
+
+    inputs: Array
+    rates: Array
+    accelerations: Array
+
+    @property
+    def most(self) -> float:
+        """The largest of all of them; nan if one is unknown."""
+        return float(np.max(np.concatenate([self.inputs, self.rates, self.accelerations])))
+
+
+def straight_strains(
+    numeric: NumericRobot,
+    model: RobotModel,
+    task: ir.Task,
+    witness: PoseWitness,
+    by: Fraction | None,
+) -> Strains | None:
+    """What a straight motion between two poses takes of the bounds; None without inputs.
+
+    Args:
+        numeric: the robot.
+        model: the same robot, maybe with other bounds.
+        task: the task.
+        witness: the poses.
+        by: the time (s) of the second pose; None is the end.
+    """
+    with np.errstate(all="ignore"):
+        straight = _straight_motion(numeric, model, task, witness, by)
+        if straight is None:
+            return None
+        inputs, rates, accelerations = straight
+        limits = motion_limits(model, task)
+        found = np.zeros(inputs.shape[1])
+        for group in input_groups(model, task):
+            found[list(group.inputs)] = _strains_of(inputs, group)
+        below, above = (np.max(side * rates, axis=0) for side in (-1, 1))
+        turning = np.maximum(below / -limits.rate_lower, above / limits.rate_upper)
+        bounds = limits.accelerations if limits.accelerations.size else np.inf
+        return Strains(found, turning, np.max(np.abs(accelerations), axis=0) / bounds)
+
+
+def _strains_of(inputs: Array, group: InputGroup) -> Array | float:
+    """The largest parts of their bound that the inputs (k, m) of a group take."""
+    own = inputs[:, list(group.inputs)]
+    if group.norm2:
+        return float(np.max(np.linalg.norm(own, axis=1)) / group.upper)
+    away = np.max(np.abs(own - (group.lower + group.upper) / 2), axis=0)
+    return np.where(away > 0, away / group.widest_margin, 0.0)
 
 
 def _straight_motion(
-    numeric: NumericRobot, task: ir.Task, witness: PoseWitness, by: Fraction | None
-) -> tuple[Array, Array] | None:
-    """The inputs and the rates of a straight motion between two poses; None without inputs."""
-    limits = motion_limits(numeric.graph.model, task)
+    numeric: NumericRobot,
+    model: RobotModel,
+    task: ir.Task,
+    witness: PoseWitness,
+    by: Fraction | None,
+) -> tuple[Array, Array, Array] | None:
+    """The inputs, the rates and the accelerations, (k, m) and (k, n), at some instants."""
+    limits = motion_limits(model, task)
     start = limits.start_values if witness.start is None else witness.start
     if start is None or numeric.r or not numeric.n:
         return None
@@ -140,7 +168,7 @@ def _straight_motion(
     inputs = np.einsum("kmn,kn->km", np.linalg.pinv(by_input), wanted - free)
     found, _ = numeric.acceleration(x, inputs, witness.theta)
     caused = np.all(np.abs(found - wanted) <= MISSED * (1 + np.max(np.abs(free))))
-    return (inputs, rates) if caused else None
+    return (inputs, rates, wanted) if caused else None
 
 
 def drive_refutation(

@@ -13,8 +13,6 @@ from grammar_lang.ir.constants import rational
 from grammar_lang.load import load_text
 from solvers.explanation.change import (
     Change,
-    Scale,
-    scales,
     single_changes,
     with_budget,
     with_feedback,
@@ -25,6 +23,7 @@ from solvers.explanation.explanation import Asked, Tried, explain
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import without
 from solvers.explanation.run import Runs, Suggestion
+from solvers.explanation.scale import Scale, scales
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, control_line, modules_line, task_lines
 from solvers.run_context import RunContext

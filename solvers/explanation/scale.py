@@ -1,0 +1,261 @@
+"""The values that a line of a task may have instead of its own, the nearest first.
+
+Each of the tasks of a scale is weaker than those before, or has less to carry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TypeVar
+
+from compiler.expressions.exact_numbers import rational_bounds
+from grammar_lang import ir
+from grammar_lang.ir.expression_text import number_text
+from solvers.explanation.change import Change, at_most
+from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.relaxation import (
+    WIDER,
+    ends,
+    grown_bounds,
+    is_signed,
+    width,
+    with_effort,
+)
+from solvers.explanation.task_line import TaskLine
+from solvers.explanation.two_digits import index_above, index_below, number_of, rounded_up
+
+Carried = TypeVar("Carried", ir.Payload, ir.Carry)
+
+MOST_STEPS = 160
+"""The most steps of a longer horizon; it is also at most four times as long. A horizon near or
+above this limit still becomes half as long again."""
+MOST_RAISED = 64
+"""The largest factor by which a bound of an effort, a rate or an acceleration is raised."""
+LIGHTEST = 20
+"""The largest factor by which a payload is reduced."""
+BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
+"""Percentages of their width by which bounds are moved outwards."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """The changes of a line by a value, the smallest change first.
+
+    Steps further away are multiples of the distance from ``origin``; None: of the value.
+    """
+
+    line: TaskLine
+    values: tuple[Fraction, ...]
+    at: Callable[[Fraction], Change]
+    origin: Fraction | None = None
+
+
+def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
+    """The scales of a line; none if it has no value to change."""
+    match line.kind:
+        case "parameter":
+            yield from _parameter(posed, line)
+        case "joint_range":
+            yield from _slide(posed, line)
+        case "effort":
+            yield _effort(posed, line)
+        case "joint_effort" | "joint_accel":
+            yield _joint_bound(posed, line)
+        case "joint_rate":
+            yield _joint_rate(posed, line)
+        case "horizon":
+            yield _horizon(posed, line)
+        case "bounds":
+            yield _bounds(posed, line)
+        case "payload":
+            yield _payload(posed, line)
+        case "carry":
+            yield _load(posed, line)
+        case _:
+            return
+
+
+def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
+    """A range that extends further up, and one that extends further down."""
+    module, name = (str(part) for part in line.key)
+    p = next(p for p in posed.program.modules[module].parameters if p.name == name)
+    low, high = ends(p.domain)
+    unit = "" if p.unit == "1" else f" {p.unit}"
+
+    def at(value: Fraction, way: str) -> Change:
+        says = f"with `{module}.{name}` {way} {number_text(value)}{unit}"
+        wider = _with_value(p.domain, value)
+        return Change(line, says, posed.with_domain(module, name, wider), value, way)
+
+    if is_signed(p.domain):
+        yield from _signed(line, p.domain, at)
+        return
+    if high > 0:
+        indices = range(index_above(high), index_above(high * WIDER) + 1)
+        up = tuple(v for v in map(number_of, indices) if v > high)
+        yield Scale(line, up, lambda value: at(value, "up to"))
+    if low > 0:
+        indices = range(index_below(low), index_below(low / WIDER) - 1, -1)
+        down = tuple(v for v in map(number_of, indices) if v < low)
+        yield Scale(line, down, lambda value: at(value, "down to"))
+
+
+def _slide(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
+    """The range of a prismatic joint, extended further up or down."""
+    module, dof = _joint(posed, line)
+    if dof.kind != "prismatic" or dof.range is None:
+        return
+    domain = dof.range
+
+    def at(value: Fraction, way: str) -> Change:
+        says = f"with `{module}.{dof.name}` {way} {number_text(value)} m"
+        wider = posed.with_dof(module, dof.name, range=_with_value(domain, value))
+        return Change(line, says, wider, value, way)
+
+    yield from _signed(line, domain, at)
+
+
+def _signed(
+    line: TaskLine,
+    domain: ir.Interval | ir.Choices,
+    at: Callable[[Fraction, str], Change],
+) -> Iterator[Scale]:
+    """Extensions of a range with negative values, whose ends may be 0: by its width at most."""
+    (low, high), size = ends(domain), width(domain)
+    most = size * WIDER / 2
+    indices = range(index_above(size / WIDER), index_above(most + abs(low) + abs(high)) + 1)
+    grid = [number_of(index) for index in indices]
+    grid = [*(-value for value in reversed(grid)), Fraction(0), *grid]
+    up = tuple(value for value in grid if high < value <= high + most)
+    down = tuple(value for value in reversed(grid) if low - most <= value < low)
+    yield Scale(line, up, lambda value: at(value, "up to"), origin=high)
+    yield Scale(line, down, lambda value: at(value, "down to"), origin=low)
+
+
+def _with_value(domain: ir.Interval | ir.Choices, value: Fraction) -> ir.Interval | ir.Choices:
+    """A domain that also has the value: an interval is extended to it."""
+    number = ir.Num(value)
+    if isinstance(domain, ir.Choices):
+        return ir.Choices((*domain.values, number))
+    return (
+        replace(domain, upper=number) if value > ends(domain)[1] else replace(domain, lower=number)
+    )
+
+
+def _effort(posed: PosedTask, line: TaskLine) -> Scale:
+    index = int(line.key[0])
+    clause = posed.task.effort[index]
+    unit = "N*m" if clause.kind == "revolute" else "N"
+
+    def at(value: Fraction) -> Change:
+        changed = with_effort(posed, index, value / clause.bound)
+        return Change(line, f"with `effort <= {number_text(value)} {unit}`", changed, value)
+
+    return Scale(line, _stronger(clause.bound), at)
+
+
+def _stronger(bound: Fraction) -> tuple[Fraction, ...]:
+    if not bound:
+        return ()
+    indices = range(index_above(bound), index_above(bound * MOST_RAISED) + 1)
+    return tuple(v for v in map(number_of, indices) if v > bound)
+
+
+def _joint(posed: PosedTask, line: TaskLine) -> tuple[str, ir.Dof]:
+    """The module and the degree of freedom that a line is about."""
+    module, name = (str(part) for part in line.key)
+    return module, next(d for d in posed.program.modules[module].dofs if d.name == name)
+
+
+def _joint_rate(posed: PosedTask, line: TaskLine) -> Scale:
+    """A faster joint: the larger end of its rates is the value, the other one keeps its share."""
+    module, dof = _joint(posed, line)
+    low, high = (Fraction(0),) * 2 if dof.rate is None else ends(dof.rate)
+    most = max(abs(low), abs(high))
+    unit = "rad/s" if dof.kind == "revolute" else "m/s"
+
+    def raised(end: Fraction, value: Fraction) -> Fraction:
+        size = rounded_up(abs(end) * value / most) if end else end
+        return -size if end < 0 else size
+
+    def at(value: Fraction) -> Change:
+        one, other = raised(low, value), raised(high, value)
+        changed = posed.with_dof(module, dof.name, rate=ir.Interval(ir.Num(one), ir.Num(other)))
+        rates = f"rate in [{number_text(one)}, {number_text(other)}] {unit}"
+        return Change(line, f"with `{rates}` of `{module}.{dof.name}`", changed, value)
+
+    return Scale(line, _stronger(most), at)
+
+
+def _joint_bound(posed: PosedTask, line: TaskLine) -> Scale:
+    """A stronger drive of one joint, or more acceleration; bounds of the task stay as they are."""
+    module, dof = _joint(posed, line)
+    name = "effort" if line.kind == "joint_effort" else "accel"
+    written = dof.effort if name == "effort" else dof.accel
+    bound = Fraction(0) if written is None else rational_bounds(written)[0]
+    units = {"effort": ("N*m", "N"), "accel": ("rad/s^2", "m/s^2")}
+    unit = units[name][dof.kind != "revolute"]
+
+    def at(value: Fraction) -> Change:
+        changed = posed.with_dof(module, dof.name, **{name: ir.Num(value)})
+        says = f"with `{name} <= {number_text(value)} {unit}` of `{module}.{dof.name}`"
+        return Change(line, says, changed, value)
+
+    return Scale(line, _stronger(bound), at)
+
+
+def _horizon(posed: PosedTask, line: TaskLine) -> Scale:
+    steps = posed.task.steps
+
+    def at(value: Fraction) -> Change:
+        return Change(
+            line, f"with {at_most(posed)}{value} steps", posed.with_task(steps=int(value)), value
+        )
+
+    longest = max(min(4 * steps, MOST_STEPS), steps + (steps + 1) // 2)
+    values = tuple(Fraction(value) for value in range(steps + 1, longest + 1))
+    return Scale(line, values, at)
+
+
+def _payload(posed: PosedTask, line: TaskLine) -> Scale:
+    payloads, index = posed.task.payloads, int(line.key[0])
+    effector = payloads[index].effector
+    who = "" if effector is None else f" by effector {effector}"
+
+    def at(value: Fraction) -> Change:
+        lighter = posed.with_task(payloads=_with_mass(payloads, index, value))
+        return Change(line, f"with `payload {number_text(value)} kg{who}`", lighter, value)
+
+    return Scale(line, _lighter(payloads[index].mass), at)
+
+
+def _load(posed: PosedTask, line: TaskLine) -> Scale:
+    loads, index = posed.task.carries, int(line.key[0])
+
+    def at(value: Fraction) -> Change:
+        lighter = posed.with_task(carries=_with_mass(loads, index, value))
+        return Change(line, f"with a load of {number_text(value)} kg", lighter, value)
+
+    return Scale(line, _lighter(loads[index].mass), at)
+
+
+def _with_mass(clauses: Sequence[Carried], index: int, mass: Fraction) -> tuple[Carried, ...]:
+    return tuple(replace(c, mass=mass) if i == index else c for i, c in enumerate(clauses))
+
+
+def _lighter(mass: Fraction) -> tuple[Fraction, ...]:
+    if not mass:
+        return ()
+    indices = range(index_below(mass), index_below(mass / LIGHTEST) - 1, -1)
+    return tuple(v for v in map(number_of, indices) if v < mass)
+
+
+def _bounds(posed: PosedTask, line: TaskLine) -> Scale:
+    def at(value: Fraction) -> Change:
+        workspace = grown_bounds(posed.workspace, value / 100)
+        says = f"with bounds wider by {value} % on every side"
+        return Change(line, says, posed.with_workspace(workspace), value)
+
+    return Scale(line, tuple(map(Fraction, BOUNDS_GROWN)), at)
