@@ -153,9 +153,11 @@ def without_followers(
     def follows(diagnostic: Diagnostic) -> bool:
         if diagnostic.code in _MISSING and broken.covering(diagnostic.span):
             return True
-        if diagnostic.code not in _NAMED:
+        # An axis as a value: its name may be that of what could not be declared.
+        axis = diagnostic.code is Code.SORT_MISMATCH and broken.covering(diagnostic.span)
+        if not axis and diagnostic.code not in _NAMED:
             return False
-        if not complete:
+        if not complete and not axis:
             return True
         quoted = " ".join(_QUOTED.findall(diagnostic.message))
         return any(word in file.skipped for word in _WORD.findall(quoted))

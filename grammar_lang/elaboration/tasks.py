@@ -77,12 +77,14 @@ class _Reader:
 
     def avoided(self, name: s.Ident) -> str:
         """The name of a region or map to avoid; reported if it does not exist."""
-        check_round(name, self.workspace, ("obstacle",), "to be avoided", self.sink)
+        rule = "a round place to avoid has to be an `obstacle`"
+        check_round(name, self.workspace, ("obstacle",), rule, self.sink)
         return self.region(name)
 
     def spoken_of(self, name: s.Ident) -> str:
         """The name of a region or map in a formula; reported if it does not exist."""
-        check_round(name, self.workspace, (), "in formulas", self.sink)
+        rule = "formulas name only places with flat sides"
+        check_round(name, self.workspace, (), rule, self.sink)
         return self.region(name)
 
     def region(self, name: s.Ident) -> str:
@@ -95,7 +97,8 @@ class _Reader:
     def place(self, name: s.Ident) -> str:
         """The name of a region where the task starts or ends; reported if it is not one."""
         ends: tuple[ir.RegionKind, ...] = ("region", "target")
-        check_round(name, self.workspace, ends, "a place to start or to end", self.sink)
+        rule = "a round place to start or end has to be a `region` or `target`"
+        check_round(name, self.workspace, ends, rule, self.sink)
         found = self.around.names.entity(name)
         if found is not None and found.kind == "map":
             message = f"`{name.text}` is a map of obstacles, not a place to start or to end"

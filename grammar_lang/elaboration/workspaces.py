@@ -98,14 +98,19 @@ def check_round(
     name: s.Ident,
     workspace: ir.Workspace | None,
     kinds: tuple[ir.RegionKind, ...],
-    use: str,
+    rule: str,
     sink: Sink,
 ) -> None:
-    """Report a round region of another kind, whose polytope may be on the wrong side of it."""
+    """Report a round region of another kind, whose polytope may be on the wrong side of it.
+
+    ``rule`` says what a round region has to be here.
+    """
     for region in () if workspace is None else workspace.regions:
         round_one = region.name == name.text and isinstance(region.shape, ir.Round)
         if round_one and region.kind not in kinds:
-            message = f"`{name.text}` is a round `{region.kind}`, and not {use}"
-            hint = f"declare it as `{kinds[0]}`" if kinds else "write a box, a polytope or a hull"
+            message = f"`{name.text}` is a round `{region.kind}`; {rule}"
+            hint = "declare it as a box, a polytope or a hull"
+            if kinds:
+                hint = f"write `{kinds[0]} {name.text}` where it is declared"
             notes = [(region.span, "declared here")]
             sink.error(Code.WRONG_KIND, message, name.span, hint, notes)

@@ -14,7 +14,7 @@ _POLYTOPE = "write inequalities with `;` between, as in `polytope { x >= 0; y >=
 _POINT = (
     "it takes a region: declare one in the workspace, such as `target T ball (3, 4) m radius 1 cm;`"
 )
-_FOREIGN = {
+FOREIGN = {
     "acceleration": "accel",
     "polygon": "hull",
     "speed": "rate",
@@ -38,7 +38,7 @@ def habit_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
 
 def meant_hint(tokens: Tokens, here: int, wanted: str) -> str | None:
     """The word of the language for a word of other notations; ``wanted`` is what would fit."""
-    meant = _FOREIGN.get(tokens.at(here))
+    meant = FOREIGN.get(tokens.at(here))
     return f"did you mean `{meant}`?" if meant is not None and f"`{meant}`" in wanted else None
 
 

@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from grammar_lang.parsing.habits import FOREIGN
 from grammar_lang.parsing.tables import RESERVED, Tables
 from grammar_lang.parsing.tokens import NUMBER, SKIPPED, WORD, Tokens
 from grammar_lang.units import UNIT_NAMES
@@ -206,8 +207,25 @@ def find(place: Place) -> Repair | None:
     end = place.end(place.here)
     if end - place.first >= MOST_TOKENS:
         return None
-    supplied = _semicolon(place) or _brace(place)
+    supplied = _foreign(place, end) or _semicolon(place) or _brace(place)
     return supplied or _other(place, end) or _brackets(place, end) or _more(place, end)
+
+
+def _foreign(place: Place, end: int) -> Repair | None:
+    """The word of the language for one of another notation."""
+    meant = _meant(place)
+    if meant is None:
+        return None
+    instead = {place.here: meant}
+    whole = _ends(place, place.trial(instead), place.here, end)
+    return Repair(place.here, end, instead, whole=True) if whole else None
+
+
+def _meant(place: Place) -> str | None:
+    """The word of the language that a token stands for; None if it begins a statement."""
+    meant = FOREIGN.get(place.tokens.at(place.here))
+    calls = place.here + 1 < place.stop and place.tokens.at(place.here + 1) == "("
+    return None if calls or meant not in place.expected else meant
 
 
 def _semicolon(place: Place) -> Repair | None:
@@ -218,6 +236,7 @@ def _semicolon(place: Place) -> Repair | None:
         trial.shift(";")
         word = tokens.at(here)
         begins = word in place.tables.words and word in place.tables.actions[trial.states[-1]]
+        begins = begins and _meant(place) is None
         if tokens.on_new_line(here) or unread(tokens, here)[0] == "}" or begins:
             return Repair(here, here, missing=";")
     breaks = [index for index in range(place.first + 1, here) if tokens.on_new_line(index)]

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from grammar_lang.diagnostics.diagnostic import Code, Sink
 from grammar_lang.diagnostics.wording import nearest
 from grammar_lang.parsing.clause_forms import BLOCK, FORMS, ITEMS, MEANT, OTHERS
-from grammar_lang.parsing.habits import habit_hint, meant_hint
+from grammar_lang.parsing.habits import FOREIGN, habit_hint, meant_hint
 from grammar_lang.parsing.lalr import TOO_DEEP
 from grammar_lang.parsing.repair import Place, Repair, mended
 from grammar_lang.parsing.tables import RESERVED, tables
@@ -220,9 +220,18 @@ def _mended(item: RawItem, place: Place, repair: Repair, sink: Sink) -> None:
         message = f"no `{found}` stands after `{_shortened(tokens.at(here - 1))}`"
         form = None if repair.whole else _form(item, place)
         hint = f"leave out the `{found}`" if form is None else f"write it as in `{form}`"
-    if written is not None and not repair.plain:
+    if found in FOREIGN:
+        hint = f"did you mean `{new}`?{_respelt(place, repair, new)}"
+    elif written is not None and not repair.plain:
         hint = f"write `{written}`"
     sink.error(code, message, tokens.span(here), hint)
+
+
+def _respelt(place: Place, repair: Repair, word: str) -> str:
+    """What to write from a token on, to the end of its statement; empty if it is too long."""
+    tokens, last = place.tokens, min(repair.stop, place.stop) - 1
+    rest = " ".join(tokens.text[tokens.ends[place.here] : tokens.ends[last]].split())
+    return f" write `{word} {rest}`" if len(rest) <= MAX_SHOWN else ""
 
 
 def _form(item: RawItem, place: Place) -> str | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from compiler.time_limits.time_limit import OutOfTimeError
 from grammar_lang import ir
 from grammar_lang.diagnostics.render import marked_line
-from grammar_lang.source import Source
+from grammar_lang.source import Source, Span
 from solvers.explanation.conflict import Conflict, Conflicts
 from solvers.explanation.explanation import Explanation, foremost, quick_conflict
 from solvers.explanation.learnt_lines import Learnt, learnt
@@ -52,8 +52,7 @@ def lemma_blocks(posed: PosedTask, lemmas: Sequence[Learnt], *, colour: bool = F
     blocks = []
     for lemma in lemmas:
         lines = [f"{lemma.says[0].upper()}{lemma.says[1:]}:"]
-        for line in lemma.lines:
-            lines += marked_line(posed.program.sources, line.span, line.says, colour=colour)
+        lines += _marked(lemma.lines, posed.program.sources, (), colour=colour)
         blocks.append("\n".join(lines))
     return blocks
 
@@ -99,12 +98,27 @@ def _conflict(
         return f"{_whom(conflict)}: no line of the task is needed for that"
     head = "this line rules" if len(conflict.lines) == 1 else "these lines together rule"
     lines = [f"{head[0].upper()}{head[1:]} out {_whom(conflict)}:"]
-    for line in conflict.lines:
+    return "\n".join(lines + _marked(conflict.lines, sources, shown, colour=colour))
+
+
+def _marked(
+    lines: Sequence[TaskLine],
+    sources: Sequence[Source],
+    shown: Collection[TaskLine],
+    *,
+    colour: bool,
+) -> list[str]:
+    """The lines in order, each place once, with all that is said about it, and its excerpt."""
+    says, text = dict[Span, list[str]](), list[str]()
+    for line in lines:
+        if line not in shown:
+            says.setdefault(line.span, []).append(line.says)
+    for line in lines:
         if line in shown:
-            lines.append(f"  and, as above, {line.says}")
-        else:
-            lines += marked_line(sources, line.span, line.says, colour=colour)
-    return "\n".join(lines)
+            text.append(f"  and, as above, {line.says}")
+        elif line.span in says:
+            text += marked_line(sources, line.span, "; ".join(says.pop(line.span)), colour=colour)
+    return text
 
 
 def _amounts(found: Explanation, conflict: Conflict) -> str:

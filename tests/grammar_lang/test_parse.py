@@ -164,6 +164,38 @@ def test_words_and_brackets_of_other_notations(text: str, advised: str) -> None:
     assert any(advised in hint for hint in hints), hints
 
 
+@pytest.mark.parametrize(
+    ("limit", "advised"),
+    [
+        ("torque <= 5 N*m", "did you mean `effort`? write `effort <= 5 N*m`"),
+        ("speed in [-1, 1] rad/s", "did you mean `rate`? write `rate in [-1, 1] rad/s`"),
+        ("torque [-5, 5] N*m", "did you mean `effort`?"),
+    ],
+)
+def test_a_limit_by_another_name_is_one_error(limit: str, advised: str) -> None:
+    text = f"module M {{ role joint; dof q: revolute z in [-1, 1] rad {limit}; const c = 1; }}"
+    assert [each.hint for each in load_text(text, "t.srg").diagnostics] == [advised]
+    whole = advised.partition("write `")[2].strip("`")
+    if whole:
+        assert not load_text(text.replace(limit, whole), "t.srg").diagnostics
+
+
+def test_a_torque_after_a_missing_semicolon_is_a_torque() -> None:
+    text = "module M { role joint; dof q: revolute z torque(q) = 2 N*m; }"
+    (found,) = load_text(text, "t.srg").diagnostics
+    assert (found.message, found.hint) == ("expected `;`", "add the `;`")
+
+
+@pytest.mark.parametrize("name", ["x", "y"])
+def test_a_joint_that_is_called_like_an_axis_is_one_error(name: str) -> None:
+    text = f"""module M {{ role link; dof {name}: prismatic x in [-1, 1] m; port in: F; port out: F;
+      frame out = in * move(x, {name}); }}"""
+    (found,) = load_text(text, "t.srg").diagnostics
+    assert found.hint == f"`{name}` is reserved; choose another name, such as `p{name}`"
+    followed = text.replace(f" {name}:", f" p{name}:").replace(f", {name})", f", p{name})")
+    assert not load_text(followed, "t.srg").diagnostics
+
+
 def test_chained_inequalities_are_to_be_split() -> None:
     workspace = "workspace W { plane xy; bounds polytope { 0 <= x <= 1; y >= 0; y <= 1 } m; }"
     (found,) = load_text(workspace, "t.srg").diagnostics

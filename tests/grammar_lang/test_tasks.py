@@ -202,6 +202,41 @@ def test_a_name_of_another_kind(
     assert text[declared.start : declared.end].split(":")[0] in {marked, "base"}
 
 
+@pytest.mark.parametrize(
+    ("region", "other", "rule", "hint"),
+    [
+        (
+            "region R",
+            {"more": "avoid R with body;"},
+            "a round place to avoid has to be an `obstacle`",
+            "write `obstacle R` where it is declared",
+        ),
+        (
+            "obstacle R",
+            {"reach": "reach R;"},
+            "a round place to start or end has to be a `region` or `target`",
+            "write `region R` where it is declared",
+        ),
+        (
+            "region R",
+            {"more": "satisfy eventually R;"},
+            "formulas name only places with flat sides",
+            "declare it as a box, a polytope or a hull",
+        ),
+    ],
+)
+def test_a_round_place_of_the_wrong_kind(
+    region: str, other: dict[str, str], rule: str, hint: str, build: Build
+) -> None:
+    text = build(task=clauses(**other))
+    head, kind, rest = text.partition("target T")
+    loaded = load_text(f"{head}{region} ball (1, 1) m radius 10 cm;\n{kind}{rest}", "t")
+    [found] = [d for d in loaded.diagnostics if d.severity is Severity.ERROR]
+    assert found.code is Code.WRONG_KIND
+    assert found.message == f"`R` is a round `{region.removesuffix(' R')}`; {rule}"
+    assert found.hint == hint
+
+
 def test_a_region_of_another_workspace(build: Build) -> None:
     workspace = """
 workspace W { plane xy; bounds box [0, 5] x [0, 5] m; region S box [0, 1] x [0, 1] m; }

@@ -12,13 +12,18 @@ from typing import Any
 
 import pytest
 
+from solvers.explanation.conflict import Conflict, Conflicts
+from solvers.explanation.explanation import Explanation, Tried
+from solvers.explanation.task_line import task_lines
 from srgc.cli import run
+from srgc.text_reports.why_report import why_text
 from tests.oracles import result_files
 from tests.oracles.extended_arm import best_robustness
 from tests.oracles.least_specs import link
 from tests.oracles.least_specs import spec as arms
 from tests.oracles.priced_slides import KINDS, priced_slides, word
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
+from tests.solvers.test_changes import posed
 from tests.srgc.conftest import Ran
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
@@ -162,6 +167,20 @@ def test_after_a_time_limit(srgc: Srgc, tmp_path: Path) -> None:
     assert "next:    run the same command again to continue" in ran.out
     found = explained(srgc, tmp_path / "out", "--no-runs")
     assert (found["verdict"], found["conflicts"], found["runs"]) == ("unknown", [], 0)
+
+
+def test_a_place_is_shown_once_with_all_that_is_said_about_it() -> None:
+    """The range and the effort of one joint are in one statement."""
+    limits = "dof q: revolute z in [-1, 1] rad effort <= 5 N*m;"
+    asked = posed(replaced(TURNER, "dof q: revolute z in [-180, 180] deg;", limits))
+    about = {line.kind: line for line in task_lines(asked)}
+    lines = tuple(about[kind] for kind in ("joint_range", "start", "joint_effort"))
+    found = Explanation(
+        asked, Tried("impossible", "", ()), Conflicts((Conflict(lines, (("B",),)),))
+    )
+    text = why_text(found)
+    assert text.count(limits) == 1
+    assert ": the range of `JO.q`; the effort of `JO.q`\n" in text
 
 
 def test_lines_of_an_included_file(srgc: Srgc, tmp_path: Path) -> None:
