@@ -156,7 +156,8 @@ def test_a_flywheel_keeps_its_rate():
 @pytest.mark.parametrize(
     ("rates", "most"),
     # Speeding up to V = (a T + v) / 2, then slowing down to v, a = 3 rad/s^2: V^2 / a - v^2 / 2 a.
-    [("rates <= 0.6 rad/s", 0.69), ("rates <= 0.6 rad/s for 0.4 s", 0.69), ("rates <= 2.4", 0.96),
+    # With a stay of 0.4 s, T is 0.4 s.
+    [("rates <= 0.6 rad/s", 0.69), ("rates <= 0.6 rad/s for 0.4 s", 0.21), ("rates <= 2.4", 0.96),
      ("rates <= 9", 0.96), ("rates <= 0.001", 0.4804), ("rates <= 0.0001", 0.48004)],
 )  # fmt: skip
 def test_the_faster_a_rod_may_end_the_farther_it_turns(rates, most, side):
