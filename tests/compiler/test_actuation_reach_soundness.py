@@ -180,8 +180,8 @@ def moved_to(seed, excess):
         problem(segments, nowhere, f"start in A; reach T; {horizon}", start=nowhere)
     )
     graph, n = robot_graph(model, task.gravity), len(model.dofs)
-    if not n:
-        return None
+    if not n or len(model.word_dofs) != n:
+        return None  # a start pose has a value for each joint of the word
     seconds = steps * step - resting * step - before
     ways = []
     for dof in model.dofs:
