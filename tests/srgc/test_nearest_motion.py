@@ -27,7 +27,8 @@ WEAK = replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 0.335 N*m")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("nearest") / "weak.srg"
     path.write_text(WEAK, encoding="utf-8")
-    assert run(["synth", str(path), "-q", "-o", str(path.parent / "out")]) == 4
+    few = ["--paths", "1", "--evaluations", "4"]
+    assert run(["synth", str(path), "-q", *few, "-o", str(path.parent / "out")]) == 4
     return path.parent / "out"
 
 

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import mujoco
 import numpy as np
 import pytest
@@ -42,6 +41,8 @@ def exported(folder: Path, form: str, path: Path) -> bytes:
 
 
 def read(data: bytes) -> Log:
+    import jsonschema  # Takes seconds: it makes the parsers of all formats.
+
     found: Log = defaultdict(list)
     for schema, channel, message in make_reader(
         io.BytesIO(data), validate_crcs=True
