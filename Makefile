@@ -38,7 +38,7 @@ WORKERS := -n 2 --dist worksteal
 test: .venv/installed
 	$(BIN)/pytest $(WORKERS)
 
-# Records which tests `make quick` leaves out; best on a machine that does nothing else.
+# Records which tests `make quick` and `make test` leave out; best on a machine that does nothing else.
 timings: .venv/installed
 	$(BIN)/pytest $(WORKERS) --record-long
 

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import settings
 
 from tests.oracles import small_specs
+from tests.oracles.command_line import copied
 from tests.oracles.small_missions import MISSIONS, SHOP
 from tests.oracles.some_cases import OTHERS, USUAL
 from tests.oracles.spatial_arm import SPATIAL
@@ -93,11 +94,8 @@ def _make(spec: str, folder: Path) -> None:
     """``folder/out`` with the result, and beside it the spec, the exit status and the output."""
     (folder / f"{spec}.srg").write_bytes(SPECS[spec])
     asked = ["synth", f"{spec}.srg", "-o", "out", *OPTIONS.get(spec, ())]
-    process = srgc_process(asked, folder, PYTHONHASHSEED="1")
-    out, err = process.communicate()
-    (folder / "stdout").write_bytes(out)
-    (folder / "stderr").write_bytes(err)
-    (folder / "status").write_text(str(process.returncode), encoding="utf-8")
+    status = copied(folder, *asked)
+    (folder / "status").write_text(str(status), encoding="utf-8")
 
 
 def _shared(spec: str, base: Path) -> Path:
@@ -123,6 +121,8 @@ def _shared(spec: str, base: Path) -> Path:
 @pytest.fixture(scope="session")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """The folder of a finished ``srgc synth``, read only: NAME.srg out/ status stdout stderr."""
+    from tests.long_tests import SHARED  # A plugin, which pytest has to import first.
+
     base = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         base = base.parent
@@ -130,7 +130,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
     def get(spec: str) -> Path:
         if spec not in known:
-            known[spec] = _shared(spec, base)
+            with SHARED.making():
+                known[spec] = _shared(spec, base)
         claims = [known[spec] / "out" / name for name in ("certificate.json", "mission.json")]
         if not any(claim.exists() for claim in claims):
             pytest.fail(f"no verdict on {spec}: {(known[spec] / 'stderr').read_text()[-2000:]}")

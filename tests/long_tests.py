@@ -2,17 +2,29 @@
 
 `make timings` records in ``long_tests.json``, file by file, which tests take 0.03 s and more, or
 start a process; `make quick` leaves them out. A test that is not listed is quick; if it starts a
-process it fails in `make quick`. Those that took 0.4 s and more are in ``slow_tests.json``, and run
-in `make test-slow` alone, as those marked `slow` do.
+process it fails in `make quick`.
+
+In ``slow_tests.json`` are those that run in `make test-slow` alone, as those marked `slow` do:
+
+- tests that took 0.2 s and more; where all cases of one test took more than 0.3 s together, the
+  slowest of them, too. The quickest test of each file stays unless it took 3 s, and the quickest
+  case of each test of soundness unless it took 1 s;
+- of pages, shipped specs and what the paper says (``USUAL``), whatever took 3 s and more, but for
+  the pages that everybody reads first and one run that is repeated (``ALWAYS``);
+- by hand, those for which alone a long synthesis would be made. What tests share, fixtures and the
+  syntheses of ``made``, is counted for none of them.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
+import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
@@ -20,17 +32,31 @@ import pytest
 LISTED = Path(__file__).with_name("long_tests.json")
 LONG_SECONDS = 0.03
 SLOW = Path(__file__).with_name("slow_tests.json")
-SLOW_SECONDS = 0.4
+SLOW_SECONDS = 0.2
+CASES_SECONDS = 0.3
+"""What the cases of one test may take together, the quickest first."""
 KEPT_SECONDS = 3.0
 """The quickest test of a file stays in the usual suite, unless it takes as long as this."""
+SOUND_SECONDS = 1.0
+"""So does the quickest case of each test below ``SOUNDNESS``."""
+SOUNDNESS = "tests/soundness/"
+USUAL_SECONDS = 3.0
 USUAL = {
     "tests/solvers/test_case_study.py",
     "tests/srgc/test_determinism.py",
     "tests/srgc/test_shipped_specs.py",
     "tests/test_documentation.py",
     "tests/test_forty_mistakes.py",
+    "tests/test_glossary.py",
+    "tests/test_golden.py",
+    "tests/test_language_reference.py",
 }
-"""What pages, specs and the paper say is in the usual suite, however long it takes."""
+"""What pages, specs and the paper say is in the usual suite if it takes less than that."""
+ALWAYS = {
+    "tests/srgc/test_determinism.py::test_a_small_spec[turner]",
+    "tests/test_documentation.py::test_pages_run_as_shown[README.md]",
+    "tests/test_documentation.py::test_pages_run_as_shown[docs/tutorial.md]",
+}
 STARTS = {"os.fork", "os.forkpty", "os.posix_spawn", "os.system", "pty.spawn", "subprocess.Popen"}
 
 MADE = {"made", "result"}
@@ -91,15 +117,51 @@ def _write(file: Path, tests: Iterable[str]) -> None:
 
 def slow_tests(seconds: Mapping[str, float]) -> set[str]:
     """Those that `make test` leaves out from now on, by what each takes."""
-    files: dict[str, list[str]] = defaultdict(list)
-    for test in sorted(seconds, key=seconds.__getitem__):
-        files[test.partition("::")[0]].append(test)
-    slow = set()
-    for file, (quickest, *others) in files.items():
-        if file not in USUAL:
-            slow |= {test for test in [quickest] if seconds[test] >= KEPT_SECONDS}
-            slow |= {test for test in others if seconds[test] >= SLOW_SECONDS}
+    slow, seen = set[str](), set[str]()
+    together: dict[str, float] = defaultdict(float)
+    for test in sorted(seconds, key=lambda test: (seconds[test], test)):
+        file, name = test.partition("::")[0], test.partition("[")[0]
+        together[name] += seconds[test]
+        many = file not in USUAL and name in seen and together[name] > CASES_SECONDS
+        if many or seconds[test] >= _bound(test, file not in seen, name not in seen):
+            slow.add(test)
+        seen |= {file, name}
     return slow
+
+
+def _bound(test: str, first_of_file: bool, first_case: bool) -> float:
+    """The seconds from which a test is slow."""
+    if test in ALWAYS:
+        return math.inf
+    if test.partition("::")[0] in USUAL:
+        return USUAL_SECONDS
+    if first_of_file:
+        return KEPT_SECONDS
+    return SOUND_SECONDS if first_case and test.startswith(SOUNDNESS) else SLOW_SECONDS
+
+
+class SharedTime:
+    """Seconds that have gone to what tests share: made for one of them, it is there for all."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self._depth = 0
+
+    @contextmanager
+    def making(self) -> Iterator[None]:
+        """What is made meanwhile is shared; within another of these it is not counted again."""
+        begin = time.perf_counter()
+        self._depth += 1
+        try:
+            yield
+        finally:
+            self._depth -= 1
+            if not self._depth:
+                self.seconds += time.perf_counter() - begin
+
+
+SHARED = SharedTime()
+"""Of this process."""
 
 
 class QuickTestsAlone:
@@ -126,8 +188,8 @@ class Recorder:
         self.processes.watch()
         self.fixtures: dict[Fixture, bool] = {}
         self.seconds: dict[str, float] = defaultdict(float)
-        self.calls: dict[str, float] = defaultdict(float)
-        """Without what shared fixtures take."""
+        self.own: dict[str, float] = defaultdict(float)
+        """Without what tests share."""
         self.starting: set[str] = set()
         self.long_fixtures: set[Fixture] = set()
         self.used: dict[str, set[Fixture]] = {}
@@ -136,22 +198,22 @@ class Recorder:
     def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[object]) -> Iterator[object]:
         """What a shared fixture starts counts for all tests that use it, whichever came first."""
         before = self.processes.started
-        result = yield
+        with nullcontext() if fixturedef.scope == "function" else SHARED.making():
+            result = yield
         key = (fixturedef.baseid, fixturedef.argname)
         self.fixtures[key] = self.fixtures.get(key, False) or self.processes.started > before
         return result
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[object]:
-        before = self.processes.started
-        item.user_properties.append(("before", before))
+        item.user_properties.append(("before", (self.processes.started, SHARED.seconds)))
         return (yield)
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, item: pytest.Item) -> Iterator[pytest.TestReport]:
         report = yield
         if report.when == "teardown":
-            before = dict(item.user_properties)["before"]
+            started, shared = dict(item.user_properties)["before"]
             used = [
                 (definition.baseid, definition.argname)
                 for definitions in getattr(item, "_fixtureinfo").name2fixturedefs.values()  # noqa: B009
@@ -160,8 +222,9 @@ class Recorder:
             report.user_properties = [
                 (
                     "starts",
-                    self.processes.started > before or bool(MADE & {key[1] for key in used}),
+                    self.processes.started > started or bool(MADE & {key[1] for key in used}),
                 ),
+                ("shared", SHARED.seconds - shared),
                 ("used", used),
                 ("starting", [key for key, starts in self.fixtures.items() if starts]),
             ]
@@ -169,9 +232,10 @@ class Recorder:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         self.seconds[report.nodeid] += report.duration
-        self.calls[report.nodeid] += report.duration * (report.when == "call")
+        self.own[report.nodeid] += report.duration * (report.when != "teardown")
         if report.when == "teardown":
             told = dict(report.user_properties)
+            self.own[report.nodeid] -= told["shared"]
             self.used[report.nodeid] = {tuple(key) for key in told["used"]}
             self.long_fixtures |= {tuple(key) for key in told["starting"]}
             if told["starts"]:
@@ -181,7 +245,7 @@ class Recorder:
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         if "PYTEST_XDIST_WORKER" in os.environ:
             return
-        _write(SLOW, _listed(SLOW) | slow_tests(self.calls))
+        _write(SLOW, _listed(SLOW) | slow_tests(self.own))
         _write(LISTED, filter(self.is_long, self.used))
 
     def is_long(self, test: str) -> bool:

@@ -20,6 +20,7 @@ from srgc.cli.command_table import command_named
 from tests.conftest import SPECS
 from tests.oracles import pages
 from tests.oracles.page_session import NUMBER, Session
+from tests.oracles.some_cases import some
 
 ROOT = Path(__file__).parents[1]
 RUN_ELSEWHERE = (
@@ -210,7 +211,7 @@ def test_the_fields_of_results_are_described(made: Callable[[str], Path], spec: 
         assert all(re.search(rf"`{column}`", page) for column in head.split(","))
 
 
-@pytest.mark.parametrize("name", ["retune", "both", "before"])
+@pytest.mark.parametrize("name", some(["retune", "both", "before"], 2))
 def test_the_fields_of_missions_are_described(made: Callable[[str], Path], name: str) -> None:
     page = TEXTS["docs/reference/results.md"]
     counts = {"robots", "examined", "refutations", "motion searches"}

@@ -48,6 +48,7 @@ def test_text_and_figures_are_the_same(measured):
     assert f"required: srgc --version <= 2 x click: {required}" in text
 
 
+@pytest.mark.slow
 def test_sizes_are_those_of_the_files(measured):
     _, figures = measured
     sizes = {each["name"]: each["bytes"] for each in figures["sizes"]}

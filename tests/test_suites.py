@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.long_tests import LISTED, SLOW, slow_tests
+from tests.long_tests import ALWAYS, LISTED, SLOW, slow_tests
 from tests.resumable import shard_of
 
 ROOT = Path(__file__).parents[1]
@@ -117,10 +117,89 @@ def test_a_slow_test_is_left_out_of_the_usual_suite(tmp_path: Path) -> None:
     assert passed == {"test_else"}
 
 
+CLOCK = """
+import types
+from pathlib import Path
+import pytest
+from _pytest import timing
+from tests import long_tests
+
+now = [0.0]
+timing.perf_counter = timing.time = lambda: now[0]
+long_tests.time = types.SimpleNamespace(perf_counter=lambda: now[0])
+here = Path(__file__).parent
+long_tests.LISTED, long_tests.SLOW = here / "long.json", here / "slow.json"
+
+def take(seconds):
+    now[0] += seconds
+
+@pytest.fixture(scope="module")
+def shared():
+    take(5)
+
+@pytest.fixture
+def own():
+    take(0.3)
+"""
+TIMED = """
+from conftest import take
+from tests.long_tests import SHARED
+
+def test_nothing(): pass
+def test_first_of_a_fixture(shared): take(0.1)
+def test_own_fixture(own): pass
+def test_made_within():
+    with SHARED.making():
+        take(2)
+        with SHARED.making():
+            take(3)
+def test_alone(): take(0.25)
+"""
+
+
+def test_what_tests_share_is_counted_for_none(tmp_path: Path) -> None:
+    """By a clock that goes on only where it is told to."""
+    (tmp_path / "conftest.py").write_text(CLOCK, encoding="utf-8")
+    (tmp_path / "test_timed.py").write_text(TIMED, encoding="utf-8")
+    for name in ("long.json", "slow.json"):
+        (tmp_path / name).write_text("{}", encoding="utf-8")
+    said, passed = run(tmp_path, "-p", "tests.long_tests", "--record-long")
+    assert len(passed) == 5, said
+    slow = json.loads((tmp_path / "slow.json").read_text(encoding="utf-8"))
+    assert slow == {"test_timed.py": ["test_alone", "test_own_fixture"]}
+
+
 def test_each_file_keeps_its_quickest_test() -> None:
     seconds = {"a.py::one": 0.7, "a.py::two": 0.6, "b.py::one": 4, "c.py::one": 0.1, "c.py::two": 1}
     assert slow_tests(seconds) == {"a.py::one", "b.py::one", "c.py::two"}
-    assert not slow_tests({"tests/test_documentation.py::one": 9, "tests/test_documentation.py": 8})
+
+
+def test_the_cases_of_one_test_have_a_bound_together() -> None:
+    """0.06 + 0.07 + 0.08 s are less, and 0.09 s more are 0.3 s; 0.1 s more are too much."""
+    cases = {f"a.py::many[{case}]": 0.06 + 0.0099 * case for case in range(5)}
+    others = {"a.py::more[0]": 0.14, "a.py::more[1]": 0.15, "a.py::quickest": 0.01}
+    assert slow_tests(cases | others) == {"a.py::many[4]"}
+
+
+def test_each_test_of_soundness_keeps_its_quickest_case() -> None:
+    file = "tests/soundness/test_drives.py"
+    cases = {"one[a]": 0.7, "one[b]": 0.8, "two": 0.9, "three": 1.0, "four": 0.1}
+    slow = slow_tests({f"{file}::{name}": seconds for name, seconds in cases.items()})
+    assert slow == {f"{file}::one[b]", f"{file}::three"}
+
+
+def test_pages_that_take_seconds_are_slow_but_for_the_first_ones() -> None:
+    pages = {"README.md": 9, "docs/tutorial.md": 9, "docs/how-to/new.md": 2.9, "docs/a.md": 3}
+    page = "tests/test_documentation.py::test_pages_run_as_shown[{}]".format
+    assert slow_tests({page(name): took for name, took in pages.items()}) == {page("docs/a.md")}
+
+
+def test_what_always_runs_is_there_and_is_not_listed() -> None:
+    listed = json.loads(SLOW.read_text(encoding="utf-8"))
+    for test in ALWAYS:
+        file, _, name = test.partition("::")
+        assert name not in listed.get(file, [])
+        assert f"def {name.partition('[')[0]}(" in (ROOT / file).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("listed", [LISTED, SLOW], ids=["long", "slow"])
