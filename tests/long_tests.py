@@ -7,8 +7,8 @@ process it fails in `make quick`.
 In ``slow_tests.json`` are those that run in `make test-slow` alone, as those marked `slow` do:
 
 - tests that took 0.2 s and more; where all cases of one test took more than 0.3 s together, the
-  slowest of them, too. The quickest test of each file stays unless it took 3 s, and the quickest
-  case of each test of soundness unless it took 1 s;
+  slowest of them, too, but for those below 0.03 s. The quickest test of each file stays unless it
+  took 3 s, and the quickest case of each test of soundness unless it took 1 s;
 - of pages, shipped specs and what the paper says (``USUAL``), whatever took 3 s and more, but for
   the pages that everybody reads first and one run that is repeated (``ALWAYS``);
 - by hand, those for which alone a long synthesis would be made. What tests share, fixtures and the
@@ -34,7 +34,7 @@ LONG_SECONDS = 0.03
 SLOW = Path(__file__).with_name("slow_tests.json")
 SLOW_SECONDS = 0.2
 CASES_SECONDS = 0.3
-"""What the cases of one test may take together, the quickest first."""
+"""What the cases of one test may take together, the quickest first; quick tests stay."""
 KEPT_SECONDS = 3.0
 """The quickest test of a file stays in the usual suite, unless it takes as long as this."""
 SOUND_SECONDS = 1.0
@@ -123,6 +123,7 @@ def slow_tests(seconds: Mapping[str, float]) -> set[str]:
         file, name = test.partition("::")[0], test.partition("[")[0]
         together[name] += seconds[test]
         many = file not in USUAL and name in seen and together[name] > CASES_SECONDS
+        many = many and seconds[test] >= LONG_SECONDS
         if many or seconds[test] >= _bound(test, file not in seen, name not in seen):
             slow.add(test)
         seen |= {file, name}
