@@ -76,7 +76,7 @@ def test_a_link_is_called_after_its_first_link_module(tmp_path: Path) -> None:
 def test_two_degrees_of_freedom_of_one_module(tmp_path: Path) -> None:
     found = names(tmp_path, ["tool", "link", "cross", "base"])
     # B U L EN: the link between the two has no module of its own.
-    assert found == PartNames(("B_0", "U_1_link", "L_2"), ("U_1", "U_1_no2"), ("EN_3",))
+    assert found == PartNames(("B_0", "U_1_a_link", "L_2"), ("U_1_a", "U_1_b"), ("EN_3",))
 
 
 def test_merged_joints_have_both_names(tmp_path: Path) -> None:

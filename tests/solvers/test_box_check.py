@@ -264,7 +264,7 @@ def two_tips():
 )
 def test_the_named_effectors(start, reach, impossible):
     workspace = world(S, T)
-    task = errand(start=ir.StartIn("S", start, Fraction(0)), reach=ir.Reach("T", reach, False))
+    task = errand(start=ir.StartIn("S", start, Fraction(0)), reach=ir.Reach("T", reach))
     expected = impossible and (start, reach) != (1, None)
     assert proved(covering("", "aaaaaaa"), two_tips(), workspace, task) is expected
 
@@ -294,7 +294,7 @@ def test_formulas_alone_are_asked_about_what_they_visit():
     both = errand(reach=None, satisfy=(visit, keep_out))
     assert proved(covering("", "aaaaaaa"), one, workspace, both)
     # Of effector 1 alone: effector 2 may enter.
-    apart = errand(reach=ir.Reach("T", 2, False), start=ir.StartIn("S", 2, Fraction(0)),
+    apart = errand(reach=ir.Reach("T", 2), start=ir.StartIn("S", 2, Fraction(0)),
                    satisfy=(keep_out,))  # fmt: skip
     arm = ArmBuilder().revolute().link("0.5").effector().link("0.5").effector().model()
     assert not proved(covering("", "aaaaaaa"), arm, workspace, apart)

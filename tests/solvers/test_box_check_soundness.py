@@ -39,7 +39,7 @@ def scene(seed):
     workspace = world(*regions, bounds=size)
     subjects = [str(rng.choice(["body", "effector"])) for _ in range(2)]
     avoid = (*avoiding("O", subject=subjects[0]), *avoiding("P", subject=subjects[1]))
-    reach = ir.Reach("T", None, False)
+    reach = ir.Reach("T", None)
     return rng, model, workspace, errand(avoid=avoid, reach=reach, bounds_body=seed % 3 == 0)
 
 

@@ -178,7 +178,9 @@ def test_a_solver_that_takes_all_the_time(tmp_path: Path, monkeypatch: pytest.Mo
     context = RunContext(out_of_time=lambda: calls[0] > 0)
     result = synthesise(program, program.tasks["Slide"], context)
     assert result.verdict == "unknown"
-    assert result.reason == f"{OUT_OF_TIME} while a motion of B eps P eps M eps EN was searched"
+    # A way along the slide is being proved before any solver is asked.
+    assert result.reason is not None
+    assert result.reason.startswith(f"{OUT_OF_TIME} while a motion of B eps P eps M eps EN")
     assert result.unfinished
 
 
