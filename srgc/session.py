@@ -176,8 +176,10 @@ def refuse_cycles(program: ir.Program, grammar: ir.Grammar) -> None:
         raise SpecErrors(Checked(None, errors, program.sources))
 
 
-def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:
+def chosen(items: Mapping[str, Item], name: str | None, kind: str, or_else: str = "") -> Item:
     """The item with that name; without a name, the only item.
+
+    ``or_else`` ends the message about a missing name: what may be chosen instead.
 
     Raises:
         UsageFault: there is no such item or none at all, or there are several and no name is given.
@@ -195,4 +197,4 @@ def chosen(items: Mapping[str, Item], name: str | None, kind: str) -> Item:
         return next(iter(items.values()))
     if not items:
         raise UsageFault(f"the file has no {kind}")
-    raise UsageFault(f"the file has several {kind}s: choose one of {names} with --{kind}")
+    raise UsageFault(f"the file has several {kind}s: choose one of {names} with --{kind}{or_else}")

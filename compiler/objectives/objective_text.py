@@ -10,6 +10,8 @@ from grammar_lang import ir
 
 LONGEST = 12
 """Numbers with more digits are rounded for readers."""
+LEAST_GAP = Fraction(1, 10_000)
+"""Gaps below this percentage are not distinguished."""
 UNITS = {"modules": "", "mass": "kg", "time": "s", "energy": "J", "effort": ""}
 
 
@@ -45,7 +47,9 @@ def value_text(objective: ir.Objective, value: Fraction) -> str:
 
 
 def gap_text(gap: Fraction) -> str:
-    """A gap in percent, rounded up to two digits."""
+    """A gap in percent, rounded up to two digits, if it is not tiny."""
     percent = 100 * gap
+    if 0 < percent < LEAST_GAP:
+        return f"below {float(LEAST_GAP):g} %"
     digits = Context(prec=2, rounding=ROUND_CEILING)
     return f"{digits.divide(Decimal(percent.numerator), Decimal(percent.denominator)):f} %"

@@ -129,7 +129,7 @@ def _character(tokens: Tokens, here: int, sink: Sink) -> None:
     meant = next((meant for like, meant in _LOOKALIKES.items() if character in like), None)
     hint = "remove it" if meant is None else f"write {meant}"
     if character in {"'", '"'}:
-        hint = "a quoted string ends on its own line"
+        hint = "a quoted string ends on its own line; there are no escapes: use the other quote"
     elif character.isalpha() and meant is None:
         hint = "names are made of the letters A to Z, digits and `_`"
     shown = f"`{character}`" if character.isprintable() else f"U+{ord(character):04X}"

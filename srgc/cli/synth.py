@@ -148,7 +148,9 @@ def synth(
             cluster=cluster, solver=solver, search=search, paths=paths,
             evaluations=evaluations, lemmas=not no_lemmas, smt=smt,
         )  # fmt: skip
-    chosen_task = chosen(program.tasks, task, "task")
+    missions = ", ".join(program.missions)
+    or_else = f", or one of the missions {missions} with --mission" if missions else ""
+    chosen_task = chosen(program.tasks, task, "task", or_else)
     refuse_cycles(program, program.grammars[chosen_task.grammar])
     from srgc.results.synthesis_run import SynthesisOptions, run_synthesis
     from srgc.search_options import asked_gap, named_search, named_smt_solvers, named_solver

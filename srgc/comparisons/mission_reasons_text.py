@@ -58,7 +58,7 @@ def _objectives(found: MissionReasons) -> Iterator[str]:
         if least >= value:
             yield f"{said}, proved least"
         elif least > 0:
-            yield f"{said}, none less than {short(least)}"
+            yield f"{said}, none less than {short(least)} {each['unit']}".rstrip()
         else:
             yield f"{said}, not proved least"
 

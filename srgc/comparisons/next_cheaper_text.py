@@ -6,7 +6,12 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from compiler.objectives.objective_text import amount_text, objective_name, objective_unit
+from compiler.objectives.objective_text import (
+    amount_text,
+    objective_name,
+    objective_unit,
+    value_text,
+)
 from grammar_lang.diagnostics.wording import counted
 from solvers.explanation.conflict import Conflicts
 from solvers.explanation.explanation import Explanation, Tried
@@ -46,8 +51,11 @@ def _head(cheaper: NextCheaper) -> str:
         value = amount_text(cheaper.amount.objective, cheaper.refuted[0].value)
         robots = "\n  ".join(" ".join(each.derivation.word) for each in cheaper.refuted)
         return f"Nearest below the design, and refuted: {value}\n  {robots}"
-    if cheaper.undecided or cheaper.found or cheaper.other:
+    if cheaper.undecided or cheaper.found:
         return f"Nothing below the design is refuted: robots with less {name} may exist."
+    least = min((each.value for each in cheaper.other), default=cheaper.value)
+    if least < cheaper.value:
+        return f"No robot has less {name} than {value_text(cheaper.amount.objective, least)}."
     return f"There is no robot with less {name} in the family."
 
 

@@ -28,8 +28,9 @@ from solvers.search.configuration_search import Sample
 from solvers.search.evaluation import Evaluator, SolveRequest
 from solvers.search.path_task import PathTask
 from solvers.search.round_task import round_tasks
-from solvers.trajectory.control_problem import ControlOutcome
+from solvers.trajectory.control_problem import ControlOutcome, input_margin
 from solvers.trajectory.path_following import PathProblem
+from solvers.trajectory.task_limits import effort_scale, input_groups
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.claims.certificate import exact
 from srgc.landscapes.landscape_request import Axis, Mark
@@ -97,8 +98,19 @@ def landscape(
         samples.append(_best(each, islice(outcomes, len(each))))
         told(len(samples), len(seeds))
     count = len(points) - len(marks)
-    design = Sample(found.theta, record.robustness, feasible=True)
+    design = Sample(found.theta, _own(found, record, motion), feasible=True)
     return Landscape(axes, tuple(samples[:count]), marks, tuple(samples[count:]), searched, design)
+
+
+def _own(found: FoundDesign, record: FoundRecord, motion: Trajectory) -> float:
+    """The rho of the design, in the measure of the grid.
+
+    If bounds differ, a search takes the least share of a bound times the largest bound.
+    """
+    groups = input_groups(found.model, found.task)
+    if len({group.widest_margin for group in groups}) < 2:
+        return record.robustness
+    return input_margin(groups, motion.u)
 
 
 def path_problem_of(found: FoundDesign, record: FoundRecord) -> PathProblem:
@@ -179,21 +191,28 @@ def title(found: FoundDesign, content: Landscape) -> str:
 def landscape_text(found: FoundDesign, content: Landscape) -> str:
     """The grid, its best point, the design and the marks."""
     feasible = sum(1 for sample in content.grid if sample.feasible)
-    units = {bound.unit for bound in input_bounds(found.model, found.task)}
-    unit = units.pop() if len(units) == 1 else "1"
     lines = [f"robot:   {' '.join(found.claim.word)}"]
     lines += [f"over:    {_described(axis)}" for axis in content.axes]
     lines.append(f"grid:    {len(content.grid)} points, {feasible} feasible")
     if feasible:
         best = content.best
-        lines.append(f"best:    {_at(content.at(best))}: rho {amount(best.robustness, unit)}")
+        lines.append(f"best:    {_at(content.at(best))}: {_rho(found, best)}")
     design = content.design
-    lines.append(f"design:  {_at(content.at(design))}: rho {amount(design.robustness, unit)}")
+    lines.append(f"design:  {_at(content.at(design))}: {_rho(found, design)}")
     for mark, sample in zip(content.marks, content.marked, strict=True):
-        value = f"rho {amount(sample.robustness, unit)}" if sample.feasible else "infeasible"
+        value = _rho(found, sample) if sample.feasible else "infeasible"
         lines.append(f"mark:    {mark.label} {_at(mark.values)}: {value}")
     lines.append(f"samples: {len(content.samples)} of the search")
     return "\n".join(lines)
+
+
+def _rho(found: FoundDesign, sample: Sample) -> str:
+    """The rho of a sample: an amount, or the share of the bounds if these differ."""
+    groups = input_groups(found.model, found.task)
+    if len({group.widest_margin for group in groups}) > 1:
+        return f"rho {100 * sample.robustness / effort_scale(groups):.4g} % of the bounds"
+    units = {bound.unit for bound in input_bounds(found.model, found.task)}
+    return f"rho {amount(sample.robustness, units.pop() if len(units) == 1 else '1')}"
 
 
 def _described(axis: Axis) -> str:

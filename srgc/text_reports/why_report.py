@@ -20,7 +20,7 @@ from solvers.explanation.run import Suggestion
 from solvers.explanation.suggestions import DRIVES
 from solvers.explanation.task_line import TaskLine
 from solvers.run_context import RunContext
-from solvers.search.synthesis import Synthesis
+from solvers.search.synthesis import OUT_OF_TIME, Synthesis
 from srgc.text_reports.synthesis_report import after_synthesis
 
 MOST_LEMMAS = 2
@@ -28,10 +28,17 @@ MOST_LEMMAS = 2
 MOST_CONFLICTS = 6
 """The number of conflicts to print for people; JSON has all of them."""
 
+UNFINISHED = (
+    "The search was not finished: the same `srgc synth` goes on with it, and may find a robot "
+    "without a change."
+)
+
 
 def why_text(found: Explanation, *, colour: bool = False) -> str:
     """The explanation for people; ends with a line break."""
     head = f"verdict: {found.tried.verdict} ({found.tried.reason})"
+    if OUT_OF_TIME in found.tried.reason:
+        head += f"\n{UNFINISHED}"
     conflicts = [
         *lemma_blocks(found.posed, found.tried.lemmas, colour=colour),
         *conflict_blocks(found, colour=colour),

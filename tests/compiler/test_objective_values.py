@@ -13,6 +13,7 @@ import pytest
 
 from compiler.expressions.exact_numbers import rational_bounds
 from compiler.objectives.least_values import Amount, amounts, mass_bounds
+from compiler.objectives.objective_text import gap_text
 from compiler.objectives.values import MotionValues, value_bounds
 from compiler.robots.normal_form import family_of
 from compiler.robots.parameter_values import ParameterValue, stated_value
@@ -253,3 +254,16 @@ def test_efforts_are_what_is_not_kept() -> None:
             value,
         )
     assert amount.of_robot(word, model) == 0
+
+
+@pytest.mark.parametrize(
+    ("gap", "text"),
+    [
+        (Fraction(3, 200), "1.5 %"),
+        (Fraction(1, 10**6), "0.0001 %"),
+        (Fraction(1, 10**9), "below 0.0001 %"),
+        (Fraction(0), "0 %"),
+    ],
+)
+def test_gaps_are_rounded_up_if_they_are_not_tiny(gap: Fraction, text: str) -> None:
+    assert gap_text(gap) == text

@@ -63,6 +63,46 @@ def test_a_curve_over_one_length(srgc: Srgc, designs: Path) -> None:
     assert srgc("verify", designs).status == 0
 
 
+BOTH = """\
+module Base { role base; }
+module Rail { role joint; dof d: prismatic y in [-1, 1] m; const mass = 2 kg; }
+module Turn { role joint; dof q: revolute z in [-120, 120] deg; }
+module Bar { role link; param length in [0.5, 1] m; const density = 2 kg/m; }
+module Tip { role effector; }
+grammar G { start N; whole: N -> Base Rail Turn Bar Tip; }
+semantics G {
+  whole {
+    this.hub = move(y, Rail.d);
+    point(frame: this.hub, mass: Rail.mass);
+    this.at = this.hub * rot(z, Turn.q);
+    rod(frame: this.at, axis: x, length: Bar.length, density: Bar.density);
+    effector(frame: this.at * move(x, Bar.length));
+  }
+}
+workspace W {
+  plane xy; bounds box [-2, 2] x [-2, 2] m;
+  region S box [0.5, 0.8] x [-0.4, 0] m; target T box [0, 0.4] x [0.9, 1.3] m;
+}
+task P {
+  robot G; workspace W; start in S at rest; reach T; effort <= 40 N; effort <= 3 N*m;
+  horizon 12 steps of 0.1 s;
+}
+"""
+
+
+def test_where_bounds_differ_all_is_in_shares_of_them(srgc: Srgc, tmp_path: Path) -> None:
+    """The least share of 40 N and of 3 N m is what a search makes large."""
+    (tmp_path / "both.srg").write_text(BOTH, encoding="utf-8")
+    out = tmp_path / "out"
+    assert srgc("synth", tmp_path / "both.srg", "-o", out).status == 0
+    share = 100 * result_files.read(out, "design.json")["robustness_share"]
+    ran = srgc("landscape", out, "--points", 2)
+    (own,) = (line for line in ran.out.splitlines() if line.startswith("design:"))
+    told = own.rpartition("rho ")[2]
+    assert told.endswith(" % of the bounds")
+    assert float(told.split()[0]) == pytest.approx(share, abs=0.01)
+
+
 def test_at_its_own_parameters_a_design_is_no_better(srgc: Srgc, designs: Path) -> None:
     """Its motion is proved, so that the best there is not less; a search begins with it."""
     folder = designs / "designs" / "1"

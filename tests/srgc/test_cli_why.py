@@ -167,6 +167,9 @@ def test_after_a_time_limit(srgc: Srgc, tmp_path: Path) -> None:
     assert "next:    run the same command again to continue" in ran.out
     found = explained(srgc, tmp_path / "out", "--no-runs")
     assert (found["verdict"], found["conflicts"], found["runs"]) == ("unknown", [], 0)
+    said = srgc("why", tmp_path / "out", "--no-runs").out.splitlines()
+    assert said[0].startswith("verdict: unknown (the time limit was reached")
+    assert said[1].startswith("The search was not finished")
 
 
 def test_a_place_is_shown_once_with_all_that_is_said_about_it() -> None:
@@ -443,4 +446,5 @@ def test_the_design_with_other_parameters(srgc: Srgc, spec: Callable[[str], Path
     assert "comes behind" not in said
     head, _, robots = said.partition("Found; no parameters give less than:\n")
     assert head.startswith("verdict: found (length 0.4")
+    assert head.splitlines()[2].startswith(f"No robot has less length than {stated['least']:.3f}")
     assert robots.startswith(f"  Base eps Joint eps A eps Hand, length {stated['least']:.3f}")

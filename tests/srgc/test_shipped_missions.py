@@ -190,3 +190,10 @@ def test_one_arm_for_three_benches(tmp_path: Path, srgc: Run) -> None:
     assert all(map(works, arms))
     ran = srgc("verify", tmp_path / "out", "--json")
     assert json.loads(ran.out)["outcome"] == "valid"
+
+
+def test_a_file_with_missions_names_them_where_a_task_has_to_be_chosen(srgc: Run) -> None:
+    ran = srgc("synth", ROOT / "specs" / "three_benches.srg")
+    assert ran.status == 2
+    assert "or one of the missions Shift" in ran.err
+    assert "with --mission" in ran.err

@@ -11,7 +11,7 @@ from compiler.expressions.exact_numbers import exact_text
 from compiler.missions.parameter_ranges import Ranges, single
 from compiler.missions.robot_changes import Built, built, changes
 from compiler.objectives.least_values import Amount, amounts
-from compiler.objectives.objective_text import amount_text
+from compiler.objectives.objective_text import amount_text, value_text
 from compiler.objectives.values import MotionValues, value_bounds
 from compiler.robots.candidate import robot_in_task
 from compiler.robots.normal_form import family_of
@@ -164,7 +164,9 @@ def _objectives(
         if least > 0:
             default = most is None and claim.modules is not None
             which = f"no robot with up to {claim.modules} modules" if default else "no robot"
-            text += f": {which} has less" + ("" if least == value else f" than {stated.least}")
+            text += f": {which} has less" + (
+                "" if least == value else f" than {value_text(amount.objective, least)}"
+            )
         said.append(CheckedCondition(text, Status.HOLDS, NO_MARGIN, ""))
     return said
 
