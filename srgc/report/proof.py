@@ -55,7 +55,8 @@ def _row(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
     margin = (
         with_unit(condition.least(4), condition.unit) if math.isfinite(condition.margin) else ""
     )
-    place = ", ".join(number(x) for x in condition.place)
+    # To a nanometre: 0, not what rounding left of it.
+    place = ", ".join(number(round(x, 9) + 0.0) for x in condition.place)
     level = condition.level if condition.status is Status.HOLDS else ""
     return (
         f'<tr class="{_class(condition)}"><td>{name}</td><td class="figure">{text(margin)}</td>'
