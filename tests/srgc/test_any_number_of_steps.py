@@ -125,7 +125,7 @@ def test_a_motion_lasts_as_long_as_its_end(folder: Path, clause: str, fewest: in
 
 
 def test_the_nearest_motion_of_an_unknown_task(tmp_path: Path) -> None:
-    weak = replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 0.3 N*m")
+    weak = replaced(TURNER, "effort <= 10 N*m", "modules <= 4; effort <= 0.34 N*m")
     spec = tmp_path / "weak.srg"
     spec.write_text(replaced(weak, "horizon 10", "horizon at most 10"), encoding="utf-8")
     assert run(["synth", str(spec), "-q", "-o", str(tmp_path / "out")]) == 4
