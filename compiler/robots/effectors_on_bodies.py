@@ -24,6 +24,8 @@ from grammar_lang import ir
 
 MOST_FREE = 10
 """With more frames from outside in one production, nothing is decided."""
+MOST_PARTS = 2000
+"""A frame with more parts, once attributes are replaced, is somewhere unknown."""
 EXTENDED = {"capsule", "cylinder"}
 """Shapes that begin at their frame's origin; spheres and boxes are centred there."""
 OPPOSITE: Mapping[ir.Axis, ir.Axis] = {
@@ -113,13 +115,15 @@ class _Origins:
     @cached_property
     def on_bodies(self) -> frozenset[Place]:
         """Origins that are points of the bodies that it emits."""
-        return frozenset(p for each in self.block.emissions for p in self._points_of(each))
+        points = (p for each in self.block.emissions for p in self._points_of(each))
+        return frozenset(place for place in points if place is not None)
 
     @cached_property
     def passed_on(self) -> frozenset[ir.AttributeOf]:
         """The attributes of other productions at whose origins it puts frames or effectors."""
         places = map(self.place, (*self.effectors, *self.values.values()))
-        return frozenset(p[0] for p in places if len(p) == 1 and isinstance(p[0], ir.AttributeOf))
+        alone = (place[0] for place in places if place is not None and len(place) == 1)
+        return frozenset(each for each in alone if isinstance(each, ir.AttributeOf))
 
     def symbol(self, occurrence: int) -> str:
         """The symbol at an occurrence."""
@@ -155,14 +159,19 @@ class _Origins:
     def is_on_body(self, frame: ir.Expr, known: Mapping[ir.AttributeOf, bool]) -> bool:
         """Whether a frame's origin is on a body, given those that other productions define."""
         place = self.place(frame)
-        if place in self.on_bodies:
-            return True
+        if place is None or place in self.on_bodies:
+            return place is not None
         return len(place) == 1 and isinstance(place[0], ir.AttributeOf) and known[place[0]]
 
-    def place(self, frame: ir.Expr) -> Place:
-        """The origin of a frame, with the attributes that the production defines replaced."""
+    def place(self, frame: ir.Expr) -> Place | None:
+        """The origin of a frame, with the attributes that the production defines replaced.
+
+        None if it has too many parts: an attribute may occur many times in others.
+        """
         steps, todo = list[ir.Expr](), [frame]
-        while todo:
+        for _ in range(MOST_PARTS):
+            if not todo:
+                break
             current = todo.pop()
             match current:
                 case ir.Compose(left, right):
@@ -177,9 +186,9 @@ class _Origins:
                     steps.append(current)
         while steps and isinstance(steps[-1], ir.Rot):
             steps.pop()
-        return tuple(steps)
+        return None if todo else tuple(steps)
 
-    def _points_of(self, emission: ir.Emission) -> Iterator[Place]:
+    def _points_of(self, emission: ir.Emission) -> Iterator[Place | None]:
         match emission:
             case ir.Rod(frame=frame, axis=axis, length=length):
                 yield self.place(frame)

@@ -57,6 +57,16 @@ def test_one_production(emissions: str, wanted: bool) -> None:
     assert effectors_are_on_bodies(loaded.program, loaded.program.grammars["G"]) is wanted
 
 
+def test_a_frame_of_very_many_parts_is_nowhere_known() -> None:
+    """Each attribute has the one before it twice: a thousand billion steps in all."""
+    doubled = "".join(f"this.a{i + 1} = this.a{i} * this.a{i}; " for i in range(40))
+    both = "point(frame: this.a40, mass: 1 kg); effector(frame: this.a40);"
+    text = ONE.format(emissions=f"this.a0 = this.at * move(x, 1 mm); {doubled} {both}")
+    program = load_text(text, "one.srg").program
+    assert program is not None
+    assert not effectors_are_on_bodies(program, program.grammars["G"])
+
+
 KIT = """
 module B {{ role base; }}
 module J {{ role joint; dof q: revolute z in [-90, 90] deg; }}
