@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import islice
 from typing import Literal
 
 from compiler.workspaces.hull import Point
+from compiler.workspaces.inner_offset import inner_offset
 from compiler.workspaces.overlaps import interiors_meet
 from compiler.workspaces.partition import remainder
 from compiler.workspaces.polytope import AXES, Polytope, refuting_polytope
@@ -160,6 +160,7 @@ def _polytope(rows: Sequence[HalfSpace], chosen: Sequence[int]) -> Polytope:
 
 
 LISTED = 5
+MARGIN = " with its margin"
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,32 +238,84 @@ def _blocked(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
         return
     binding = _avoided(task, ("effector",), part, shapes)
     name, notes = end.region.name, ((end.region.span, f"`{end.region.name}` is declared here"),)
-    hint = f"move `{name}`, or avoid less"
-    if _covered(part, _together(binding)):
-        message = f"the {end.role} `{name}` lies wholly inside {_listed(binding)}, which is avoided"
-        sink.error(end.code, message, end.span, hint, notes)
-    elif len(nearby) > len(binding) and _covered(part, _together(nearby)):
+    if inside := _cover(part, binding):
+        message = f"the {end.role} `{name}` lies wholly inside {inside}, which is avoided"
+        less = "ask for a smaller margin" if inside.endswith(MARGIN) else "avoid less"
+        sink.error(end.code, message, end.span, f"move `{name}`, or {less}", notes)
+    elif inside := _cover(part, nearby):
         sink.warning(
             end.code,
-            f"the {end.role} `{name}` lies wholly inside {_listed(nearby)}, which the body avoids",
+            f"the {end.role} `{name}` lies wholly inside {inside}, which the body avoids",
             end.span,
             "only an effector that is not part of a body can be there",
             notes,
         )
-    else:
+    elif met := [avoided for avoided in nearby if avoided.pieces]:
         sink.warning(
             Code.REGION_PARTLY_BLOCKED,
-            f"a part of the {end.role} `{name}` lies inside {_listed(nearby)}, which is avoided",
+            f"a part of the {end.role} `{name}` lies inside {_listed(met)}, which is avoided",
             end.span,
-            hint,
+            f"move `{name}`, or avoid less",
             notes,
         )
 
 
-def _listed(names: Collection[str]) -> str:
+@dataclass(frozen=True, slots=True)
+class _Avoided:
+    """A region or map that is avoided near an end of a task.
+
+    ``pieces`` are those of its own that meet the interior of the end, ``zone`` the same with the
+    margin around them.
+    """
+
+    name: str
+    pieces: Sequence[Polytope]
+    zone: Sequence[Polytope]
+
+
+def _avoided(
+    task: Task, subjects: tuple[str, ...], part: Polytope, shapes: Shapes
+) -> list[_Avoided]:
+    """The sets that the task avoids and whose zones meet the interior of a part, in order."""
+    margins: dict[str, Fraction] = {}
+    for avoid in task.avoid:
+        if avoid.subject in subjects:
+            for name in avoid.regions:
+                margins[name] = max(avoid.margin, margins.get(name, avoid.margin))
+    found: list[_Avoided] = []
+    for name, margin in margins.items():
+        near = [piece for piece in shapes.parts(name) if _boxes_meet(piece, part, margin)]
+        zone = [
+            grown for piece in near if interiors_meet(grown := inner_offset(piece, margin), part)
+        ]
+        if zone:
+            met = [piece for piece in near if interiors_meet(piece, part)]
+            found.append(_Avoided(name, met, zone))
+    return found
+
+
+def _boxes_meet(first: Polytope, second: Polytope, margin: Fraction) -> bool:
+    """Whether the bounding boxes, the first grown by a margin, have a common interior point."""
+    spans = zip(*first.vertices, strict=True), zip(*second.vertices, strict=True)
+    return all(
+        min(ours) - margin < max(theirs) and min(theirs) < max(ours) + margin
+        for ours, theirs in zip(*spans, strict=True)
+    )
+
+
+def _cover(part: Polytope, avoided: Sequence[_Avoided]) -> str:
+    """The sets that cover a polytope, alone or with their margins; empty if they do not."""
+    if _covered(part, [piece for one in avoided for piece in one.pieces]):
+        return _listed([one for one in avoided if one.pieces])
+    if _covered(part, [piece for one in avoided for piece in one.zone]):
+        return _listed(avoided) + MARGIN
+    return ""
+
+
+def _listed(avoided: Sequence[_Avoided]) -> str:
     """The first names, and how many more there are."""
-    shown = ", ".join(f"`{name}`" for name in islice(names, LISTED))
-    rest = len(names) - LISTED
+    shown = ", ".join(f"`{one.name}`" for one in avoided[:LISTED])
+    rest = len(avoided) - LISTED
     return f"{shown} and {rest} more" if rest > 0 else shown
 
 
@@ -271,23 +324,3 @@ def _covered(part: Polytope, regions: Sequence[Polytope]) -> bool:
     common = (part.intersection(region).volume for region in regions)
     # Cutting the part into pieces is expensive, and useless if the total volume is too small.
     return sum(common, Fraction(0)) >= part.volume and not remainder(part, regions)
-
-
-def _together(avoided: Mapping[str, Sequence[Polytope]]) -> list[Polytope]:
-    """All avoided pieces, without their names."""
-    return [piece for pieces in avoided.values() for piece in pieces]
-
-
-def _avoided(
-    task: Task, subjects: tuple[str, ...], part: Polytope, shapes: Shapes
-) -> dict[str, list[Polytope]]:
-    """The sets that the task avoids and that meet the interior of a part, by name, in order.
-
-    Only the pieces of a map that do so are included.
-    """
-    names = [name for avoid in task.avoid if avoid.subject in subjects for name in avoid.regions]
-    found = {
-        name: [piece for piece in shapes.parts(name) if interiors_meet(piece, part)]
-        for name in names
-    }
-    return {name: pieces for name, pieces in found.items() if pieces}

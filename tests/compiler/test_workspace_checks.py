@@ -5,9 +5,14 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from compiler.checks.workspace_checks import workspace_diagnostics
+from compiler.workspaces.hull import hull_rows
+from compiler.workspaces.inner_offset import inner_offset
+from compiler.workspaces.polytope import Polytope
 from grammar_lang.diagnostics.diagnostic import Code, Severity, Sink
 from grammar_lang.ir import (
     Always,
@@ -143,6 +148,56 @@ def test_a_cover_of_several_obstacles():
 
 def test_touching_an_obstacle_is_no_overlap():
     assert found(S, T, obstacle((2, 3), (1, 2)), tasks=[task(avoid("O"))]) == []
+
+
+def test_a_margin_is_avoided_too():
+    """The corner (1, 1) of the start is 2 m from (1, 3), and sqrt(8) m from (3, 3)."""
+    beside = obstacle((0, 4), (3, 4))
+    for metres, expected in [("2.001", [(Code.START_IN_OBSTACLE, E, START)]), ("1.999", [])]:
+        margin = Fraction(metres)
+        assert found(S, T, beside, tasks=[task(avoid("O", margin=margin))]) == expected
+    warned = [(Code.START_IN_OBSTACLE, W, START)]
+    by_body = avoid("O", subject="body", margin=Fraction(3))
+    assert found(S, T, beside, tasks=[task(by_body)]) == warned
+    corner = obstacle((3, 4), (3, 4))
+    for metres, expected in [(3, [(Code.START_IN_OBSTACLE, E, START)]), ("2.82", [])]:
+        margin = Fraction(metres)
+        assert found(S, T, corner, tasks=[task(avoid("O", margin=margin))]) == expected
+
+
+def test_margins_of_several_regions_cover_together():
+    left, right = obstacle((0, "0.8"), (0, 3), name="A"), obstacle(("2.2", 3), (0, 3), name="B")
+    both = avoid("A", "B", margin=Fraction("0.7"))
+    assert found(S, T, left, right, tasks=[task(both)]) == [(Code.START_IN_OBSTACLE, E, START)]
+    less = avoid("A", "B", margin=Fraction("0.69"))
+    assert found(S, T, left, right, tasks=[task(less)]) == []
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_inner_offsets_are_within_the_distance_and_nearly_all_of_it(dimension):
+    """Distances by another library, in floats."""
+    corners = [(0, 0, 0), (3, 1, 0), (1, 2, 0), (1, 1, 2)][: dimension + 1]
+    shape = Polytope(hull_rows([tuple(map(Fraction, corner[:dimension])) for corner in corners]))
+    distance = Fraction(7, 5)
+    offset = inner_offset(shape, distance)
+    assert offset.contains(shape)
+    assert max(_distance(shape, vertex) for vertex in offset.vertices) <= 1.4 * (1 + 1e-6)
+    generator = np.random.default_rng(3)
+    normals = generator.normal(size=(100, dimension))
+    for direction in normals / np.linalg.norm(normals, axis=1, keepdims=True):
+        reach = [
+            max(row @ direction for row in np.array(s.vertices, float)) for s in (shape, offset)
+        ]
+        assert 0.904 * 1.4 <= reach[1] - reach[0] <= 1.4 * (1 + 1e-9)
+
+
+def _distance(shape, point):
+    """From a point to a polytope, by a non-negative least-squares problem of its vertices."""
+    vertices = np.array(shape.vertices, float)
+    weight = 1e4  # of the sum of the coefficients, which has to be one
+    matrix = np.vstack([vertices.T, np.full(len(vertices), weight)])
+    coefficients, _ = nnls(matrix, np.array([*map(float, point), weight]))
+    return np.linalg.norm(coefficients @ vertices - np.array(point, float))
 
 
 def test_the_part_inside_the_bounds_decides():

@@ -10,8 +10,8 @@ from grammar_lang.source import Span
 START, REACH = Span(100, 110), Span(120, 130)
 
 
-def avoid(*regions, subject="effector"):
-    return Avoid(regions, subject, Fraction(0))
+def avoid(*regions, subject="effector", margin=Fraction(0)):
+    return Avoid(regions, subject, margin)
 
 
 def task(*avoids, start="S", reach="T", workspace="W", name="Do"):
