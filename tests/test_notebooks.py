@@ -6,9 +6,9 @@ import asyncio
 import os
 from pathlib import Path
 
-import nbformat
 import pytest
-from nbclient import NotebookClient
+
+# nbformat takes seconds to load, in every worker that collects this file: tests load it.
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted(ROOT.glob("notebooks/*.ipynb"))
@@ -25,6 +25,8 @@ def test_there_are_three():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_is_kept_without_outputs(path):
+    import nbformat
+
     book = nbformat.read(path, as_version=4)
     nbformat.validate(book)
     code = [cell for cell in book.cells if cell.cell_type == "code"]
@@ -42,6 +44,8 @@ def run(tmp_path, monkeypatch):
     folder = tmp_path / "work"
     folder.mkdir()
 
+    from nbclient import NotebookClient
+
     def execute(book):
         client = NotebookClient(
             book,
@@ -58,6 +62,8 @@ def run(tmp_path, monkeypatch):
 @pytest.mark.site
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path, run):
+    import nbformat
+
     book, left = run(nbformat.read(path, as_version=4))
     assert left == []
     outputs = [output for cell in book.cells for output in cell.get("outputs", ())]
@@ -73,6 +79,8 @@ def test_a_notebook_runs(path, run):
 
 @pytest.mark.site
 def test_a_failing_cell_is_noticed(run):
+    import nbformat
+
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("assert 1 + 1 == 3")])
     with pytest.raises(Exception, match="AssertionError"):
         run(book)
