@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf
@@ -114,6 +115,8 @@ def asked_gap(text: str | float | None, task: ir.Task) -> float | None:
 def workers_for(jobs: int, cluster: str | None = None) -> Iterator[Workers]:
     """The workers of a run; they are closed when the block ends, however it ends.
 
+    Results are the same for any number of jobs, so that more than ``most_processes()`` are as many.
+
     Raises:
         UsageFault: the cluster at that address cannot be used.
         NoAnswer: the workers were lost during the block.
@@ -127,9 +130,17 @@ def workers_for(jobs: int, cluster: str | None = None) -> Iterator[Workers]:
         workers.close()
 
 
+def most_processes() -> int:
+    """More would only wait for each other: one per processor, but always two."""
+    try:
+        return max(2, len(os.sched_getaffinity(0)))
+    except AttributeError:  # macOS and Windows
+        return max(2, os.cpu_count() or 1)
+
+
 def _made(jobs: int, cluster: str | None) -> Workers:
     if cluster is None:
-        return InProcess() if jobs == 1 else ProcessPool(jobs)
+        return InProcess() if jobs == 1 else ProcessPool(min(jobs, most_processes()))
     from solvers.execution.dask_cluster import ClusterFault, join_cluster
 
     try:

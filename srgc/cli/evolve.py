@@ -50,7 +50,11 @@ from srgc.time_limit import TimeLimit
 )
 @click.option("--changes", metavar="MOST", help="The limit on the total cost of all changes.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option("--jobs", type=click.IntRange(1), help="The number of processes; default 1.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    help="The number of processes; default 1, at most one per processor.",
+)
 @limit_of_time("Seconds.")
 @QUIET
 @VERBOSE

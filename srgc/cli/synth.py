@@ -42,7 +42,11 @@ from srgc.time_limit import TimeLimit
     "-o", "--output", type=PathOf(path_type=Path), help="The result folder.  Default: out/TASK."
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option("--jobs", type=click.IntRange(1), help="The number of processes; default 1.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    help="The number of processes; default 1, at most one per processor.",
+)
 @click.option("--cluster", metavar="ADDRESS", help="Search on the workers of this Dask scheduler.")
 @limit_of_time("Seconds.")
 @click.option("--cells", type=click.IntRange(1), help="Begin with at least this many cells.")

@@ -115,6 +115,15 @@ def test_the_processes_are_ended_however_the_run_ends(monkeypatch):
     assert len(closed) == 1
 
 
+@pytest.mark.parametrize(("processors", "processes"), [(1, 2), (3, 3), (64, 64), (2000, 1000)])
+def test_a_processor_gets_one_process_at_most(monkeypatch, processors, processes):
+    from srgc.search_options import workers_for
+
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(processors)), raising=False)
+    with workers_for(1000) as pool:
+        assert pool.width == processes
+
+
 def test_dask_is_loaded_for_a_cluster_alone(tmp_path):
     (tmp_path / "slider.srg").write_text(SLIDER, encoding="utf-8")
     program = (
