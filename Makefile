@@ -5,7 +5,7 @@ export OMP_NUM_THREADS ?= 1
 # Tests start hundreds of processes; without compiled files each of them compiles srgc anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo quick test timings test-slow coverage docs editor playground pictures gallery golden grammar fmt lint types
+.PHONY: demo quick test timings test-slow campaigns coverage docs editor playground pictures gallery golden grammar fmt lint types
 .PHONY: dist sbom hooks bench srgc-bench paper lock clean
 
 KERNEL := compiler/expressions/machine/ball_kernel.c
@@ -51,10 +51,16 @@ coverage: .venv/installed
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/slow.lock
 	touch $@
 
-# All tests there are, with other random examples each time. Run again after an interruption or a
-# failure, it leaves out what has passed with the same code; `make test-slow SHARD=2/6` is a sixth.
+# All tests but the campaigns, with other random examples each time. Run again after an interruption
+# or a failure, it leaves out what has passed with the same code; `make test-slow SHARD=2/6` is a sixth.
+SLOWLY := --hypothesis-profile=others --ledger=out/slow $(if $(SHARD),--shard=$(SHARD))
+
 test-slow: .venv/oracles .venv/timor/installed
-	$(BIN)/pytest $(WORKERS) -m "" --hypothesis-profile=others --ledger=out/slow $(if $(SHARD),--shard=$(SHARD))
+	$(BIN)/pytest $(WORKERS) -m "not campaign" $(SLOWLY)
+
+# Three times as many random cases again, which take as long: after a change of what they try.
+campaigns: .venv/oracles
+	$(BIN)/pytest $(WORKERS) -m campaign $(SLOWLY)
 
 # The pages as a site, with the notebooks run; a warning is an error. Then the tests of the site.
 docs: .venv/installed

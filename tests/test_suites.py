@@ -53,9 +53,13 @@ def test_every_file_is_in_one_part(tmp_path: Path) -> None:
 
 def test_a_second_slow_run_knows_its_options() -> None:
     """A word of its own that names a folder is taken for the tests to run: no plugin is loaded."""
-    [recipe] = re.findall("^test-slow:.*\n\t(.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
-    assert "--ledger=out/slow" in recipe.split()
-    assert "--shard=$(SHARD)" in recipe
+    text = (ROOT / "Makefile").read_text()
+    for target in ("test-slow", "campaigns"):
+        [recipe] = re.findall(f"^{target}:.*\n\t(.*)$", text, re.MULTILINE)
+        assert recipe.endswith(" $(SLOWLY)")
+    [options] = re.findall("^SLOWLY := (.*)$", text, re.MULTILINE)
+    assert "--ledger=out/slow" in options.split()
+    assert "--shard=$(SHARD)" in options
 
 
 @pytest.mark.parametrize("shard", ["0/3", "4/3", "3", "a/b", "-1/3", "1/0"])

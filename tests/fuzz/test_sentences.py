@@ -17,7 +17,7 @@ from grammar_lang.parsing.parse import parse
 from grammar_lang.parsing.tree_builder import BUILDERS
 from grammar_lang.source import Span
 from tests.oracles.programs import POOLS, grammar, random_item
-from tests.oracles.some_cases import some
+from tests.oracles.some_cases import campaign, some
 
 FAST_BLOCKS, SLOW_BLOCKS, SIZE = 5, 100, 150
 GAPS = (" ", "\n", "  ", "\t", " // c\n", "/* c */", "\r\n")
@@ -101,7 +101,6 @@ def test_the_parser_agrees_with_lark(block: int) -> None:
     compare(block)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("block", range(1000, 1000 + SLOW_BLOCKS))
+@pytest.mark.parametrize("block", campaign(range(1000, 1000 + SLOW_BLOCKS), 25))
 def test_the_parser_agrees_with_lark_on_many(block: int) -> None:
     compare(block)

@@ -1,4 +1,4 @@
-"""What the usual suite takes a part of: `make test-slow` has all cases and all examples."""
+"""What the suites take parts of: `make test`, `make test-slow`, and `make campaigns`."""
 
 from __future__ import annotations
 
@@ -18,6 +18,15 @@ def some(cases: Iterable[Any], count: int) -> list[Any]:
     return [
         *(pytest.param(*one) for one in listed[:count]),
         *(pytest.param(*one, marks=pytest.mark.slow) for one in listed[count:]),
+    ]
+
+
+def campaign(cases: Iterable[Any], count: int) -> list[Any]:
+    """Many cases of one kind: the first so many for `make test-slow`, the rest for campaigns."""
+    slow, further = pytest.mark.slow, pytest.mark.campaign
+    return [
+        pytest.param(case, marks=[slow] if number < count else [slow, further])
+        for number, case in enumerate(cases)
     ]
 
 

@@ -20,6 +20,7 @@ from solvers.impossibility.distance_lemmas import _Counts, distance_lemma
 from solvers.impossibility.pose_search import find_poses
 from tests.oracles.formulas import program
 from tests.oracles.reaching_families import reaching_family
+from tests.oracles.some_cases import campaign
 
 MOST, EFFECTORS = 30, 2
 """Structures of a family, and their effectors, that are looked at."""
@@ -68,8 +69,7 @@ def test_random_families() -> None:
     assert seen["too near"] > 2
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("block", range(38))
+@pytest.mark.parametrize("block", campaign(range(38), 10))
 def test_three_hundred_random_families(block: int) -> None:
     for seed in range(8 * block, 8 * block + 8):
         check_family(seed)

@@ -22,10 +22,17 @@ FAMILIES = (
 )  # fmt: skip
 QUICK = ("gravity", "gantries", "slots and small targets")
 SEEDS = range(1, 21)
+SLOW = 5
+"""So many seeds of each family are for `make test-slow`, the rest for campaigns."""
+
+
+def marks(family: str, seed: int) -> list[pytest.MarkDecorator]:
+    usual = seed == 1 and family in QUICK
+    return [pytest.mark.slow] * (not usual) + [pytest.mark.campaign] * (seed > SLOW)
+
+
 CASES = [
-    pytest.param(family, seed, marks=() if seed == 1 and family in QUICK else pytest.mark.slow)
-    for family in FAMILIES
-    for seed in SEEDS
+    pytest.param(family, seed, marks=marks(family, seed)) for family in FAMILIES for seed in SEEDS
 ]
 
 Followed = tuple[tuple[int, int], int, tuple[str, ...]]

@@ -21,7 +21,7 @@ from solvers.verifier.proofs.vector_field import VectorField
 from solvers.verifier.proofs.zonotope import InitialSet, box
 from tests.oracles.driven_robots import driven
 from tests.oracles.robots import rod_chain
-from tests.oracles.some_cases import examples, some
+from tests.oracles.some_cases import campaign, examples, some
 from tests.solvers.test_enclosure_sets import field_of
 from tests.solvers.test_second_order import arm_in_space
 
@@ -198,8 +198,7 @@ def test_from_an_exact_start_disturbed_motions_spread(in_machine: bool) -> None:
     contained("space", 107, in_machine=in_machine)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("part", range(5))
+@pytest.mark.parametrize("part", campaign(range(5), 1))
 @pytest.mark.parametrize("name", MODELS)
 def test_a_thousand_tubes_hold_motions_of_high_precision(name: str, part: int) -> None:
     for seed in range(100 + 50 * part, 150 + 50 * part):

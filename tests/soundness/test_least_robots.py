@@ -12,6 +12,7 @@ from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.priced_arms import PricedArms
 from tests.oracles.result_files import read
+from tests.oracles.some_cases import campaign
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
@@ -48,8 +49,7 @@ def test_a_least_robot(seed: int, tmp_path: Path) -> None:
     assert SHARE * count <= every
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("block", range(BLOCKS))
+@pytest.mark.parametrize("block", campaign(range(BLOCKS), 4))
 def test_fifty_least_robots(
     block: int, tmp_path: Path, record_property: Callable[[str, object], None]
 ) -> None:

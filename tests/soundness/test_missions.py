@@ -16,6 +16,7 @@ from srgc.cli import run
 from srgc.faults import VERDICT_STATUS
 from tests.oracles.mission_families import MissionFamily
 from tests.oracles.result_files import read
+from tests.oracles.some_cases import campaign
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
@@ -62,8 +63,7 @@ def test_a_mission(seed: int, tmp_path: Path) -> None:
     tried(seed, tmp_path)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("block", range(BLOCKS))
+@pytest.mark.parametrize("block", campaign(range(BLOCKS), 4))
 def test_a_hundred_missions(
     block: int, tmp_path: Path, record_property: Callable[[str, object], None]
 ) -> None:

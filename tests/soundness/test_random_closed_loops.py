@@ -30,7 +30,7 @@ from solvers.verifier.proofs.zonotope import InitialSet
 from tests.oracles.planar_chain import chain_dynamics
 from tests.oracles.robots import rod_chain
 from tests.oracles.rubbing_chain import RubbingChain
-from tests.oracles.some_cases import some
+from tests.oracles.some_cases import campaign, some
 
 ACCURACY = Accuracy(order=12, bits=64, remainder=1e-9)
 STEPS, PIECES, MOTIONS = 6, 3, 4
@@ -212,8 +212,7 @@ def test_some_random_closed_loops(seeds: tuple[int, ...]) -> None:
     assert all(trial(seed) for seed in seeds)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("part", range(4))
+@pytest.mark.parametrize("part", campaign(range(4), 1))
 def test_two_hundred_random_closed_loops(part: int) -> None:
     count = SLOW_LOOPS // 4
     assert sum(trial(100 + count * part + k) for k in range(count)) >= 0.6 * count

@@ -11,6 +11,7 @@ from srgc.cli import run
 from tests.oracles.priced_slides import Kinds, priced_slides
 from tests.oracles.result_files import read
 from tests.oracles.slides import least_force
+from tests.oracles.some_cases import campaign
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
@@ -76,8 +77,7 @@ def test_a_front(seed: int, tmp_path: Path) -> None:
     check(seed, tmp_path)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("block", range(BLOCKS))
+@pytest.mark.parametrize("block", campaign(range(BLOCKS), 4))
 def test_a_hundred_fronts(block: int, tmp_path: Path) -> None:
     for seed in range(BLOCK * block, BLOCK * block + BLOCK):
         check(seed, tmp_path)

@@ -11,7 +11,7 @@ from tests.oracles import result_files
 from tests.oracles.exported_motions import replay
 from tests.oracles.random_sweeps import counterexample, drives_reach, flooded
 from tests.oracles.random_tasks import random_task
-from tests.oracles.some_cases import some
+from tests.oracles.some_cases import campaign, some
 from tests.oracles.spec_figures import figures_of
 from tests.soundness.task_trials import FOUND, IMPOSSIBLE, INFLATED, farthest, tried
 
@@ -59,8 +59,7 @@ def test_brute_force_finds_what_was_found():
     assert drives_reach(task, figures, lengths, 0, 40)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("part", range(PARTS))
+@pytest.mark.parametrize("part", campaign(range(PARTS), 6))
 def test_two_hundred_random_tasks(tmp_path, part):
     verdicts = [tried(seed, tmp_path) for seed in range(part * PART, part * PART + PART)]
     assert [v for v in verdicts if v.objection] == []

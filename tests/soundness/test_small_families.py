@@ -12,6 +12,7 @@ import pytest
 from solvers.verifier.verification import Outcome, verify_directory
 from srgc.cli import run
 from tests.oracles.small_families import SmallFamily, is_beyond, is_reached
+from tests.oracles.some_cases import campaign
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
@@ -74,8 +75,7 @@ def test_a_small_family(seed: int, tmp_path: Path) -> None:
     check(seed, tmp_path)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("block", range(30))
+@pytest.mark.parametrize("block", campaign(range(30), 8))
 def test_three_hundred_small_families(
     block: int, tmp_path: Path, record_property: Callable[[str, object], None]
 ) -> None:
