@@ -73,7 +73,7 @@ class NearestMotion:
     ``sample`` is the first sample that it cannot reach; None if it reaches all, or if this is not
     known.  ``effector`` (from 0) reaches, and ``leader`` follows the cells of the path.  A motion
     that is ``feasible`` at its samples was found but not proved.  ``cause`` says why, and ``text``
-    what it lacks.
+    what it lacks.  ``remedy`` is what to try first, in words, if more than the cause is known.
     """
 
     derivation: Derivation
@@ -88,6 +88,7 @@ class NearestMotion:
     sample: int | None
     cause: Cause
     text: str
+    remedy: str = ""
 
     @property
     def stuck(self) -> int | None:

@@ -19,6 +19,7 @@ from compiler.words.structures import InfiniteAmbiguityError, structures
 from grammar_lang import ir
 from solvers.conclusion import module_bound, robot_limit
 from solvers.execution.workers import Workers
+from solvers.explanation.scarce_limits import with_remedy
 from solvers.run_context import EVALUATIONS, PATHS, Journal, Reporter, RunContext
 from solvers.search.design_values import design_values
 from solvers.search.family_search import Proved
@@ -126,6 +127,7 @@ def _run(
             folder.files.write(f"{DISAGREEMENT}.json", json.dumps(answers, indent=1) + "\n")
             kept = f"{options.output / DISAGREEMENT}.smt2"
             raise SolversDisagree(f"{error}; the script is kept as {kept}") from None
+        result = with_remedy(result, program.workspaces[task.workspace], task, options.seed)
         searched = clock.passed
         if result.unfinished and result.design is None and folder.holds_design():
             return replace(result, reason=f"{result.reason}; {KEPT}")

@@ -55,7 +55,7 @@ def stuck_at(nearest: NearestMotion, task: ir.Task) -> Stuck | None:
 
 def first_to_try(nearest: NearestMotion) -> str | None:
     """What to try first against the cause that blocked a motion, in words; no run has tested it."""
-    return FIRST.get(nearest.cause)
+    return nearest.remedy or FIRST.get(nearest.cause)
 
 
 def nearest_entry(nearest: NearestMotion | None, task: ir.Task) -> dict[str, Any] | None:
