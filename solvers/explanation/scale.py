@@ -25,6 +25,7 @@ from solvers.explanation.relaxation import (
 )
 from solvers.explanation.task_line import TaskLine
 from solvers.explanation.two_digits import index_above, index_below, number_of, rounded_up
+from solvers.explanation.written_range import written_range
 
 Carried = TypeVar("Carried", ir.Payload, ir.Carry)
 
@@ -43,13 +44,15 @@ BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
 class Scale:
     """The changes of a line by a value, the smallest change first.
 
-    Steps further away are multiples of the distance from ``origin``; None: of the value.
+    Steps further away are multiples of the distance from ``origin``; None: of the value.  A
+    ``last`` one is tried only if no other scale of the line has helped.
     """
 
     line: TaskLine
     values: tuple[Fraction, ...]
     at: Callable[[Fraction], Change]
     origin: Fraction | None = None
+    last: bool = False
 
 
 def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
@@ -58,7 +61,7 @@ def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
         case "parameter":
             yield from _parameter(posed, line)
         case "joint_range":
-            yield from _slide(posed, line)
+            yield from _joint_range(posed, line)
         case "effort":
             yield _effort(posed, line)
         case "joint_effort" | "joint_accel":
@@ -90,7 +93,8 @@ def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
         return Change(line, says, posed.with_domain(module, name, wider), value, way)
 
     if is_signed(p.domain):
-        yield from _signed(line, p.domain, at)
+        size = width(p.domain)
+        yield from _signed(line, (low, high), size, size * WIDER / 2, at)
         return
     if high > 0:
         indices = range(index_above(high), index_above(high * WIDER) + 1)
@@ -102,29 +106,52 @@ def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
         yield Scale(line, down, lambda value: at(value, "down to"))
 
 
-def _slide(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
-    """The range of a prismatic joint, extended further up or down."""
+def _joint_range(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
+    """The range of a joint, extended further up, down, or both ways if it is symmetric.
+
+    That of a revolute joint grows by half of what lacks to a whole turn: so one way or the other it
+    gets to every angle.
+    """
     module, dof = _joint(posed, line)
-    if dof.kind != "prismatic" or dof.range is None:
+    old, written = dof.range, written_range(posed, dof)
+    if old is None or written is None:
         return
-    domain = dof.range
+    low, high, unit, called = written.low, written.high, written.unit, f"{module}.{dof.name}"
+    size = high - low or abs(high) or Fraction(1)
+
+    def changed(says: str, wider: ir.Interval, value: Fraction, way: str) -> Change:
+        return Change(line, says, posed.with_dof(module, dof.name, range=wider), value, way)
 
     def at(value: Fraction, way: str) -> Change:
-        says = f"with `{module}.{dof.name}` {way} {number_text(value)} m"
-        wider = posed.with_dof(module, dof.name, range=_with_value(domain, value))
-        return Change(line, says, wider, value, way)
+        end = written.end(value)
+        wider = replace(old, upper=end) if value > high else replace(old, lower=end)
+        return changed(f"with `{called}` {way} {number_text(value)} {unit}", wider, value, way)
 
-    yield from _signed(line, domain, at)
+    def both(value: Fraction) -> Change:
+        wider = ir.Interval(written.end(-value), written.end(value))
+        number = number_text(value)
+        return changed(f"with `{called}` in `[-{number}, {number}] {unit}`", wider, value, "both")
+
+    most = (size * WIDER if written.turn is None else max(Fraction(0), written.turn - size)) / 2
+    yield from _signed(line, (low, high), size, most, at)
+    if low == -high < 0:
+        indices = range(index_above(high), index_above(high + most) + 1)
+        values = tuple(v for v in map(number_of, indices) if high < v <= high + most)
+        yield Scale(line, values, both, origin=high, last=True)
 
 
 def _signed(
     line: TaskLine,
-    domain: ir.Interval | ir.Choices,
+    limits: tuple[Fraction, Fraction],
+    size: Fraction,
+    most: Fraction,
     at: Callable[[Fraction, str], Change],
 ) -> Iterator[Scale]:
-    """Extensions of a range with negative values, whose ends may be 0: by its width at most."""
-    (low, high), size = ends(domain), width(domain)
-    most = size * WIDER / 2
+    """Extensions of a range with negative values, whose ends may be 0, by ``most`` at most.
+
+    ``limits`` are its ends, and ``size`` is its width.
+    """
+    low, high = limits
     indices = range(index_above(size / WIDER), index_above(most + abs(low) + abs(high)) + 1)
     grid = [number_of(index) for index in indices]
     grid = [*(-value for value in reversed(grid)), Fraction(0), *grid]

@@ -6,19 +6,12 @@ far end is tried first, then nearer values.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 
-from compiler.discretisation.numeric_robot import NumericRobot
-from compiler.dynamics.equations_of_motion import robot_graph
-from compiler.encodings.body_smt import body_scripts
-from compiler.encodings.pose_questions import body_conditions, pose_questions
-from compiler.robots.attributes import SemanticsError
-from compiler.robots.candidate import robot_in_task
 from compiler.robots.normal_form import family_of
-from compiler.robots.robot_key import robot_key_in_task
 from compiler.words.derivation import Derivation
 from compiler.words.structures import structures
 from solvers.conclusion import DEFAULT_MODULES, module_bound
@@ -31,14 +24,13 @@ from solvers.explanation.change import (
     with_modules,
     with_shorter_steps,
 )
-from solvers.explanation.conflict import is_cut_off
 from solvers.explanation.posed_task import PosedTask
+from solvers.explanation.required_poses import first_with_poses, with_poses
 from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.scale import MOST_STEPS, Scale, scales
 from solvers.explanation.straight_motions import by_promise, straight_motions
 from solvers.explanation.task_line import TaskLine, control_line
 from solvers.explanation.two_digits import rounded_up
-from solvers.impossibility.pose_search import clear_poses, find_poses
 
 CLOSE = Fraction(11, 10)
 """An effort within this factor of one that was too small is not refined further."""
@@ -90,10 +82,11 @@ class SuggestionSearch:
             if line.kind in LOADS:
                 self.lighter(line)
                 continue
-            by_value = list(scales(self.posed, line))
-            for scale in by_value:
-                self.posable(scale, derivations, shown=shown)
-            if line.kind != "joint_range" or not by_value:
+            helps = False
+            for scale in scales(self.posed, line):
+                if not (scale.last and helps):
+                    helps |= self.posable(scale, derivations, shown=shown)
+            if line.kind != LIMIT or not helps:
                 self.singles(line)
         if bound is not None:
             self.modules(bound)
@@ -116,7 +109,7 @@ class SuggestionSearch:
             self.otherwise(horizon)
         for line in () if self.runs.found else lines:
             if line.kind == LIMIT:
-                self.singles(line)
+                self.ranges(line)
 
     def drives(self, lines: Sequence[TaskLine]) -> None:
         """Try stronger and faster drives and more steps, by what straight motions need."""
@@ -184,6 +177,15 @@ class SuggestionSearch:
             if self.posable_at(change.posed) and self.tried(change) is not None:
                 return
 
+    def ranges(self, line: TaskLine) -> None:
+        """Try without the limit of a joint, and if that helps, with wider finite ranges."""
+        before = len(self.runs.found)
+        self.singles(line)
+        if len(self.runs.found) > before:
+            for scale in scales(self.posed, line):
+                if not scale.last:
+                    self.far(scale)
+
     def structures(self, posed: PosedTask) -> tuple[Derivation, ...]:
         """The first structures of the family."""
         family = family_of(posed.program, posed.task)
@@ -198,17 +200,18 @@ class SuggestionSearch:
 
     def posable(
         self, scale: Scale, derivations: Sequence[Derivation], *, shown: bool = True
-    ) -> None:
+    ) -> bool:
         """Try the least change for which there are poses, and then a few larger ones.
 
         If poses show nothing, as the task has some without the change, the largest is tried first.
+        Return whether one helps.
         """
         tasks = [scale.at(value).posed for value in scale.values]
         if not tasks:
-            return
+            return False
         first = first_with_poses(tasks, derivations, self.seed, self.runs.context.check_time)
         if first is None:
-            return
+            return False
         least = scale.values[first]
         rising = scale.values[0] < scale.values[-1]
         if scale.origin is not None:
@@ -216,9 +219,13 @@ class SuggestionSearch:
         else:
             wanted = [least * more if rising else least / more for more in FURTHER]
         inside = dict.fromkeys(_nearest(scale.values, value) for value in wanted)
+        helps = False
         for value in inside if shown else reversed(inside):
-            if (self.tried(scale.at(value)) is not None) == shown:
-                return
+            helped = self.tried(scale.at(value)) is not None
+            helps |= helped
+            if helped == shown:
+                return helps
+        return helps
 
     def far(self, scale: Scale, promising: Fraction | None = None) -> bool:
         """Try the largest change first, and smaller ones if it helps; return whether it does.
@@ -302,84 +309,3 @@ def _nearest(values: Sequence[Fraction], wanted: Fraction) -> Fraction:
 def _between(low: Fraction, high: Fraction) -> Fraction:
     """The geometric mean, rounded to a double."""
     return Fraction((float(low) * float(high)) ** 0.5)
-
-
-# --------------------------------------------------------------------------------------------------
-# The search for all poses that a task requires of a robot: a cheap sign that the task may be
-# possible.
-#
-# Here a lack of poses proves nothing, and poses do not prove that there is a motion.
-
-
-MOST_ROBOTS = 6
-"""The most robots that are followed when a value is searched."""
-
-
-def with_poses(
-    posed: PosedTask, derivations: Iterable[Derivation], seed: int, robots: int = MOST_ROBOTS
-) -> tuple[Derivation, ...]:
-    """The first few different robots for which all poses that the task requires are found."""
-    if is_cut_off(posed):
-        return ()
-    return tuple(islice(_posable(posed.expanded(), derivations, seed), robots))
-
-
-def _posable(
-    posed: PosedTask, derivations: Iterable[Derivation], seed: int
-) -> Iterator[Derivation]:
-    family = family_of(posed.program, posed.task)
-    seen = set[str]()
-    for derivation in derivations:
-        try:
-            model = robot_in_task(family, posed.task.origin, derivation)
-        except SemanticsError:
-            continue
-        key = robot_key_in_task(model, posed.task)
-        if key in seen:
-            continue
-        seen.add(key)
-        if _answered(NumericRobot(robot_graph(model, posed.task.gravity)), posed, seed):
-            yield derivation
-
-
-def _answered(numeric: NumericRobot, posed: PosedTask, seed: int) -> bool:
-    """Whether poses are found for every question."""
-    workspace, task = posed.workspace, posed.task
-    demands = body_conditions(workspace, task)
-    for question in pose_questions(workspace, task):
-        if find_poses(numeric, question, seed) is None:
-            return False
-        if demands is None:
-            continue
-        known = clear_poses(numeric, workspace, task, question, seed)
-        if any(poses not in known for poses in body_scripts(question)):
-            return False
-    return True
-
-
-def first_with_poses(
-    posed_at: Sequence[PosedTask],
-    derivations: Sequence[Derivation],
-    seed: int,
-    tick: Callable[[], None] = lambda: None,
-) -> int | None:
-    """The index of the first of weaker and weaker tasks for which poses are found, by bisection.
-
-    The search may miss poses in a range that is far too wide, so if the last task seems to have
-    none, earlier ones are tried.  None if these have none either.  ``tick`` is called repeatedly.
-    """
-    high = len(posed_at) - 1
-    while not (hopeful := with_poses(posed_at[high], derivations, seed)):
-        tick()
-        if not high:
-            return None
-        high //= 2
-    low = 0
-    while low < high:
-        tick()
-        middle = (low + high) // 2
-        if with_poses(posed_at[middle], hopeful, seed, robots=1):
-            high = middle
-        else:
-            low = middle + 1
-    return low

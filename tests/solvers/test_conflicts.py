@@ -10,14 +10,15 @@ import pytest
 from compiler.robots.normal_form import family_of
 from compiler.words.structures import derivations_of, structures
 from grammar_lang.load import load_text
-from solvers.explanation import explanation, suggestions
+from solvers.explanation import explanation, required_poses
 from solvers.explanation.change import Change
 from solvers.explanation.conflict import ConflictSearch, separation_conflict
 from solvers.explanation.explanation import quick_conflict
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import without
+from solvers.explanation.required_poses import first_with_poses
 from solvers.explanation.run import Runs
-from solvers.explanation.suggestions import SuggestionSearch, first_with_poses
+from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import TaskLine, task_lines
 from solvers.run_context import RunContext
 from tests.oracles.small_specs import SLIDER, TURNER, replaced
@@ -183,7 +184,7 @@ def test_poses_that_the_search_misses_in_a_range_far_too_wide(
         place = next(i for i, each in enumerate(asked) if each is given)
         return ("robot",) if some[0] <= place < some[1] else ()
 
-    monkeypatch.setattr(suggestions, "with_poses", with_poses)
+    monkeypatch.setattr(required_poses, "with_poses", with_poses)
     assert first_with_poses(asked, (), 0) == found
     nothing = asked[some[1] :] or asked[: some[0]]
     assert first_with_poses(nothing, (), 0) is None

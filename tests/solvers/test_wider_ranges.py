@@ -1,0 +1,108 @@
+"""Wider ranges of joints that ``why`` tries: finite ones, in the unit in which they are written."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import atan2, degrees
+
+import pytest
+
+from solvers.explanation.explanation import Asked, Tried, explain
+from solvers.explanation.scale import scales
+from solvers.explanation.suggestions import SuggestionSearch
+from solvers.run_context import RunContext
+from tests.oracles.small_specs import TURNER, replaced
+from tests.solvers.test_changes import Vain, line, posed
+
+ONE_LINK = "accept matches B eps JO eps L eps EN;"
+ARM = replaced(TURNER, "accept contains EN and starts with B eps JO;", ONE_LINK)
+ARM = replaced(ARM, "[-180, 180] deg", "LIMITS")
+"""The hand has to turn from -0.3/1.2 to 0.3/1.2 on one side, to 1.2/0.3 at least, counted up."""
+LEAST = degrees(atan2(1.2, 0.3))
+
+
+def arm(limits: str) -> str:
+    return ARM.replace("LIMITS", limits)
+
+
+def tried(text: str) -> list[str]:
+    """The changes of the range of the joint that are tried, none of which helps."""
+    asked = posed(text)
+    runs = Vain(RunContext(), limit=100)
+    SuggestionSearch(asked, runs).after_conflicts([line(asked, "joint_range")], None)
+    return [change.says for change in runs.failed]
+
+
+@pytest.mark.parametrize(
+    ("limits", "same", "up", "says"),
+    [
+        ("[-20, 30] deg", "[-20, 60] deg", 60, "up to 60 deg"),
+        ("[-20 deg, pi/6]", "[-20, 60] deg", 60, "up to 60 deg"),
+        ("[-20, 30] deg rate in [-1, 1] rad/s", "[-20, 60] deg rate in [-1, 1] rad/s", 60,
+         "up to 60 deg"),
+        ("[-0.3, 0.5]", "[-0.3, 1.4] rad", Fraction(7, 5), "up to 1.4 rad"),
+        ("[-0.3, 0.5] rate in [-9, 9] deg/s", "[-0.3, 1.4] rate in [-9, 9] deg/s",
+         Fraction(7, 5), "up to 1.4 rad"),
+        ("[-pi/3, pi/6]", "[-pi/3, 1.4] rad", Fraction(7, 5), "up to 1.4 rad"),
+        ("[-0.3 deg, 0.5 rad]", "[-0.3 deg, 1.4 rad]", Fraction(7, 5), "up to 1.4 rad"),
+    ],
+)  # fmt: skip
+def test_a_range_is_wider_in_the_unit_in_which_it_is_written(
+    limits: str, same: str, up: Fraction, says: str
+) -> None:
+    asked = posed(arm(limits))
+    change = next(scales(asked, line(asked, "joint_range"))).at(Fraction(up))
+    assert change.says == f"with `JO.q` {says}"
+    wanted = posed(arm(same)).program.modules["JO"].dofs[0]
+    assert change.posed.program.modules["JO"].dofs[0] == wanted
+
+
+def test_a_range_is_wider_on_both_sides() -> None:
+    asked = posed(arm("[-20, 20] deg"))
+    *sides, both = scales(asked, line(asked, "joint_range"))
+    assert [each.last for each in sides] == [False, False]
+    assert both.last
+    change = both.at(Fraction(75))
+    assert change.says == "with `JO.q` in `[-75, 75] deg`"
+    wanted = posed(arm("[-75, 75] deg")).program.modules["JO"].dofs[0]
+    assert change.posed.program.modules["JO"].dofs[0] == wanted
+    one_sided = posed(arm("[-20, 30] deg"))
+    assert len(list(scales(one_sided, line(one_sided, "joint_range")))) == 2
+
+
+def test_every_angle_is_within_reach_one_way_or_the_other() -> None:
+    asked = posed(arm("[-20, 40] deg"))
+    up, down = scales(asked, line(asked, "joint_range"))
+    assert (up.values[0], up.values[-1]) == (41, 190)
+    assert (down.values[0], down.values[-1]) == (-21, -170)
+    whole = posed(arm("[-180, 180] deg"))
+    assert not any(each.values for each in scales(whole, line(whole, "joint_range")))
+
+
+def test_the_least_angle_with_a_pose_is_tried_first() -> None:
+    """Then a little more, and without the limit, as nothing helps here."""
+    first, *_, last = tried(arm("[-20, 20] deg"))
+    assert first.startswith("with `JO.q` up to ")
+    least = float(first.split()[-2])
+    assert LEAST <= least <= LEAST + 2
+    assert last == "without a limit of `JO.q`"
+
+
+def test_both_sides_are_tried_where_one_side_does_not_do() -> None:
+    """The start is from -1.36 rad to -0.40 rad, the target from 1.33 rad on."""
+    start = "region S box [0.4, 1.9] x [-1.9, -0.8]"
+    text = replaced(arm("[-0.3, 0.3]"), "region S box [1.2, 1.9] x [-0.3, 0.3]", start)
+    first = tried(text)[0]
+    assert first.startswith("with `JO.q` in `[-1.")
+    assert 1.325 <= float(first.split("[-")[1].split(",")[0]) <= 1.5
+
+
+@pytest.mark.slow
+def test_a_run_finds_a_robot_with_a_wider_range() -> None:
+    asked = posed(arm("[-20, 20] deg"))
+    labels = ("tool", "link", "joint", "base")
+    found = explain(asked, Tried("impossible", "", (labels,)), Asked(runs=3))
+    ranges = [one.change for one in found.suggestions if "`JO.q`" in one.change.says]
+    (change,) = ranges
+    assert change.says.endswith(" deg")
+    assert LEAST <= float(change.value or 0) <= 180
