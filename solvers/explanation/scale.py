@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from compiler.expressions.exact_numbers import rational_bounds
 from grammar_lang import ir
+from grammar_lang.ir.constants import rational
 from grammar_lang.ir.expression_text import number_text
 from solvers.explanation.change import Change, at_most
 from solvers.explanation.posed_task import PosedTask
@@ -36,6 +37,8 @@ MOST_RAISED = 64
 """The largest factor by which a bound of an effort, a rate or an acceleration is raised."""
 LIGHTEST = 20
 """The largest factor by which a payload is reduced."""
+MOST_LISTED = 6
+"""Lists of more values are not written out."""
 BOUNDS_GROWN = (1, 2, 5, 10, 20, 50, 100)
 """Percentages of their width by which bounds are moved outwards."""
 
@@ -45,7 +48,9 @@ class Scale:
     """The changes of a line by a value, the smallest change first.
 
     Steps further away are multiples of the distance from ``origin``; None: of the value.  A
-    ``last`` one is tried only if no other scale of the line has helped.
+    ``last`` one is tried only if no other scale of the line has helped.  Poses are searched for the
+    task ``with_all`` values up to one, where a change with that one alone is not weaker than those
+    before: a list with one more value.
     """
 
     line: TaskLine
@@ -53,6 +58,11 @@ class Scale:
     at: Callable[[Fraction], Change]
     origin: Fraction | None = None
     last: bool = False
+    with_all: Callable[[Fraction], PosedTask] | None = None
+
+    def posed_at(self, value: Fraction) -> PosedTask:
+        """The task for which poses are searched: weaker than with the values before."""
+        return self.at(value).posed if self.with_all is None else self.with_all(value)
 
 
 def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
@@ -81,29 +91,51 @@ def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
 
 
 def _parameter(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
-    """A range that extends further up, and one that extends further down."""
+    """A range that extends further up or down, or a list with one more value above or below."""
     module, name = (str(part) for part in line.key)
     p = next(p for p in posed.program.modules[module].parameters if p.name == name)
     low, high = ends(p.domain)
-    unit = "" if p.unit == "1" else f" {p.unit}"
 
     def at(value: Fraction, way: str) -> Change:
-        says = f"with `{module}.{name}` {way} {number_text(value)}{unit}"
         wider = _with_value(p.domain, value)
+        says = _parameter_text(f"{module}.{name}", wider, value, way, p.unit)
         return Change(line, says, posed.with_domain(module, name, wider), value, way)
+
+    def with_all(value: Fraction) -> PosedTask:
+        every = ir.Interval(ir.Num(min(low, value)), ir.Num(max(high, value)))
+        return posed.with_domain(module, name, every)
+
+    def scale(values: tuple[Fraction, ...], way: str, origin: Fraction | None = None) -> Scale:
+        listed = isinstance(p.domain, ir.Choices)
+        every = with_all if listed else None
+        return Scale(line, values, lambda value: at(value, way), origin, with_all=every)
 
     if is_signed(p.domain):
         size = width(p.domain)
-        yield from _signed(line, (low, high), size, size * WIDER / 2, at)
+        up, down = _further((low, high), size, size * WIDER / 2)
+        yield scale(up, "up to", high)
+        yield scale(down, "down to", low)
         return
     if high > 0:
         indices = range(index_above(high), index_above(high * WIDER) + 1)
-        up = tuple(v for v in map(number_of, indices) if v > high)
-        yield Scale(line, up, lambda value: at(value, "up to"))
+        yield scale(tuple(v for v in map(number_of, indices) if v > high), "up to")
     if low > 0:
         indices = range(index_below(low), index_below(low / WIDER) - 1, -1)
-        down = tuple(v for v in map(number_of, indices) if v < low)
-        yield Scale(line, down, lambda value: at(value, "down to"))
+        yield scale(tuple(v for v in map(number_of, indices) if v < low), "down to")
+
+
+def _parameter_text(
+    called: str, wider: ir.Interval | ir.Choices, value: Fraction, way: str, unit: str
+) -> str:
+    """A wider range or list in words; a list as the language writes it, if it is short."""
+    of, number = ("" if unit == "1" else f" {unit}"), number_text(value)
+    if isinstance(wider, ir.Interval):
+        return f"with `{called}` {way} {number}{of}"
+    values = [rational(each) for each in wider.values]
+    known = sorted(each for each in values if each is not None)
+    if len(known) < len(values) or len(known) > MOST_LISTED:
+        return f"with `{number}{of}` in the list of `{called}`"
+    return f"with `{called}` in `{{{', '.join(map(number_text, known))}}}{of}`"
 
 
 def _joint_range(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
@@ -133,32 +165,28 @@ def _joint_range(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
         return changed(f"with `{called}` in `[-{number}, {number}] {unit}`", wider, value, "both")
 
     most = (size * WIDER if written.turn is None else max(Fraction(0), written.turn - size)) / 2
-    yield from _signed(line, (low, high), size, most, at)
+    up, down = _further((low, high), size, most)
+    yield Scale(line, up, lambda value: at(value, "up to"), origin=high)
+    yield Scale(line, down, lambda value: at(value, "down to"), origin=low)
     if low == -high < 0:
         indices = range(index_above(high), index_above(high + most) + 1)
         values = tuple(v for v in map(number_of, indices) if high < v <= high + most)
         yield Scale(line, values, both, origin=high, last=True)
 
 
-def _signed(
-    line: TaskLine,
-    limits: tuple[Fraction, Fraction],
-    size: Fraction,
-    most: Fraction,
-    at: Callable[[Fraction, str], Change],
-) -> Iterator[Scale]:
-    """Extensions of a range with negative values, whose ends may be 0, by ``most`` at most.
+def _further(
+    limits: tuple[Fraction, Fraction], size: Fraction, most: Fraction
+) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
+    """New upper and lower ends of a range with negative values, whose ends may be 0.
 
-    ``limits`` are its ends, and ``size`` is its width.
+    They are beyond its ``limits``, by ``most`` at most; ``size`` is its width.
     """
     low, high = limits
     indices = range(index_above(size / WIDER), index_above(most + abs(low) + abs(high)) + 1)
     grid = [number_of(index) for index in indices]
     grid = [*(-value for value in reversed(grid)), Fraction(0), *grid]
     up = tuple(value for value in grid if high < value <= high + most)
-    down = tuple(value for value in reversed(grid) if low - most <= value < low)
-    yield Scale(line, up, lambda value: at(value, "up to"), origin=high)
-    yield Scale(line, down, lambda value: at(value, "down to"), origin=low)
+    return up, tuple(value for value in reversed(grid) if low - most <= value < low)
 
 
 def _with_value(domain: ir.Interval | ir.Choices, value: Fraction) -> ir.Interval | ir.Choices:

@@ -206,7 +206,7 @@ class SuggestionSearch:
         If poses show nothing, as the task has some without the change, the largest is tried first.
         Return whether one helps.
         """
-        tasks = [scale.at(value).posed for value in scale.values]
+        tasks = [scale.posed_at(value) for value in scale.values]
         if not tasks:
             return False
         first = first_with_poses(tasks, derivations, self.seed, self.runs.context.check_time)

@@ -99,7 +99,8 @@ def _ranges(posed: PosedTask) -> Iterator[TaskLine]:
     """Ranges of parameters, fixed parameters, and the limits of joints."""
     for module in posed.modules:
         for p in module.parameters:
-            says = f"the range of `{module.name}.{p.name}`"
+            what = "range" if isinstance(p.domain, ir.Interval) else "list"
+            says = f"the {what} of `{module.name}.{p.name}`"
             yield TaskLine("parameter", (module.name, p.name), says, p.span)
     origin = posed.task.origin
     for fixed in () if origin is None else origin.fixed:

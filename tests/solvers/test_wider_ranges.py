@@ -7,6 +7,7 @@ from math import atan2, degrees
 
 import pytest
 
+from grammar_lang import ir
 from solvers.explanation.explanation import Asked, Tried, explain
 from solvers.explanation.scale import scales
 from solvers.explanation.suggestions import SuggestionSearch
@@ -95,6 +96,62 @@ def test_both_sides_are_tried_where_one_side_does_not_do() -> None:
     first = tried(text)[0]
     assert first.startswith("with `JO.q` in `[-1.")
     assert 1.325 <= float(first.split("[-")[1].split(",")[0]) <= 1.5
+
+
+# --- lists of values ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("listed", "number", "value", "says", "same"),
+    [
+        ("{0.3 m, 50 cm}", 0, "0.83", "with `L.length` in `{0.3, 0.5, 0.83} m`",
+         "{0.3, 0.5, 0.83} m"),
+        ("{0.5, 0.3} m", 1, "0.2", "with `L.length` in `{0.2, 0.3, 0.5} m`", "{0.2, 0.3, 0.5} m"),
+        ("{1/3, 1} m", 0, "1.5", "with `L.length` in `{1/3, 1, 1.5} m`", "{1/3, 1, 1.5} m"),
+        ("{1, 2, 3, 4, 5, 6} m", 0, "8", "with `8 m` in the list of `L.length`",
+         "{1, 2, 3, 4, 5, 6, 8 m} m"),
+        ("{1, sqrt(2)} m", 0, "2", "with `2 m` in the list of `L.length`", "{1, sqrt(2), 2 m} m"),
+        ("[1, 2] m", 0, "3", "with `L.length` up to 3 m", "[1, 3] m"),
+    ],
+)  # fmt: skip
+def test_a_list_gets_one_more_value(
+    listed: str, number: int, value: str, says: str, same: str
+) -> None:
+    def lengths(text: str) -> set[ir.Expr]:
+        (p,) = posed(replaced(TURNER, "[1, 2] m", text)).program.modules["L"].parameters
+        return values_of(p.domain)
+
+    def values_of(domain: ir.Interval | ir.Choices) -> set[ir.Expr]:
+        return set(
+            domain.values if isinstance(domain, ir.Choices) else (domain.lower, domain.upper)
+        )
+
+    asked = posed(replaced(TURNER, "[1, 2] m", listed))
+    change = list(scales(asked, line(asked, "parameter")))[number].at(Fraction(value))
+    assert change.says == says
+    (p,) = change.posed.program.modules["L"].parameters
+    assert values_of(p.domain) == lengths(same)
+
+
+def test_the_least_value_with_a_pose_is_tried_first_for_a_list_too() -> None:
+    """A hand at 1.2 m and more: {0.3, 0.5, 15} has no pose, nor have most lists up to that."""
+    found = [value_tried(limits) for limits in ("{0.3, 0.5} m", "[0.3, 0.5] m")]
+    assert found[0] == found[1]
+    assert 1.2 <= found[0] <= 1.3
+
+
+def value_tried(lengths: str) -> float:
+    """The first length beyond a domain that is tried for one link."""
+    asked = posed(replaced(arm("[-180, 180] deg"), "[1, 2] m", lengths))
+    runs = Vain(RunContext(), limit=1)
+    SuggestionSearch(asked, runs).after_conflicts([line(asked, "parameter")], None)
+    return float(runs.failed[0].value or 0)
+
+
+def test_a_list_is_called_one() -> None:
+    listed = posed(replaced(TURNER, "[1, 2] m", "{1, 2} m"))
+    assert line(listed, "parameter").says == "the list of `L.length`"
+    assert line(posed(TURNER), "parameter").says == "the range of `L.length`"
 
 
 @pytest.mark.slow
