@@ -80,14 +80,16 @@ class ConflictSearch:
 
     ``between`` is called before every question to the refuter, and may raise to end the search.
     With ``late``, a structure that is not refuted otherwise is examined as after a search without a
-    motion, which takes long.
+    motion, which takes long.  ``step`` is told of every question, in words.
     """
 
     posed: PosedTask
     context: RunContext
     between: Callable[[], None] = lambda: None
     late: bool = True
+    step: Callable[[str], None] = lambda _: None
     questions: int = 0
+    place: str = ""
     lines: tuple[TaskLine, ...] = ()
     _found: dict[tuple[TaskLine, ...], list[tuple[str, ...]]] = field(
         default_factory=dict[tuple[TaskLine, ...], list[tuple[str, ...]]]
@@ -96,11 +98,12 @@ class ConflictSearch:
     def __post_init__(self) -> None:
         self.lines = task_lines(self.posed)
 
-    def conflicts(self, derivations: Iterable[Derivation]) -> Conflicts:
-        """The conflicts of refuted structures; those that rule out most robots come first."""
+    def conflicts(self, derivations: Iterable[Derivation], count: int) -> Conflicts:
+        """The conflicts of ``count`` refuted structures; those of most robots come first."""
         total = 0
         for derivation in derivations:
             total += 1
+            self.place = f"robot {total} of {count}: "
             if self.questions >= MOST_QUESTIONS:
                 continue
             lines = self.conflict(derivation)
@@ -138,6 +141,13 @@ class ConflictSearch:
                 return minimal_conflict(known, refuted)
         return minimal_conflict(self.lines, refuted)
 
+    def _question(self, derivation: Derivation, kept: Sequence[TaskLine], *, late: bool) -> str:
+        """What is being asked, in words."""
+        harder = ", with longer proofs" if late else ""
+        some = f"{len(kept)} of {len(self.lines)} lines rule"
+        what = f"{kept[0].says} rules" if len(kept) == 1 else some
+        return f"{self.place}whether {what} out {' '.join(derivation.word)}{harder}"
+
     def refuted(
         self, derivation: Derivation, kept: Sequence[TaskLine], *, late: bool = False
     ) -> bool:
@@ -147,6 +157,7 @@ class ConflictSearch:
         """
         self.between()
         self.questions += 1
+        self.step(self._question(derivation, kept, late=late))
         relaxed = without(self.posed, [line for line in self.lines if line not in kept])
         posed = relaxed.expanded()
         family = family_of(posed.program, posed.task)

@@ -94,14 +94,16 @@ class Explanation:
 class Asked:
     """The limits of an explanation, and who is told what becomes known.
 
-    ``tell`` receives a line of progress now and then, ``found`` each conflict and each suggestion
-    at once; a later suggestion for the same line may be a smaller change.
+    ``tell`` receives a line of progress now and then, ``step`` what is being done, very often, and
+    ``found`` each conflict and each suggestion at once; a later suggestion for the same line may be
+    a smaller change.
     """
 
     context: RunContext = field(default_factory=RunContext)
     runs: int = MOST_RUNS
     tell: Callable[[str], None] = lambda _: None
     found: Callable[[Conflict | Suggestion], None] = lambda _: None
+    step: Callable[[str], None] = lambda _: None
 
 
 def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
@@ -111,7 +113,7 @@ def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
         MapFault: a map of obstacles cannot be used.
     """
     found = Explanation(posed, tried, most_runs=asked.runs)
-    runs = Runs(asked.context, asked.runs, asked.tell, asked.found)
+    runs = Runs(asked.context, asked.runs, asked.tell, asked.found, asked.step)
     try:
         _conflicts(found, asked)
         _suggestions(found, asked, runs)
@@ -139,12 +141,18 @@ def foremost(posed: PosedTask, refuted: Sequence[tuple[str, ...]]) -> Derivation
 
 
 def conflicts_of(
-    posed: PosedTask, refuted: Sequence[Derivation], context: RunContext
+    posed: PosedTask,
+    refuted: Sequence[Derivation],
+    context: RunContext,
+    step: Callable[[str], None] = lambda _: None,
 ) -> tuple[Conflicts, str | None]:
-    """The conflicts of some refuted structures, and the reason if the search did not finish."""
-    search = ConflictSearch(posed, context, context.check_time)
+    """The conflicts of some refuted structures, and the reason if the search did not finish.
+
+    ``step`` is told of what is being asked.
+    """
+    search = ConflictSearch(posed, context, context.check_time, step=step)
     try:
-        return search.conflicts(refuted), None
+        return search.conflicts(refuted, len(refuted)), None
     except OutOfTimeError:
         return search.found(len(refuted)), "the time limit was reached"
 
@@ -187,10 +195,10 @@ def _conflicts(found: Explanation, asked: Asked) -> None:
         return
     count = len(tried.refuted)
     asked.tell(f"looking for the conflicts of {'1 robot' if count == 1 else f'{count} robots'}")
-    search = ConflictSearch(posed, asked.context, asked.context.check_time)
+    search = ConflictSearch(posed, asked.context, asked.context.check_time, step=asked.step)
     grammar = posed.program.grammars[posed.task.grammar]
     try:
-        search.conflicts(replay(grammar, labels) for labels in tried.refuted)
+        search.conflicts((replay(grammar, labels) for labels in tried.refuted), count)
     finally:
         conflicts = search.found(len(tried.refuted))
         ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
@@ -211,6 +219,7 @@ def _bound(found: Explanation, asked: Asked) -> None:
     if line is None:
         return
     asked.context.check_time()
+    asked.step("looking for poses of longer robots")
     longer = SuggestionSearch(found.posed, Runs(asked.context, 0)).longer()
     if longer is not None:
         found.bound, found.beyond = line, longer.word

@@ -98,13 +98,15 @@ class _Meter(Silent):
 class Runs:
     """The runs made so far; ``found`` and ``failed`` are the changes in the order of trial.
 
-    ``tell`` receives a line about each run that begins, ``helps`` each suggestion.
+    ``tell`` receives a line about each run that begins, ``helps`` each suggestion, ``step`` what is
+    done between runs.
     """
 
     context: RunContext
     limit: int = MOST_RUNS
     tell: Callable[[str], None] = lambda _: None
     helps: Callable[[Suggestion], None] = lambda _: None
+    step: Callable[[str], None] = lambda _: None
     found: list[Suggestion] = field(default_factory=list[Suggestion])
     failed: list[Change] = field(default_factory=list[Change])
     scripts: dict[str, Recorded] = field(default_factory=dict[str, Recorded])

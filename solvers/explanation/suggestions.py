@@ -6,7 +6,7 @@ far end is tried first, then nearer values.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
@@ -76,16 +76,15 @@ class SuggestionSearch:
         shown = not with_poses(self.posed, derivations, self.seed, robots=1)
         listed = list(lines)
         self.drives(listed)
-        for line in sorted(listed, key=lambda line: line.kind not in LOADS):
-            if line.kind in DRIVES:
-                continue
+        rest = [line for line in listed if line.kind not in DRIVES]
+        for place, line in self.told(sorted(rest, key=lambda line: line.kind not in LOADS)):
             if line.kind in LOADS:
                 self.lighter(line)
                 continue
             helps = False
             for scale in scales(self.posed, line):
                 if not (scale.last and helps):
-                    helps |= self.posable(scale, derivations, shown=shown)
+                    helps |= self.posable(scale, derivations, place, shown=shown)
             if line.kind != LIMIT or not helps:
                 self.singles(line)
         if bound is not None:
@@ -97,10 +96,10 @@ class SuggestionSearch:
         self.feedback("open loop")
         self.shorter(horizon)
         self.drives(lines)
-        for line in lines:
+        for _, line in self.told([each for each in lines if each.kind not in (*DRIVES, LIMIT)]):
             if line.kind in LOADS:
                 self.lighter(line)
-            elif line.kind != LIMIT:
+            else:
                 self.singles(line)
         self.undisturbed(next(line for line in lines if line.kind == "start"))
         if bound is not None:
@@ -111,11 +110,19 @@ class SuggestionSearch:
             if line.kind == LIMIT:
                 self.ranges(line)
 
+    def told(self, lines: Sequence[TaskLine]) -> Iterator[tuple[str, TaskLine]]:
+        """The lines in order, with their place in words, which is told."""
+        for number, line in enumerate(lines, 1):
+            place = f"line {number} of {len(lines)}, {line.says}"
+            self.runs.step(place)
+            yield place, line
+
     def drives(self, lines: Sequence[TaskLine]) -> None:
         """Try stronger and faster drives and more steps, by what straight motions need."""
         changes = [s for line in lines if line.kind in DRIVES for s in scales(self.posed, line)]
         if not changes:
             return
+        self.runs.step("looking for what straight motions need of the drives and the time")
         able = with_poses(self.posed, self.structures(self.posed), self.seed, robots=1)
         motions = straight_motions(self.posed, able[0], self.seed) if able else None
         for scale, value in by_promise(changes, motions):
@@ -199,17 +206,22 @@ class SuggestionSearch:
     # --- values ---------------------------------------------------------------------------------
 
     def posable(
-        self, scale: Scale, derivations: Sequence[Derivation], *, shown: bool = True
+        self, scale: Scale, derivations: Sequence[Derivation], place: str, *, shown: bool = True
     ) -> bool:
         """Try the least change for which there are poses, and then a few larger ones.
 
         If poses show nothing, as the task has some without the change, the largest is tried first.
         Return whether one helps.
         """
+
+        def tick() -> None:
+            self.runs.context.check_time()
+            self.runs.step(f"{place}: looking for values with poses")
+
         tasks = [scale.posed_at(value) for value in scale.values]
         if not tasks:
             return False
-        first = first_with_poses(tasks, derivations, self.seed, self.runs.context.check_time)
+        first = first_with_poses(tasks, derivations, self.seed, tick)
         if first is None:
             return False
         least = scale.values[first]
@@ -284,6 +296,7 @@ class SuggestionSearch:
 
     def modules(self, line: TaskLine) -> None:
         """Try the least bound on modules for which there are poses."""
+        self.runs.step("looking for poses of longer robots")
         longer = self.longer()
         if longer is not None:
             self.tried(with_modules(self.posed, line, self.size(longer)))

@@ -72,6 +72,7 @@ def why(
             0 if no_runs else MOST_RUNS,
             display.note,
             lambda each: display.finding(finding_line(each)),
+            display.step,
         )
         found = explain(tried.posed, tried.tried, asked)
     text = why_json(found) if as_json else why_text(found, colour=out_colours())
@@ -115,9 +116,11 @@ def _of_found(
         stated = stated_objectives(json_object(path), path)
         click.echo(stated_json(stated) if as_json else stated_text(stated), nl=False)
         return 0
-    with limit.holds(), progress("why", quiet=quiet or as_json):
+    with limit.holds(), progress("why", quiet=quiet or as_json) as display:
         refuted = [each.derivation for each in cheaper.refuted if each.lemma is None]
-        conflicts, ended = conflicts_of(cheaper.posed, refuted, tried.context(limit.reached))
+        conflicts, ended = conflicts_of(
+            cheaper.posed, refuted, tried.context(limit.reached), display.step
+        )
     if as_json:
         text = cheaper_json(cheaper, conflicts, ended)
     else:

@@ -27,7 +27,7 @@ SILENCE = 1.0
 REDRAWN = 0.25
 """Seconds between two versions of the line in a notebook."""
 SPARSE = 10.0
-"""Seconds between two plain lines about finished parts."""
+"""Seconds between two plain lines about finished parts, and of silence before one about a step."""
 
 
 class QuietProgress:
@@ -60,6 +60,9 @@ class QuietProgress:
     def note(self, text: str) -> None:
         """Report a finding that is worth a line."""
 
+    def step(self, text: str) -> None:
+        """Report what is being done; there may be very many steps."""
+
     def finding(self, text: str) -> None:
         """Report a part of the answer; it stays, whatever happens to the rest of the work."""
 
@@ -74,7 +77,7 @@ class PlainProgress(QuietProgress):
         super().__init__()
         self._unit = unit
         self._best: float | None = None
-        self._told = self._start
+        self._told = self._spoken = self._start
 
     def structure(self, number: int, word: tuple[str, ...]) -> None:
         """Print that a structure is being tried."""
@@ -98,6 +101,11 @@ class PlainProgress(QuietProgress):
 
     finding = note
 
+    def step(self, text: str) -> None:
+        """Print a step after a long silence."""
+        if time.monotonic() - self._spoken >= SPARSE:
+            self._line(text)
+
     def part(self, done: int, count: int) -> None:
         """Print a line now and then, and none if the work is short."""
         now = time.monotonic()
@@ -106,6 +114,7 @@ class PlainProgress(QuietProgress):
             self._line(f"{done} of {count}")
 
     def _line(self, text: str) -> None:
+        self._spoken = time.monotonic()
         _say(f"[{time.monotonic() - self._start:7.2f} s] {text}")
 
 
@@ -177,6 +186,10 @@ class LiveProgress(QuietProgress):
     def note(self, text: str) -> None:
         """Show a finding until there is another."""
         self._detail = " ".join(text.split())
+
+    def step(self, text: str) -> None:
+        """Show what is being done until there is something else."""
+        self.note(text)
 
     def finding(self, text: str) -> None:
         """Print a line above the one that is redrawn."""

@@ -11,6 +11,7 @@ from grammar_lang import ir
 from solvers.explanation.explanation import Asked, Tried, explain
 from solvers.explanation.scale import scales
 from solvers.explanation.suggestions import SuggestionSearch
+from solvers.explanation.task_line import task_lines
 from solvers.run_context import RunContext
 from tests.oracles.small_specs import TURNER, replaced
 from tests.solvers.test_changes import Vain, line, posed
@@ -96,6 +97,27 @@ def test_both_sides_are_tried_where_one_side_does_not_do() -> None:
     first = tried(text)[0]
     assert first.startswith("with `JO.q` in `[-1.")
     assert 1.325 <= float(first.split("[-")[1].split(",")[0]) <= 1.5
+
+
+def test_what_is_tried_is_told() -> None:
+    """Each line of the conflict with its number, while poses are searched."""
+    asked, told = posed(arm("[-20, 20] deg")), list[str]()
+    lines = [line(asked, kind) for kind in ("reach", "joint_range")]
+    runs = Vain(RunContext(), limit=1, step=told.append)
+    SuggestionSearch(asked, runs).after_conflicts(lines, None)
+    assert told[0] == "line 1 of 2, an effector ends in `T`"
+    assert told[1] == "line 2 of 2, the range of `JO.q`"
+    assert set(told[2:]) == {f"{told[1]}: looking for values with poses"}
+
+
+def test_questions_about_conflicts_are_told() -> None:
+    asked, told = posed(arm("[-20, 20] deg")), list[str]()
+    tried = Tried("impossible", "", (("tool", "link", "joint", "base"),))
+    explain(asked, tried, Asked(runs=0, step=told.append))
+    robot = "B eps JO eps L eps EN"
+    count = len(task_lines(asked))
+    assert told[0] == f"robot 1 of 1: whether {count} of {count} lines rule out {robot}"
+    assert all(each.startswith("robot 1 of 1: whether ") for each in told)
 
 
 # --- lists of values ------------------------------------------------------------------------------

@@ -128,6 +128,25 @@ def test_plain_lines_about_a_grid_are_sparse(clock, capsys):
     assert [line.split("] ")[1] for line in lines] == [f"{n} of 100" for n in (20, 40, 60, 80, 100)]
 
 
+def test_plain_lines_about_steps_break_long_silence_alone(clock, capsys):
+    plain = PlainProgress()
+    for second in range(30):
+        if second == 14:
+            plain.note("a note")
+        plain.step(f"step {second}")
+        clock.now += 1
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split("] ")[1] for line in lines] == ["step 10", "a note", "step 24"]
+
+
+def test_a_step_is_shown_until_the_next(clock):
+    live = LiveProgress("why", "", lambda: None)
+    live.step("robot 1 of 2")
+    assert live.text().endswith(" · robot 1 of 2")
+    live.step("robot 2 of 2")
+    assert live.text().endswith(" · robot 2 of 2")
+
+
 def test_quiet_and_piped(monkeypatch, capsys):
     for display in (progress("x", quiet=True), progress("x", quiet=False, plain=False)):
         with display as told:
@@ -135,6 +154,7 @@ def test_quiet_and_piped(monkeypatch, capsys):
             told.path(("a",))
             told.robustness(1.0)
             told.note("note")
+            told.step("step")
             told.part(1, 2)
     assert capsys.readouterr().err == ""
     assert type(progress("x", quiet=False)) is PlainProgress
