@@ -113,12 +113,6 @@ def with_budget(posed: PosedTask, times: int, paths: int, evaluations: int) -> C
     return Change(None, says, posed, budget=times)
 
 
-def with_modules(posed: PosedTask, line: TaskLine, modules: int) -> Change:
-    """Another bound on modules."""
-    changed = posed.with_task(modules=modules)
-    return Change(line, f"with `modules <= {modules}`", changed, Fraction(modules))
-
-
 def _reach(posed: PosedTask, reach: ir.Reach, line: TaskLine) -> Iterator[Change]:
     if reach.effector is not None:
         anyone = posed.with_task(reach=replace(reach, effector=None))

@@ -19,8 +19,9 @@ from solvers.explanation.conflict import (
 from solvers.explanation.learnt_lines import Learnt
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import MOST_RUNS, Runs, Suggestion, smallest
+from solvers.explanation.size_bounds import size_lines
 from solvers.explanation.suggestions import SuggestionSearch
-from solvers.explanation.task_line import TaskLine, modules_line, task_lines
+from solvers.explanation.task_line import TaskLine, task_lines
 from solvers.run_context import RunContext
 from solvers.verdict import NotFound
 
@@ -69,8 +70,8 @@ class Tried:
 class Explanation:
     """The explanation found so far; ``ended`` says why the rest was not found.
 
-    ``most_runs`` is the number of allowed runs. ``bound`` is the line that bounds the modules, if a
-    longer robot has poses for the task; ``beyond`` is an example of such a robot.
+    ``most_runs`` is the number of allowed runs. ``bound`` is the first line that bounds the size of
+    robots such that a larger one has poses for the task; ``beyond`` is an example of such a robot.
     """
 
     posed: PosedTask
@@ -214,15 +215,14 @@ def _telling(conflict: Conflict) -> bool:
 
 
 def _bound(found: Explanation, asked: Asked) -> None:
-    """Look for a longer robot with poses for the task."""
-    line = modules_line(found.posed)
-    if line is None:
-        return
-    asked.context.check_time()
-    asked.step("looking for poses of longer robots")
-    longer = SuggestionSearch(found.posed, Runs(asked.context, 0)).longer()
-    if longer is not None:
-        found.bound, found.beyond = line, longer.word
+    """Look for a larger robot with poses for the task."""
+    search = SuggestionSearch(found.posed, Runs(asked.context, 0, step=asked.step))
+    for line in size_lines(found.posed):
+        asked.context.check_time()
+        longer = search.longer(line)
+        if longer is not None:
+            found.bound, found.beyond = line, longer.word
+            return
 
 
 def _suggestions(found: Explanation, asked: Asked, runs: Runs) -> None:
@@ -231,7 +231,8 @@ def _suggestions(found: Explanation, asked: Asked, runs: Runs) -> None:
     search = SuggestionSearch(found.posed, runs)
     if found.tried.verdict == "impossible" or found.all_refuted:
         impossible = found.tried.verdict == "impossible"
-        bound = found.bound if impossible else modules_line(found.posed)
-        search.after_conflicts(found.conflicts.lines, bound)
+        # If no larger robot had poses, none has now.
+        bounds = () if impossible and found.bound is None else size_lines(found.posed)
+        search.after_conflicts(found.conflicts.lines, bounds)
     else:
-        search.after_motions(task_lines(found.posed), modules_line(found.posed))
+        search.after_motions(task_lines(found.posed), size_lines(found.posed))

@@ -14,20 +14,20 @@ from itertools import islice
 from compiler.robots.normal_form import family_of
 from compiler.words.derivation import Derivation
 from compiler.words.structures import structures
-from solvers.conclusion import DEFAULT_MODULES, module_bound
+from solvers.conclusion import module_bound
 from solvers.explanation.change import (
     Change,
     single_changes,
     with_budget,
     with_feedback,
     with_fewer_steps,
-    with_modules,
     with_shorter_steps,
 )
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.required_poses import first_with_poses, with_poses
 from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.scale import MOST_STEPS, Scale, scales
+from solvers.explanation.size_bounds import beyond, exceeds, with_size_of
 from solvers.explanation.straight_motions import by_promise, straight_motions
 from solvers.explanation.task_line import TaskLine, control_line
 from solvers.explanation.two_digits import rounded_up
@@ -70,8 +70,8 @@ class SuggestionSearch:
         """The seed of the poses."""
         return self.runs.context.seed
 
-    def after_conflicts(self, lines: Iterable[TaskLine], bound: TaskLine | None) -> None:
-        """Try changes of the lines of conflicts, and of the bound on modules."""
+    def after_conflicts(self, lines: Iterable[TaskLine], bounds: Iterable[TaskLine]) -> None:
+        """Try changes of the lines of conflicts, and of bounds on the size of robots."""
         derivations = self.structures(self.posed)
         shown = not with_poses(self.posed, derivations, self.seed, robots=1)
         listed = list(lines)
@@ -83,14 +83,13 @@ class SuggestionSearch:
                 continue
             helps = False
             for scale in scales(self.posed, line):
-                if not (scale.last and helps):
+                if not scale.last or (shown and not helps):
                     helps |= self.posable(scale, derivations, place, shown=shown)
             if line.kind != LIMIT or not helps:
                 self.singles(line)
-        if bound is not None:
-            self.modules(bound)
+        self.sizes(bounds)
 
-    def after_motions(self, lines: Sequence[TaskLine], bound: TaskLine | None) -> None:
+    def after_motions(self, lines: Sequence[TaskLine], bounds: Iterable[TaskLine]) -> None:
         """Try changes that may help if there are poses but no motion was found or proved."""
         horizon = next(line for line in lines if line.kind == "horizon")
         self.feedback("open loop")
@@ -102,8 +101,7 @@ class SuggestionSearch:
             else:
                 self.singles(line)
         self.undisturbed(next(line for line in lines if line.kind == "start"))
-        if bound is not None:
-            self.modules(bound)
+        self.sizes(bounds)
         if not self.runs.found:
             self.otherwise(horizon)
         for line in () if self.runs.found else lines:
@@ -294,24 +292,19 @@ class SuggestionSearch:
             if high < CLOSE * low:
                 return
 
-    def modules(self, line: TaskLine) -> None:
-        """Try the least bound on modules for which there are poses."""
-        self.runs.step("looking for poses of longer robots")
-        longer = self.longer()
-        if longer is not None:
-            self.tried(with_modules(self.posed, line, self.size(longer)))
+    def sizes(self, lines: Iterable[TaskLine]) -> None:
+        """For each bound on the size of robots, try the least one for which there are poses."""
+        for line in lines:
+            longer = self.longer(line)
+            if longer is not None:
+                self.tried(with_size_of(self.posed, line, longer))
 
-    def longer(self) -> Derivation | None:
-        """The first structure with more modules than the task allows and with poses for it."""
-        family = family_of(self.posed.program, self.posed.task)
-        allowed, fewest = module_bound(family, self.posed.task), family.language.fewest_modules()
-        posed = self.posed.with_task(modules=max(DEFAULT_MODULES, allowed + 1, fewest or 0))
-        every = (each for each in self.structures(posed) if self.size(each) > allowed)
+    def longer(self, line: TaskLine) -> Derivation | None:
+        """The first structure with poses that a bound rules out by its size."""
+        self.runs.step(f"{line.says}: looking for poses of larger robots")
+        posed = beyond(self.posed, line)
+        every = (each for each in self.structures(posed) if exceeds(self.posed, line, each))
         return next(iter(with_poses(posed, every, self.seed, robots=1)), None)
-
-    def size(self, derivation: Derivation) -> int:
-        """The number of modules of a structure."""
-        return sum(map(self.posed.program.is_module, derivation.word))
 
 
 def _nearest(values: Sequence[Fraction], wanted: Fraction) -> Fraction:

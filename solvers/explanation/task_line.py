@@ -14,7 +14,7 @@ from solvers.explanation.posed_task import PosedTask
 LineKind: TypeAlias = Literal[
     "start", "reach", "satisfy", "parameter", "fixed", "joint_range", "joint_rate", "joint_accel",
     "joint_effort", "avoid", "avoid_self", "bounds_body", "effort", "horizon", "gravity", "bounds",
-    "modules", "control", "payload", "carry",
+    "modules", "accept", "control", "payload", "carry",
 ]  # fmt: skip
 
 
@@ -24,7 +24,7 @@ class TaskLine:
 
     The key of a parameter, a range or a rate is the module and the name; that of an avoided region
     the index of the clause and the name; that of an ``effort``, ``satisfy``, ``payload`` or
-    ``carry`` its index.
+    ``carry`` its index, that of a count in ``accept`` its index among the counts.
     """
 
     kind: LineKind

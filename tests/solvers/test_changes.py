@@ -16,7 +16,6 @@ from solvers.explanation.change import (
     single_changes,
     with_budget,
     with_feedback,
-    with_modules,
     with_shorter_steps,
 )
 from solvers.explanation.explanation import Asked, Tried, explain
@@ -25,7 +24,7 @@ from solvers.explanation.relaxation import without
 from solvers.explanation.run import Runs, Suggestion
 from solvers.explanation.scale import Scale, scales
 from solvers.explanation.suggestions import SuggestionSearch
-from solvers.explanation.task_line import TaskLine, control_line, modules_line, task_lines
+from solvers.explanation.task_line import TaskLine, control_line, task_lines
 from solvers.run_context import RunContext
 from solvers.search.synthesis import Synthesis
 from tests.oracles.small_specs import TURNER, replaced
@@ -206,15 +205,6 @@ def test_parts_that_are_dropped(old: str, new: str, kind: str, wanted: list[str]
     assert all(change.posed != asked for change in changes)
 
 
-def test_a_bound_on_modules() -> None:
-    asked = posed(replaced(TURNER, "reach T;", "reach T; modules <= 4;"))
-    bound = modules_line(asked)
-    assert bound is not None
-    change = with_modules(asked, bound, 6)
-    assert (change.says, change.posed.task.modules) == ("with `modules <= 6`", 6)
-    assert modules_line(posed(TURNER)) is None
-
-
 DISTURBED = replaced(
     TURNER,
     "  effort <= 10 N*m;\n",
@@ -305,7 +295,7 @@ def test_where_nothing_helps_shorter_horizons_finer_steps_and_budgets_are_tried(
     """Of ten steps of 0.2 s; limits of joints come after all of them."""
     asked = posed(TURNER)
     runs = Vain(RunContext(paths=3, evaluations=5), limit=100)
-    SuggestionSearch(asked, runs).after_motions(task_lines(asked), None)
+    SuggestionSearch(asked, runs).after_motions(task_lines(asked), ())
     said = [change.says for change in runs.failed]
     tried = [
         "with 7 steps", "with 5 steps", "with `horizon 20 steps of 0.1 s`",

@@ -169,7 +169,7 @@ def test_effort_and_horizon_are_changed_before_ranges() -> None:
     asked = posed(TURNER)
     runs = Vain(RunContext(), limit=3)
     lines = [x for x in task_lines(asked) if x.kind in ("parameter", "effort", "horizon")]
-    SuggestionSearch(asked, runs).after_conflicts(lines, None)
+    SuggestionSearch(asked, runs).after_conflicts(lines, ())
     assert [change.line.kind for change in runs.failed] == ["effort", "horizon", "parameter"]
 
 

@@ -76,7 +76,7 @@ def test_ranges_are_widened_at_once_where_poses_say_nothing() -> None:
     asked = posed(CARRIES)
     runs = Vain(RunContext(), limit=100)
     kinds = ("parameter", "payload", "effort")
-    SuggestionSearch(asked, runs).after_conflicts([line(asked, kind) for kind in kinds], None)
+    SuggestionSearch(asked, runs).after_conflicts([line(asked, kind) for kind in kinds], ())
     straight, *said = [each.says for each in runs.failed]
     assert straight.startswith("with `effort <= ")
     assert 10 < (runs.failed[0].value or 0) <= 5.8 * pi / 2**2 * (3 * 2**2 + 2**3 / 3)

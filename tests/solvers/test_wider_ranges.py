@@ -31,7 +31,7 @@ def tried(text: str) -> list[str]:
     """The changes of the range of the joint that are tried, none of which helps."""
     asked = posed(text)
     runs = Vain(RunContext(), limit=100)
-    SuggestionSearch(asked, runs).after_conflicts([line(asked, "joint_range")], None)
+    SuggestionSearch(asked, runs).after_conflicts([line(asked, "joint_range")], ())
     return [change.says for change in runs.failed]
 
 
@@ -104,7 +104,7 @@ def test_what_is_tried_is_told() -> None:
     asked, told = posed(arm("[-20, 20] deg")), list[str]()
     lines = [line(asked, kind) for kind in ("reach", "joint_range")]
     runs = Vain(RunContext(), limit=1, step=told.append)
-    SuggestionSearch(asked, runs).after_conflicts(lines, None)
+    SuggestionSearch(asked, runs).after_conflicts(lines, ())
     assert told[0] == "line 1 of 2, an effector ends in `T`"
     assert told[1] == "line 2 of 2, the range of `JO.q`"
     assert set(told[2:]) == {f"{told[1]}: looking for values with poses"}
@@ -166,7 +166,7 @@ def value_tried(lengths: str) -> float:
     """The first length beyond a domain that is tried for one link."""
     asked = posed(replaced(arm("[-180, 180] deg"), "[1, 2] m", lengths))
     runs = Vain(RunContext(), limit=1)
-    SuggestionSearch(asked, runs).after_conflicts([line(asked, "parameter")], None)
+    SuggestionSearch(asked, runs).after_conflicts([line(asked, "parameter")], ())
     return float(runs.failed[0].value or 0)
 
 
