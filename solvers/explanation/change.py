@@ -21,7 +21,8 @@ class Change:
     """A weaker task: the changed line, the change in words, and its value if it has one.
 
     Changes of a line that differ only in their value have the same ``way``. Without a line the task
-    is the same, and the search has ``budget`` times as much.
+    is the same, and the search has ``budget`` times as much. If ``lines`` is 2, another line is
+    changed together with ``line``.
     """
 
     line: TaskLine | None
@@ -30,6 +31,7 @@ class Change:
     value: Fraction | None = None
     way: str = ""
     budget: int = 1
+    lines: int = 1
 
 
 def single_changes(posed: PosedTask, line: TaskLine) -> Iterator[Change]:

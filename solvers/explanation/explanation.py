@@ -17,6 +17,7 @@ from solvers.explanation.conflict import (
     separation_conflict,
 )
 from solvers.explanation.learnt_lines import Learnt
+from solvers.explanation.pairs import PairSearch
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.run import MOST_RUNS, Runs, Suggestion, smallest
 from solvers.explanation.size_bounds import size_lines
@@ -95,6 +96,7 @@ class Explanation:
 class Asked:
     """The limits of an explanation, and who is told what becomes known.
 
+    ``pairs`` more runs are allowed for changes of two lines if no change of one line has helped.
     ``tell`` receives a line of progress now and then, ``step`` what is being done, very often, and
     ``found`` each conflict and each suggestion at once; a later suggestion for the same line may be
     a smaller change.
@@ -102,6 +104,7 @@ class Asked:
 
     context: RunContext = field(default_factory=RunContext)
     runs: int = MOST_RUNS
+    pairs: int = 0
     tell: Callable[[str], None] = lambda _: None
     found: Callable[[Conflict | Suggestion], None] = lambda _: None
     step: Callable[[str], None] = lambda _: None
@@ -120,6 +123,9 @@ def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
         _suggestions(found, asked, runs)
         if asked.runs and not runs.left:
             found.ended = f"the limit of {asked.runs} runs was reached"
+        if asked.pairs and not runs.found:
+            runs.limit = runs.made + asked.pairs
+            PairSearch(posed, runs).search(found.conflicts.lines)
     except OutOfTimeError:
         found.ended = "the time limit was reached"
     found.suggestions = smallest(runs.found)

@@ -64,6 +64,14 @@ class Scale:
         """The task for which poses are searched: weaker than with the values before."""
         return self.at(value).posed if self.with_all is None else self.with_all(value)
 
+    def further(self, value: Fraction, more: Fraction) -> Fraction:
+        """The value nearest to one that is ``more`` times as far out as a given one."""
+        if self.origin is not None:
+            wanted = self.origin + (value - self.origin) * more
+        else:
+            wanted = value * more if self.values[0] < self.values[-1] else value / more
+        return min(self.values, key=lambda each: abs(each - wanted))
+
 
 def scales(posed: PosedTask, line: TaskLine) -> Iterator[Scale]:
     """The scales of a line; none if it has no value to change."""

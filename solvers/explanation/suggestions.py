@@ -41,7 +41,7 @@ LOADS = "payload", "carry"
 """Changed next: a conflict with a load has poses for any ranges, too."""
 LIMIT = "joint_range"
 """Limits of joints are dropped last, since real joints keep theirs."""
-FURTHER = (1, Fraction(6, 5), Fraction(2))
+FURTHER = (Fraction(1), Fraction(6, 5), Fraction(2))
 """Multiples of the least value with poses that are tried until a run succeeds."""
 NEARER = 3
 """The runs that look for a smaller change once one has succeeded."""
@@ -223,12 +223,7 @@ class SuggestionSearch:
         if first is None:
             return False
         least = scale.values[first]
-        rising = scale.values[0] < scale.values[-1]
-        if scale.origin is not None:
-            wanted = [scale.origin + (least - scale.origin) * more for more in FURTHER]
-        else:
-            wanted = [least * more if rising else least / more for more in FURTHER]
-        inside = dict.fromkeys(_nearest(scale.values, value) for value in wanted)
+        inside = dict.fromkeys(scale.further(least, more) for more in FURTHER)
         helps = False
         for value in inside if shown else reversed(inside):
             helped = self.tried(scale.at(value)) is not None

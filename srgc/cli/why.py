@@ -53,6 +53,7 @@ def why(
 
     os.environ.update(ONE_THREAD)  # before numpy is loaded
     from solvers.explanation.explanation import Asked, explain
+    from solvers.explanation.pairs import MOST_PAIRS
     from solvers.explanation.run import MOST_RUNS
     from srgc.results.mission_refusal import is_mission_folder
     from srgc.results.progress_display import progress
@@ -70,6 +71,7 @@ def why(
         asked = Asked(
             replace(tried.context(limit.reached), reporter=display),
             0 if no_runs else MOST_RUNS,
+            0 if no_runs else MOST_PAIRS,
             display.note,
             lambda each: display.finding(finding_line(each)),
             display.step,

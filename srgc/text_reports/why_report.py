@@ -28,6 +28,8 @@ MOST_LEMMAS = 2
 MOST_CONFLICTS = 6
 """The number of conflicts to print for people; JSON has all of them."""
 
+PROVED = "It is possible, as runs have found and proved,"
+NO_SINGLE = "No change of a single line was found that makes it possible."
 UNFINISHED = (
     "The search was not finished: the same `srgc synth` goes on with it, and may find a robot "
     "without a change."
@@ -163,10 +165,11 @@ def _suggested(found: Explanation) -> str:
     """What would help, and what was tried without success."""
     lines = []
     if found.suggestions:
-        lines.append("It is possible, as runs have found and proved,")
+        alone = any(one.change.lines == 1 for one in found.suggestions)
+        lines.append(PROVED if alone else f"{NO_SINGLE} Two together do, as a run has proved,")
         lines += [f"  {_suggestion(one)}" for one in found.suggestions]
     elif found.runs:
-        lines.append("No change of a single line was found that makes it possible.")
+        lines.append(NO_SINGLE)
     elif not found.most_runs:
         lines.append("No changes were tried.")
     elif found.ended:
