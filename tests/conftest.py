@@ -37,6 +37,7 @@ SPECS = {
     "learnt": small_specs.BEYOND_REACH.encode(),
     "good_as_it_is": small_specs.GOOD_AS_IT_IS.encode(),
     "closed": small_specs.CLOSED.encode(),
+    "plotter": small_specs.PLOTTER.encode(),
     "pair": small_specs.PAIR.encode(),
     "looped": small_specs.LOOPED.encode(),
     "winding": small_specs.WINDING.encode(),

@@ -317,7 +317,7 @@ def plan_html(report: PlanReport, title: str) -> str:
 
 def robot_html(chosen: ChosenRobot, theta: Array) -> str:
     """A display of a robot with the parameters theta (p,), in SI units."""
-    from srgc.render.robot_drawing import pose_picture
+    from srgc.render.pose_picture import pose_picture
 
     word = " ".join(chosen.word)
     picture = image(pose_picture(chosen.model, theta), f"the robot {word}")

@@ -168,7 +168,7 @@ class Robot:
         Raises:
             SrgcError: ``q`` has another shape, or is not finite.
         """
-        from srgc.render.robot_drawing import pose_picture
+        from srgc.render.pose_picture import pose_picture
 
         pose = None if q is None else self._pose(q)
         return pose_picture(self.chosen.model, self._values, pose)

@@ -20,6 +20,7 @@ from srgc.render.robot_drawing import DrawnRobot, drawn_robot, pose_marks
 from srgc.render.svg import View, clipped, document, fitted, label, line_path, moved
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
+    name_boxes,
     plane_axes,
     shape_marks,
     shape_names,
@@ -36,6 +37,8 @@ ENTRY = 300
 """The characters of a drawing besides its marks."""
 REST = 1.0
 """How long the last drawing stays before the motion begins again (s)."""
+CLOCK = (90.0, 22.0)
+"""The width and height of the time in the corner."""
 FINE = 200
 """The number of points on the path of an effector."""
 
@@ -60,6 +63,7 @@ def motion_picture(design: FoundDesign) -> str:
     poses = _points(robot, motion, times)
     own = robot.own(poses)
     view = fitted([shapes[0].corners, own.reshape(-1, own.shape[-1])], turning=False)
+    boxes = np.concatenate([name_boxes(shapes, view), _clock_box(view)])
     room = LARGEST // (len(pose_marks(robot, poses[0], view)) + ENTRY)
     if room < count:
         times = np.linspace(0, end, max(room, LEAST) + 1)
@@ -72,7 +76,7 @@ def motion_picture(design: FoundDesign) -> str:
         f'<path class="trace" d="{line_path(view.project(line))}"/>'
         for line in _lines(robot, motion, end)
     )
-    marks += _frames(robot, poses, times, view) + shape_names(shapes, view)
+    marks += _frames(robot, poses, times, view, boxes) + shape_names(shapes, view)
     left, below = AXES_ROOM if plane else (0.0, 0.0)
     return document(
         moved(left, 0, marks),
@@ -93,8 +97,16 @@ def _lines(robot: DrawnRobot, motion: FineInstants, end: float) -> list[Array]:
     return [points[:, effector] for effector in robot.effectors]
 
 
-def _frames(robot: DrawnRobot, poses: Array, times: Array, view: View) -> str:
-    """A drawing for each instant, shown one at a time; the last one stays for a while."""
+def _clock_box(view: View) -> Array:
+    """The corner with the time, as a rectangle (1, 4)."""
+    return np.array([[view.width - 8 - CLOCK[0], 0.0, view.width - 8, CLOCK[1]]])
+
+
+def _frames(robot: DrawnRobot, poses: Array, times: Array, view: View, boxes: Array) -> str:
+    """A drawing for each instant, shown one at a time; the last one stays for a while.
+
+    The numbers of effectors keep off the rectangles ``boxes`` (m, 4).
+    """
     step, whole = float(times[1]), float(times[-1]) + REST
     found = []
     for index, (points, time) in enumerate(zip(poses, times, strict=True)):
@@ -118,6 +130,6 @@ def _frames(robot: DrawnRobot, poses: Array, times: Array, view: View) -> str:
         clock = label(view.width - 8, 16, "end", f"{time:.2f} s")
         found.append(
             f'<g class="robot" visibility="{shown}">{play}'
-            f"{pose_marks(robot, points, view)}{clock}</g>"
+            f"{pose_marks(robot, points, view, boxes)}{clock}</g>"
         )
     return "".join(found)

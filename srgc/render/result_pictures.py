@@ -30,6 +30,7 @@ from srgc.render.workspace_drawing import (
     KIND_SAMPLES,
     WorkspaceShape,
     cell_path,
+    name_boxes,
     plane_axes,
     shape_marks,
     shape_names,
@@ -111,15 +112,17 @@ def _motion_figure(drawn: _DrawnMotion, workspace: ir.Workspace, task: ir.Task) 
     way = cell_path(drawn.abstraction, list(drawn.cells))
     line = view.project(_effector_line(drawn.model, drawn.leader, robot, x, float(task.step)))
     last = symbol("finish", "star", *line[-1])
+    drawing = np.concatenate([line, view.project(way)])
+    boxes = name_boxes(shapes, view, drawing)
     marks = (
         plane_axes(view)
         + shape_marks(shapes, view, names)
         + f'<path class="way" d="{line_path(view.project(way))}"/>'
         + _ghosts(robot, poses, view)
         + f'<path class="trace" d="{line_path(line)}"/>{symbol("begin", "disc", *line[0])}'
-        + f'<g class="robot">{pose_marks(robot, poses[-1], view)}</g>'
+        + f'<g class="robot">{pose_marks(robot, poses[-1], view, boxes)}</g>'
         + (last if drawn.stuck is None else symbol("stuck", "cross", *line[-1]))
-        + shape_names(shapes, view, np.concatenate([line, view.project(way)]))
+        + shape_names(shapes, view, drawing)
     )
     left, below = AXES_ROOM
     along = ", seen along z" if dimension == 3 else ""

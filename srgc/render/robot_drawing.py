@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
-from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,23 +25,16 @@ from compiler.robots.robot import (
     Joint,
     Offset,
     PointBody,
-    RobotDof,
     RobotModel,
     RodBody,
     Shape,
     Step,
 )
 from grammar_lang import ir
-from grammar_lang.ir.constants import to_float
-from srgc.render.svg import View, closed_path, document, fitted, label, place
+from srgc.render.effector_numbers import HALF, number_mark, number_places
+from srgc.render.svg import View, closed_path, place
 from srgc.render.workspace_drawing import outline
 
-PICTURE = 320.0
-"""The width of the picture of a robot alone."""
-AROUND = 0.15
-"""The least margin around such a robot, in metres."""
-BENT, SLID = radians(35), 0.5
-"""Angles and lengths of joints in a default pose."""
 SHARPEST = 0.12
 """The largest angle, in radians, that a joint turns between drawn instants.
 
@@ -217,8 +209,18 @@ def _floats(model: RobotModel, step: Step | None) -> bool:
 # --- Marks ----------------------------------------------------------------------------------------
 
 
-def pose_marks(robot: DrawnRobot, points: Array, view: View) -> str:
-    """The robot at points (P, d): rods, lines between its frames, joints and effectors."""
+def pose_marks(
+    robot: DrawnRobot,
+    points: Array,
+    view: View,
+    taken: Array | None = None,
+    half: float = HALF,
+) -> str:
+    """The robot at points (P, d): rods, lines between its frames, joints and effectors.
+
+    Several effectors have numbers on discs of radius ``half``, which keep off the rectangles
+    ``taken`` (m, 4) of the picture.
+    """
     seen = view.project(points)
     marks = [_foot(seen[WORLD])] if robot.grounded else []
     marks += [_shape(shape, seen, view) for shape in robot.shapes]
@@ -232,9 +234,19 @@ def pose_marks(robot: DrawnRobot, points: Array, view: View) -> str:
     marks += [_axis(joint, seen) for joint in robot.joints if joint.tip is not None]
     marks += [_joint(joint, seen) for joint in robot.joints]
     marks += [_mass(seen[mass.point], solid=mass.solid) for mass in robot.masses]
-    for number, point in enumerate(robot.effectors):
-        marks.append(_effector(seen[point], number if len(robot.effectors) > 1 else None))
-    return "".join(marks)
+    return "".join(marks) + _effectors(robot, seen, view, taken, half)
+
+
+def _effectors(robot: DrawnRobot, seen: Array, view: View, taken: Array | None, half: float) -> str:
+    """The rings of the effectors, with numbers if there are several."""
+    tips = seen[list(robot.effectors)]
+    if len(tips) < 2:
+        return "".join(_effector(at) for at in tips)
+    places = number_places(tips, (view.width, view.height), taken, half)
+    return "".join(
+        _effector(at, number_mark(number, middle - at))
+        for number, (at, middle) in enumerate(zip(tips, places, strict=True), 1)
+    )
 
 
 def ghost_marks(robot: DrawnRobot, points: Array, view: View) -> str:
@@ -290,42 +302,10 @@ def _mass(at: Array, *, solid: bool) -> str:
     return f'<g class="mass" transform="translate({place(at[0])} {place(at[1])})">{shape}</g>'
 
 
-def pose_picture(model: RobotModel, theta: Array, pose: Array | None = None) -> str:
-    """A robot alone in one pose, as a file; its joints are labelled with their coordinates.
-
-    Args:
-        model: the robot.
-        theta: the values of its parameters, in SI units.
-        pose: its coordinates (n,) in rad or m; by default a pose with bent joints.
-    """
-    robot = drawn_robot(model, theta)
-    q = np.array([_usual(dof) for dof in model.dofs]) if pose is None else pose
-    points = robot.points(q[None, :])[0]
-    own = robot.own(points)
-    view = fitted([own - AROUND, own + AROUND], turning=False).scaled(PICTURE)
-    seen = view.project(points)
-    names = "".join(
-        label(seen[joint.point][0] + 9, seen[joint.point][1] - 9, "start", f"q{joint.dof + 1}")
-        for joint in robot.joints
-    )
-    kind = "scene space" if model.dimension == 3 else "scene"
-    marks = f"{pose_marks(robot, points, view)}<g>{names}</g>"
-    return document(marks, (view.width, view.height), kind, "")
-
-
-def _usual(dof: RobotDof) -> float:
-    """The coordinate of a joint in the default pose, within its range."""
-    value = BENT if dof.kind == "revolute" else SLID
-    if dof.range is None:
-        return value
-    return min(max(value, to_float(dof.range.lower)), to_float(dof.range.upper))
-
-
-def _effector(at: Array, number: int | None) -> str:
-    name = "" if number is None else f'<text x="9" y="-7">{number + 1}</text>'
+def _effector(at: Array, number: str = "") -> str:
     return (
         f'<g class="effector" transform="translate({place(at[0])} {place(at[1])})">'
-        f'<circle r="6.5"/><circle class="dot" r="1.8"/>{name}</g>'
+        f'<circle r="6.5"/><circle class="dot" r="1.8"/>{number}</g>'
     )
 
 

@@ -185,6 +185,38 @@ def shape_names(
         size: the size of the font.
         kind: the classes of the group; scripts move its names by their ``data-half``.
     """
+    marks = "".join(
+        _name_mark(shapes[index], index, label, middle, size)
+        for index, (label, middle) in _placed(shapes, view, drawn, taken, size).items()
+    )
+    return f'<g class="{kind}">{marks}</g>'
+
+
+def name_boxes(
+    shapes: Sequence[WorkspaceShape],
+    view: View,
+    drawn: Array | None = None,
+    *,
+    taken: Array | None = None,
+    size: float = NAME_SIZE,
+) -> Array:
+    """The rectangles (m, 4) that ``shape_names`` with these arguments covers."""
+    found = [
+        np.concatenate([middle - np.array(label.size) / 2, middle + np.array(label.size) / 2])
+        for label, middle in _placed(shapes, view, drawn, taken, size).values()
+        if middle is not None
+    ]
+    return np.array(found).reshape(-1, 4)
+
+
+def _placed(
+    shapes: Sequence[WorkspaceShape],
+    view: View,
+    drawn: Array | None,
+    taken: Array | None,
+    size: float,
+) -> dict[int, tuple[Label, Array | None]]:
+    """The labels of sets by their indices, and their middles, None where no place is free."""
     placer = LabelPlacer((view.width, view.height), drawn)
     if taken is not None:
         placer.take(taken)
@@ -194,11 +226,7 @@ def shape_names(
     # Names that fit into their regions stay there, whatever the other names.
     order = sorted(wanted, key=lambda index: (wanted[index].home is None, index))
     places = {index: placer.place(wanted[index]) for index in order}
-    marks = "".join(
-        _name_mark(shapes[index], index, label, places[index], size)
-        for index, label in wanted.items()
-    )
-    return f'<g class="{kind}">{marks}</g>'
+    return {index: (label, places[index]) for index, label in wanted.items()}
 
 
 def page_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
@@ -206,12 +234,25 @@ def page_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
 
     They avoid the lower left corner, which has the scale bar or the axes.
     """
-    wide, high = (104.0, 104.0) if view.axes.shape[1] == 3 else (0.25 * view.width + 24, 40.0)
-    corner = np.array([[0.0, view.height - high, wide, view.height]])
     return "".join(
-        shape_names(shapes, view, taken=corner, size=size, kind=f"names {kind}")
+        shape_names(shapes, view, taken=_corner(view), size=size, kind=f"names {kind}")
         for kind, size in (("wide", NAME_SIZE), ("narrow", NARROW_SIZE))
     )
+
+
+def page_name_boxes(shapes: Sequence[WorkspaceShape], view: View) -> Array:
+    """The rectangles (m, 4) that ``page_names`` covers, and the corner that they avoid."""
+    corner = _corner(view)
+    sizes = NAME_SIZE, NARROW_SIZE
+    return np.concatenate(
+        [corner, *(name_boxes(shapes, view, taken=corner, size=size) for size in sizes)]
+    )
+
+
+def _corner(view: View) -> Array:
+    """The corner of a page's picture with the scale bar or the axes, as a rectangle (1, 4)."""
+    wide, high = (104.0, 104.0) if view.axes.shape[1] == 3 else (0.25 * view.width + 24, 40.0)
+    return np.array([[0.0, view.height - high, wide, view.height]])
 
 
 def _name_of(shape: WorkspaceShape, view: View, size: float) -> Label:

@@ -9,12 +9,14 @@ import numpy as np
 
 from compiler.arrays import Array
 from compiler.robots.robot import RobotDof
+from srgc.render.effector_numbers import NARROW_HALF
 from srgc.render.html_text import json_script, number, text, with_unit
 from srgc.render.robot_drawing import DrawnRobot, pose_marks
 from srgc.render.svg import NAMED, View, line_path
 from srgc.render.workspace_drawing import (
     KIND_SAMPLES,
     boxes_path,
+    page_name_boxes,
     page_names,
     scale_bar,
     shape_marks,
@@ -110,7 +112,9 @@ def motion_picture(scene: MotionScene, motion: RobotMotion, factor: float) -> st
     for tips in np.swapaxes(motion.tips, 0, 1):
         parts.append(f'<path class="trail" d="{line_path(view.project(tips))}"/>')
         parts.append('<path class="trace" d=""/>')
-    parts.append(f'<g class="robot">{pose_marks(motion.robot, motion.points[0], view)}</g>')
+    names = page_name_boxes(scene.shapes, view)
+    robot = pose_marks(motion.robot, motion.points[0], view, names, NARROW_HALF)
+    parts.append(f'<g class="robot">{robot}</g>')
     if motion.tube is not None:
         boxes = _instant_boxes(motion.tips[0], motion.tube.half_widths[0], factor)
         parts.append(f'<path class="instant" d="{boxes_path(list(boxes), view)}"/>')
@@ -245,6 +249,8 @@ def robot_caption(scene: MotionScene) -> str:
         "The robot at its real lengths: rods as thick lines, joints as circles (turning) and "
         "squares (sliding), effectors as rings, other bodies by their centres of mass as dots."
     )
+    if scene.motion is not None and len(scene.motion.robot.effectors) > 1:
+        words += " The numbers of effectors are on discs."
     if scene.dimension == 3:
         words += " A short line through a joint is its axis."
     return f"{words}{_beyond(scene)}"

@@ -231,6 +231,50 @@ def test_boxes_can_be_hidden(opened: Open) -> None:
     assert page.one("#motion .ribbon").is_displayed()
 
 
+TOUCHING = """
+const box = (mark) => mark.getBoundingClientRect();
+const seen = (mark) => mark.getAttribute('visibility') !== 'hidden' && box(mark).width > 0;
+const all = (selector) => Array.from(document.querySelectorAll(selector)).filter(seen);
+const discs = all('#motion > figure > .scene .robot .number');
+const others = all('#motion > figure > .scene .names text');
+const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+const found = [];
+for (const [i, disc] of discs.entries()) {
+  for (const mark of others.concat(discs.slice(i + 1))) {
+    if (meet(box(disc), box(mark))) found.push([disc.textContent, mark.textContent]);
+  }
+}
+return [discs.length, others.length, found];
+"""
+"""The numbers of effectors, the names of regions, and which of them overlap on the screen."""
+
+
+@pytest.mark.parametrize("width", [1100, 320])
+def test_numbers_of_effectors_touch_no_name_at_any_sample(opened: Open, width: int) -> None:
+    page = opened("plotter")
+    page.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=width, height=800, deviceScaleFactor=1, mobile=width < 800,
+    )  # fmt: skip
+    for sample in range(11):
+        to_sample(page, sample)
+        assert page.run(TOUCHING) == [2, 3, []]
+    assert page.complaints() == []
+
+
+def test_numbers_move_when_the_window_becomes_narrow(opened: Open) -> None:
+    page = opened("plotter")
+    number = "return document.querySelector('#motion .number').getAttribute('transform');"
+    wide = page.run(number)
+    page.command(
+        "Emulation.setDeviceMetricsOverride", width=320, height=800, deviceScaleFactor=1,
+        mobile=True,
+    )  # fmt: skip
+    page.run("window.dispatchEvent(new Event('resize'));")
+    assert page.run(number) != wide
+    assert page.run(TOUCHING) == [2, 3, []]
+
+
 def test_a_symbol_marks_its_module_everywhere(opened: Open) -> None:
     page = opened("planar_arm")
     chip = page.one('#robot .chip[data-symbol="4"]')

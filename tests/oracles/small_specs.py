@@ -151,6 +151,51 @@ CLOSED = replaced(
 )
 """The link with a controller, and with all kinds of disturbances."""
 
+PLOTTER = """\
+module PrecisionTurntableWithEncoder { role base; }
+module ContinuousRotaryActuator { role joint; dof q: revolute z in [-180, 180] deg; }
+module CarbonFibreForearmWithTwoHolders { role link; const reach = 1 m; const density = 1 kg/m; }
+module FineLinerPenWithSpringLoadedTip { role effector; }
+edge eps, '[', ']';
+
+grammar Plotter {
+  start Robot;
+  whole: Robot -> PrecisionTurntableWithEncoder eps ContinuousRotaryActuator
+         eps CarbonFibreForearmWithTwoHolders '[' inner:Pen ']' '[' outer:Pen ']';
+  pen: Pen -> FineLinerPenWithSpringLoadedTip;
+}
+
+semantics Plotter {
+  whole {
+    this.turned = this.frame * rot(z, ContinuousRotaryActuator.q);
+    rod(frame: this.turned, axis: x, length: CarbonFibreForearmWithTwoHolders.reach,
+        density: CarbonFibreForearmWithTwoHolders.density);
+    inner.at = this.turned * move(x, 0.7 m);
+    outer.at = this.turned * move(x, CarbonFibreForearmWithTwoHolders.reach);
+  }
+  pen { effector(frame: this.at); }
+}
+
+workspace Sheet {
+  plane xy;
+  bounds box [-0.4, 1.2] x [-0.4, 1.2] m;
+  region Ink box [0.58, 0.8] x [-0.1, 0.12] m;
+  region Blotter box [0.86, 1.1] x [0.05, 0.2] m;
+  target Page box [-0.15, 0.12] x [0.6, 0.78] m;
+}
+
+task Write {
+  robot Plotter;
+  workspace Sheet;
+  start in Ink by effector 1 at rest;
+  reach Page by effector 1;
+  effort <= 10 N*m;
+  horizon 10 steps of 0.2 s;
+}
+"""
+"""Two effectors, the first of which is on the names of the regions that it leaves and reaches;
+the names of the modules are long words."""
+
 PAIR = """\
 module B { role base; }
 module J { role joint; dof q: revolute z in [-170, 170] deg rate in [-3, 3] rad/s; }

@@ -53,8 +53,8 @@ const srgcDrawing = (function () {
     };
   }
 
-  // `at` gives the place in the picture of a point by its number.
-  function robot(marks, motion, at) {
+  // `at` gives the place in the picture of a point by its number; `room` is what the numbers of effectors keep off.
+  function robot(marks, motion, at, room) {
     if (marks.foot) put(marks.foot, at(0));
     motion.bones.forEach(([a, b], i) => ends(marks.bones[i], at(a), at(b)));
     motion.solids.forEach((corners, i) => marks.solids[i].setAttribute("d", line(outline(corners.map(at))) + "Z"));
@@ -73,7 +73,9 @@ const srgcDrawing = (function () {
       ends(marks.axes[axis++], [foot[0] - part * x, foot[1] - part * y], [foot[0] + part * x, foot[1] + part * y]);
     });
     motion.masses.forEach((point, i) => put(marks.masses[i], at(point)));
-    motion.effectors.forEach((point, i) => put(marks.effectors[i], at(point)));
+    const tips = motion.effectors.map((point) => at(point));
+    tips.forEach((tip, i) => put(marks.effectors[i], tip));
+    srgcNumbers.show(marks.effectors, tips, room);
   }
 
   return { text: text, line: line, outline: outline, before: before, between: between, marksOf: marksOf, robot: robot };

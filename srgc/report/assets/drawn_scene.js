@@ -105,7 +105,9 @@ const srgcScene = function (data, picture, holder) {
   };
   let tips = [], now = 0;
 
-  const drawRobot = (row) => drawn.robot(marks, motion, (point) => seen(row, point * d));
+  let room = null;
+  function measured() { room = srgcNumbers.room(picture, [data.width, data.height], d); }
+  const drawRobot = (row) => drawn.robot(marks, motion, (point) => seen(row, point * d), room);
 
   function drawTraces(row, t) {
     const i = before(times, t);
@@ -171,6 +173,7 @@ const srgcScene = function (data, picture, holder) {
 
   function turnedRobot(newAxes, newZoom) {
     turned(newAxes, newZoom);
+    measured();
     thick.forEach((mark, i) => mark.setAttribute("stroke-width", (zoom * widths[i]).toFixed(1)));
     tips = motion.effectors.map((point) => motion.points.map((row) => seen(row, point * d)));
     if (d === 3) {
@@ -188,6 +191,7 @@ const srgcScene = function (data, picture, holder) {
   }
 
   turnedRobot(axes, zoom);
+  window.addEventListener("resize", () => { measured(); draw(); });
   return {
     motion: motion, end: end, turned: turnedRobot, shortTime: shortTime,
     show: (t) => { now = Math.min(Math.max(t, 0), end); draw(); read(now); return now; },

@@ -24,6 +24,7 @@
   const button = root.querySelector(".front-play");
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
   const groups = new Map(all("[data-robot]").map((group) => [Number(group.dataset.robot), group]));
+  const room = srgcNumbers.room(scene, [data.width, data.height], d);
   let shown = null, marks = null, now = 0, last = 0, frame = 0;
 
   function seen(row, at) {
@@ -39,7 +40,7 @@
 
   function draw() {
     const row = srgcDrawing.between(shown.motion.times, shown.motion.points, Math.min(now, end()));
-    srgcDrawing.robot(marks, shown.motion, (point) => seen(row, point * d));
+    srgcDrawing.robot(marks, shown.motion, (point) => seen(row, point * d), room);
   }
 
   function tick(instant) {
