@@ -82,7 +82,7 @@ def motion_picture(design: FoundDesign) -> str:
         moved(left, 0, marks),
         (left + view.width, view.height + below),
         "scene" if plane else "scene space",
-        f"{task.name}: {' '.join(design.derivation.word)}",
+        f"{task.name}: robot {' '.join(design.derivation.word)}",
     )
 
 

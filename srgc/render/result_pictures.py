@@ -27,6 +27,7 @@ from srgc.render.robot_drawing import (
 from srgc.render.svg import SAMPLE, View, document, from_above, label, line_path, moved, symbol
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
+    CELL_SAMPLE,
     KIND_SAMPLES,
     WorkspaceShape,
     cell_path,
@@ -78,7 +79,7 @@ def workspace_figure(
         result.abstraction,
         tuple(result.abstraction.index(name) for name in design.path[design.leader]),
         design.leader,
-        f"{task.name}: {' '.join(design.derivation.word)}\n"
+        f"{task.name}: robot {' '.join(design.derivation.word)}\n"
         f"{_caption(design.model, task, theta, robustness)}",
     )
     return _motion_figure(drawn, workspace, task)
@@ -87,7 +88,9 @@ def workspace_figure(
 def nearest_figure(nearest: NearestMotion, workspace: ir.Workspace, task: ir.Task) -> str:
     """The figure of the motion that came nearest to a design, up to where it is stuck."""
     theta = nearest.trajectory.theta
-    title = f"{task.name}: {' '.join(nearest.derivation.word)}, the nearest motion, not proved"
+    title = (
+        f"{task.name}: robot {' '.join(nearest.derivation.word)}, the nearest motion, not proved"
+    )
     caption = _caption(nearest.model, task, theta, nearest.robustness)
     stuck = nearest.stuck
     if stuck is not None:
@@ -139,6 +142,7 @@ def _legend(shapes: Sequence[WorkspaceShape], *, stuck: bool) -> list[tuple[str,
     ]
     line = f"M0 6h{SAMPLE:g}"
     found += [
+        (CELL_SAMPLE, "cell of the path"),
         (f'<path class="way" d="{line}"/>', "cell path"),
         (f'<path class="trace" d="{line}"/>', "effector"),
         (f'<line class="rod" x1="2" x2="{SAMPLE - 2:g}" y1="6" y2="6"/>', "robot"),
@@ -218,7 +222,8 @@ def input_figure(design: Design, task: ir.Task) -> str:
         moved(0, (PANEL + HEADING) * number, panel) for number, panel in enumerate(panels)
     )
     height = (PANEL + HEADING) * len(panels)
-    return document(content, (WIDE, height), "chart", f"{task.name}: inputs over time")
+    title = f"{task.name}: inputs of robot {' '.join(design.derivation.word)} over time"
+    return document(content, (WIDE, height), "chart", title)
 
 
 def _panel(curves: Sequence[Curve], title: str) -> str:

@@ -29,7 +29,8 @@ class WorkspaceShape:
     """A convex polytope to draw.
 
     ``corners`` has shape (m, d), in the plane ordered around it; ``edges`` are pairs of corners.
-    ``label`` is empty for all pieces of a map but the first.
+    ``label`` is empty for all pieces of a map but the first.  A cell is ``covered`` if it lies in a
+    region, which is drawn upon it.
     """
 
     kind: ShapeKind
@@ -37,6 +38,7 @@ class WorkspaceShape:
     label: str
     corners: Array
     edges: tuple[tuple[int, int], ...]
+    covered: bool = False
 
 
 def workspace_shapes(workspace: Workspace, cells: Iterable[Cell]) -> tuple[WorkspaceShape, ...]:
@@ -46,7 +48,10 @@ def workspace_shapes(workspace: Workspace, cells: Iterable[Cell]) -> tuple[Works
     """
     bounds = polytope_of(workspace.bounds.shape, workspace.dimension)
     found = [_shape("bounds", "bounds", "", bounds)]
-    found += [_shape("cell", cell.name, "", cell.polytope) for cell in cells]
+    found += [
+        replace(_shape("cell", cell.name, "", cell.polytope), covered=cell.kind != "free")
+        for cell in cells
+    ]
     found += _regions(workspace, bounds)
     return tuple(found)
 
@@ -158,7 +163,9 @@ def _shape_mark(group: Sequence[WorkspaceShape], view: View, here: Container[str
         edges = f'<path class="edges" d="{shape_path(shape, view)}"/>'
     name = shape.label if len(group) > 1 else shape.name
     title = f"<title>{text(name)}</title>" if shape.kind != "bounds" else ""
-    kind = f"{shape.kind} here" if shape.kind == "cell" and name in here else shape.kind
+    kind = f"{shape.kind} covered" if shape.covered else shape.kind
+    if shape.kind == "cell" and name in here:
+        kind += " here"
     return f'<g class="shape {kind}">{title}{face}{edges}</g>'
 
 
@@ -315,6 +322,8 @@ KIND_SAMPLES = {
     for kind in ("obstacle", "target", "region")
 }
 """The sample in the legend for each kind of region."""
+CELL_SAMPLE = '<g class="shape cell here"><path class="face" d="M2 1h20v10h-20Z"/></g>'
+"""The sample for a cell that an effector visits."""
 AXES_ROOM = (60.0, 40.0)
 """The room that ``plane_axes`` needs on the left and below."""
 

@@ -14,6 +14,7 @@ from srgc.render.html_text import json_script, number, text, with_unit
 from srgc.render.robot_drawing import DrawnRobot, pose_marks
 from srgc.render.svg import NAMED, View, line_path
 from srgc.render.workspace_drawing import (
+    CELL_SAMPLE,
     KIND_SAMPLES,
     boxes_path,
     page_name_boxes,
@@ -66,10 +67,11 @@ def motion_section(evidence: Evidence) -> str:
         caption = f"{NEAREST} {robot_caption(scene)}"
     else:
         raise ValueError("a motion of no robot")
+    picture = motion_picture(scene, motion, factor, word, evidence.workspace.name)
     return (
         f'<section id="motion"><h2>{title}</h2>'
-        f"<figure>{motion_picture(scene, motion, factor)}{controls([scene])}"
-        f"{readings(word, model.dofs, motion)}{legend(scene)}"
+        f"<figure>{picture}{controls([scene])}"
+        f"{readings(word, model.dofs, motion)}{legend([scene])}"
         f"<figcaption>{caption}</figcaption></figure>"
         f"{poses(scene, motion)}{json_script('motion-data', data)}</section>"
     )
@@ -101,8 +103,13 @@ def scene_picture(view: View, title: str, content: str, *, turned: bool = True) 
     )
 
 
-def motion_picture(scene: MotionScene, motion: RobotMotion, factor: float) -> str:
-    """The robot in its workspace at the start of the motion; a script moves it."""
+def motion_picture(
+    scene: MotionScene, motion: RobotMotion, factor: float, word: Sequence[str], workspace: str
+) -> str:
+    """The robot in its workspace at the start of the motion; a script moves it.
+
+    The picture is called after the word of the robot and its workspace.
+    """
     view = scene.view
     parts = [shape_marks(scene.shapes, view)]
     if motion.tube is not None:
@@ -121,7 +128,9 @@ def motion_picture(scene: MotionScene, motion: RobotMotion, factor: float) -> st
     parts.append(page_names(scene.shapes, view))
     parts.append(measure(scene))
     return scene_picture(
-        view, "The robot in its workspace at the time that the slider gives", "".join(parts)
+        view,
+        f"The robot {' '.join(word)} in {workspace} at the time that the slider gives",
+        "".join(parts),
     )
 
 
@@ -227,14 +236,16 @@ def _coordinate(value: float, *, turning: bool) -> str:
     return f"{degrees(value):.1f}°" if turning else f"{number(value)} m"
 
 
-def legend(scene: MotionScene) -> str:
-    """The legend of the picture."""
-    kinds = {shape.kind for shape in scene.shapes}
+def legend(scenes: Sequence[MotionScene]) -> str:
+    """The legend of the pictures: all that is in one of them."""
+    kinds = {shape.kind for scene in scenes for shape in scene.shapes}
+    motions = [scene.motion for scene in scenes if scene.motion is not None]
     entries = [(KIND_SAMPLES[kind], says) for kind, says in KIND_WORDS.items() if kind in kinds]
-    motion = scene.motion
-    if motion is not None and motion.tube is not None:
+    if any(any(motion.visits) for motion in motions):
+        entries.append((CELL_SAMPLE, "cell that an effector is in"))
+    if any(motion.tube is not None for motion in motions):
         entries.append((TUBE_SAMPLE, "proved tube: the effector is in these boxes"))
-    if motion is not None:
+    if motions:
         entries.append(('<path class="trace" d="M1 6h22"/>', "path of the effector so far"))
     items = "".join(
         f'<li><svg class="scene" viewBox="0 0 24 12" aria-hidden="true">{sample}</svg>{says}</li>'

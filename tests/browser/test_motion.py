@@ -6,11 +6,14 @@ import csv
 import re
 import time
 from collections.abc import Callable
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from tests.oracles.browsers import Opened
 
@@ -273,6 +276,30 @@ def test_numbers_move_when_the_window_becomes_narrow(opened: Open) -> None:
     page.run("window.dispatchEvent(new Event('resize'));")
     assert page.run(number) != wide
     assert page.run(TOUCHING) == [2, 3, []]
+
+
+def test_regions_have_the_colour_that_the_legend_gives(opened: Open) -> None:
+    """Of two regions, the first pen leaves one and the second the other, at another time."""
+    page = opened("plotter")
+    places = (
+        "return Array.from(document.querySelectorAll(arguments[0])).map((mark) => {"
+        "  const box = mark.getBoundingClientRect();"
+        "  return [box.left + 6, box.top + (arguments[1] ? box.height / 2 : box.height - 6)];"
+        "});"
+    )
+    colours = set()
+    for sample in (0, 5, 10):
+        to_sample(page, sample)
+        page.run("document.querySelector('#motion').scrollIntoView();")
+        found = page.run(places, "#motion > figure > .scene .region .face", False)
+        shown = Image.open(BytesIO(page.driver.get_screenshot_as_png())).convert("RGB")
+        colours |= {shown.getpixel((round(x), round(y))) for x, y in found}
+        assert len(found) == 2
+    page.run("document.querySelector('#motion .legend').scrollIntoView({block: 'center'});")
+    (sample_at,) = page.run(places, "#motion .legend .region .face", True)
+    shown = Image.open(BytesIO(page.driver.get_screenshot_as_png())).convert("RGB")
+    colours.add(shown.getpixel((round(sample_at[0]), round(sample_at[1]))))
+    assert max(np.ptp(np.array(list(colours)), axis=0)) <= 2, colours
 
 
 def test_a_symbol_marks_its_module_everywhere(opened: Open) -> None:

@@ -56,7 +56,7 @@ def motions_section(evidence: MissionEvidence) -> str:
     title = "The motion" if len(moved) == 1 else "The motions, one after the other"
     return (
         f'<section id="motion"><h2>{title}</h2><figure>{parts}{_jumps(evidence, scenes)}'
-        f"{controls(scenes)}{said}{legend(scenes[0])}<figcaption>{robot_caption(scenes[0])}</figcaption></figure>"
+        f"{controls(scenes)}{said}{legend(scenes)}<figcaption>{robot_caption(scenes[0])}</figcaption></figure>"
         f'<div class="stills">{stills}</div>{json_script("motion-data", data)}</section>'
     )
 
@@ -89,12 +89,14 @@ def _scenes(evidence: MissionEvidence) -> list[MotionScene]:
 
 def _part(evidence: MissionEvidence, number: int, scene: MotionScene, motion: RobotMotion) -> str:
     """A task with its picture, which a script shows when it is due."""
-    name = text(evidence.tasks[number].task.name)
+    task = evidence.tasks[number]
+    name, word = text(task.task.name), () if task.found is None else task.found.derivation.word
+    factor = magnified(motion.tube, scene.view)
     place = f", task {number + 1} of {len(evidence.tasks)}" if len(evidence.tasks) > 1 else ""
     return (
         f'<div class="part" data-task="{name}"><p class="at"><b>{name}</b>{place}'
         f"{_rebuilt(evidence, number)}</p>"
-        f"{motion_picture(scene, motion, magnified(motion.tube, scene.view))}</div>"
+        f"{motion_picture(scene, motion, factor, word, task.workspace.name)}</div>"
     )
 
 

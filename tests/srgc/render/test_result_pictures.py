@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from xml.etree import ElementTree
+
 import numpy as np
 import pytest
 
@@ -69,3 +71,27 @@ def test_the_pictures_are_made_twice_alike(drawn):
     assert pictures[0] == pictures[1]
     assert pictures[0].lstrip().startswith("<?xml")
     assert input_figure(result.design, task) == input_figure(result.design, task)
+
+
+def test_pictures_are_called_after_task_and_robot(drawn):
+    program, task, result = drawn
+    robot = f"robot {' '.join(result.design.derivation.word)}"
+    workspace = workspace_figure(result, result.design, program.workspaces["Table"], task)
+    for picture in (workspace, input_figure(result.design, task)):
+        title = ElementTree.fromstring(picture)[0]
+        assert title.tag.endswith("}title")
+        assert task.name in title.text
+        assert robot in title.text
+
+
+def test_the_legend_tells_the_cells_of_the_path_from_regions(drawn):
+    program, task, result = drawn
+    picture = ElementTree.fromstring(
+        workspace_figure(result, result.design, program.workspaces["Table"], task)
+    )
+    kinds = {
+        each.get("class") for each in picture.iter() if "shape" in each.get("class", "").split()
+    }
+    assert {"shape cell here", "shape cell covered here", "shape region"} <= kinds
+    says = {each.text for each in picture.iter("{http://www.w3.org/2000/svg}text")}
+    assert {"region", "target", "obstacle", "cell of the path", "cell path"} <= says
