@@ -104,7 +104,7 @@ def test_the_numbers_of_the_case_study(folder: Path, page: Page) -> None:
         in two[2]
     )
     robustness = row(page, CASE_STUDY, "Robustness")[2]
-    said = [float(number) for number in re.findall(r"(\d+\.\d+) N·m", robustness)]
+    said = [float(number) for number in re.findall(r"(\d+\.\d+) N\*m", robustness)]
     assert said == pytest.approx([found["robustness"], published["robustness"]], abs=5e-4)
     assert (body["verdict"], found["verdict"]) == ("impossible", "found")
     assert "impossible, and the evidence is valid" in row(page, CASE_STUDY, "The whole arm")[2]
@@ -175,8 +175,8 @@ def test_the_numbers_of_figure_4(folder: Path, page: Page) -> None:
     assert np.array_equal(feasible, values >= 0)
     says = row(page, "Figure 4", "Figure 4")[2]
     assert says.startswith(f"{feasible.sum()} of {feasible.size} pairs")
-    assert f"the most robust {values.max():.2f} N·m" in says
-    assert f"robustness is {record['published']:.2f} N·m" in row(page, "Figure 4", "Section 5")[2]
+    assert f"the most robust {values.max():.2f} N*m" in says
+    assert f"robustness is {record['published']:.2f} N*m" in row(page, "Figure 4", "Section 5")[2]
 
 
 def test_the_same_records_give_the_same_page(folder: Path) -> None:

@@ -103,7 +103,7 @@ def paper_table(steps: Sequence[Step]) -> str:
         )
         for number, step in enumerate(steps, start=1)
     ]
-    names = ("Step", "Structure ω", "Path κ", "Best ρ (N·m)", "Counterexample φ_c", "Verdict")
+    names = ("Step", "Structure ω", "Path κ", "Best ρ (N*m)", "Counterexample φ_c", "Verdict")
     return table("The loop as the paper prints it", names, rows)
 
 
@@ -136,7 +136,7 @@ def srgc_table(found: Synthesis) -> str:
     rows = [
         row for structure in told for row in _rows(structure, tried[structure.number], found.design)
     ]
-    names = ("Structure", "ω", "Path κ", "Best ρ (N·m)", "Core or evidence", "Verdict")
+    names = ("Structure", "ω", "Path κ", "Best ρ (N*m)", "Core or evidence", "Verdict")
     return table("The loop of srgc", names, rows)
 
 

@@ -24,7 +24,7 @@ from paper.syntheses import Synthesis
 from srgc.render.html_text import number
 
 BOUND = 10
-"""The paper's bound on inputs, in N·m."""
+"""The paper's bound on inputs, in N*m."""
 STEPS = 81
 """The paper's k."""
 OBSTACLE = ((1.7, 3.0), (2.0, 3.0))
@@ -65,7 +65,7 @@ def case_study(found: Synthesis, published: Synthesis, body: Synthesis) -> Secti
         Claim(
             "Bound on inputs",
             f"{BOUND}",
-            f"{BOUND} N·m; the paper gives no unit, and efforts of joints that turn are torques.",
+            f"{BOUND} N*m; the paper gives no unit, and efforts of joints that turn are torques.",
             "agrees",
         ),
         Claim(
@@ -96,25 +96,25 @@ def case_study(found: Synthesis, published: Synthesis, body: Synthesis) -> Secti
         Claim(
             "Robustness",
             "positive; no number",
-            f"{number_of(design['robustness'], 3)} N·m, with the published lengths "
-            f"{number_of(published.design['robustness'], 3)} N·m, each on the path on "
+            f"{number_of(design['robustness'], 3)} N*m, with the published lengths "
+            f"{number_of(published.design['robustness'], 3)} N*m, each on the path on "
             "which the search proved it.",
             "not stated",
         ),
         Claim(
             "Largest input",
             f"within {BOUND}; Figure 3(b) has the curves",
-            f"{number_of(design['effort_peak'], 4)} N·m, with the published lengths "
-            f"{number_of(published.design['effort_peak'], 4)} N·m: with rods of 1 kg/m and "
+            f"{number_of(design['effort_peak'], 4)} N*m, with the published lengths "
+            f"{number_of(published.design['effort_peak'], 4)} N*m: with rods of 1 kg/m and "
             f"{float(task.step * task.steps):g} s the task needs little effort.",
             "agrees",
         ),
         Claim(
             "Inertia, entry D₁₂",
-            f"{number_of(printed[0, 1], 2)} kg·m² with the published lengths stretched out, as it "
+            f"{number_of(printed[0, 1], 2)} kg*m^2 with the published lengths stretched out, as it "
             "is printed",
-            f"{number_of(derived[0, 1], 2)} kg·m²: the printed entry begins with l₁³/3 in place of "
-            "l₂³/3 (erratum 4.6).",
+            f"{number_of(derived[0, 1], 2)} kg*m^2: the printed entry begins with l₁³/3 in place "
+            "of l₂³/3 (erratum 4.6).",
             "corrected",
         ),
         Claim(

@@ -37,8 +37,8 @@ def figure_3(found: Synthesis, published: Synthesis) -> Section:
             "Figure 3(b)",
             f"A control strategy for links of {lengths} m, with inputs of at most 10.",
             "With these lengths inputs of at most "
-            f"{number_of(published.design['effort_peak'], 3)} N·m do the task; with the design of "
-            f"srgc {number_of(found.design['effort_peak'], 3)} N·m do. The task has a start, a "
+            f"{number_of(published.design['effort_peak'], 3)} N*m do the task; with the design of "
+            f"srgc {number_of(found.design['effort_peak'], 3)} N*m do. The task has a start, a "
             "step and ranges of its own (erratum 4.16), so the curves are not those of the paper.",
             "agrees",
         ),
@@ -59,8 +59,8 @@ def _pair(part: str, one: Synthesis, of: str) -> list[Figure]:
         ),
         Figure(
             one.picture("inputs"),
-            f"Two torques over time, of at most {number_of(one.design['effort_peak'], 3)} N·m.",
-            "Its inputs; the bound is 10 N·m on either side.",
+            f"Two torques over time, of at most {number_of(one.design['effort_peak'], 3)} N*m.",
+            "Its inputs; the bound is 10 N*m on either side.",
             wide=True,
         ),
     ]

@@ -64,15 +64,15 @@ def figure_4(record: Mapping[str, Any], found: Synthesis) -> Section:
             "Figure 4",
             "The robustness depends on both lengths; where is not said in numbers.",
             f"{share} pairs of lengths are feasible; of these the least robust has "
-            f"{number_of(values[feasible].min(), 2)} N·m, the most robust "
-            f"{number_of(values.max(), 2)} N·m, at {best}.",
+            f"{number_of(values[feasible].min(), 2)} N*m, the most robust "
+            f"{number_of(values.max(), 2)} N*m, at {best}.",
             "not stated",
         ),
         Claim(
             "Section 5",
             f"The best lengths are {PAPER[0]} m and {PAPER[1]} m.",
-            f"There the robustness is {number_of(known, 2)} N·m, on the path of the design; the "
-            f"design has {number_of(found.design['robustness'], 2)} N·m. The paper gives neither "
+            f"There the robustness is {number_of(known, 2)} N*m, on the path of the design; the "
+            f"design has {number_of(found.design['robustness'], 2)} N*m. The paper gives neither "
             "start nor step (erratum 4.16), on which the best lengths depend.",
             "differs",
         ),

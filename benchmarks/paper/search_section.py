@@ -49,7 +49,7 @@ def search_section(runs: Sequence[Array]) -> Section:
     ]
     intro = (
         f"{many(seeds, 'seed')}, the same for all methods, {budget} control syntheses for each "
-        f"search. The best value of all is {number_of(best, 3)} N·m; a search gets there when it "
+        f"search. The best value of all is {number_of(best, 3)} N*m; a search gets there when it "
         f"has {100 * SHARE:.0f} % of that. Intervals of medians lie between order statistics, here "
         f"{_between(rank)} of {seeds}: whatever the "
         f"distribution, they hold the median with probability {100 * coverage:.1f} %. Intervals of "
@@ -79,7 +79,7 @@ def search_table(methods: Sequence[Compared], seeds: int, budget: int) -> str:
     ]
     names = (
         "Method", f"Evaluations to {100 * SHARE:.0f} %", "Got there",
-        f"Best ρ after {budget} (N·m)", f"Saving of {OURS} (%)",
+        f"Best ρ after {budget} (N*m)", f"Saving of {OURS} (%)",
     )  # fmt: skip
     return table("Medians with intervals", names, rows, numbers=(1, 2, 3, 4))
 
@@ -144,7 +144,7 @@ def _claims(saved: dict[str, Saving]) -> list[Claim]:
 def _says(ours: Compared, other: Compared, budget: int) -> str:
     return (
         f"Best value so far over {budget} evaluations: at the end {OURS} has a median of "
-        f"{number_of(ours.best.value, 3)} N·m, {other.method} of {number_of(other.best.value, 3)}."
+        f"{number_of(ours.best.value, 3)} N*m, {other.method} of {number_of(other.best.value, 3)}."
     )
 
 
@@ -157,7 +157,7 @@ def _plot(ours: Compared, other: Compared, best: float) -> str:
     goal = f'<line class="bound" x1="{plot.left:g}" x2="{plot.right:g}" y1="{y:.1f}" y2="{y:.1f}"/>'
     counts = [(value, says) for value, says in labelled(across, 6) if value.is_integer()]
     frame = axes(
-        plot, counts, labelled(plot.up, 5), more=titles(plot, "evaluations", "best ρ (N·m)", 34)
+        plot, counts, labelled(plot.up, 5), more=titles(plot, "evaluations", "best ρ (N*m)", 34)
     )
     marks = "".join(_curve(each, plot, k) for k, each in enumerate((other, ours)))
     legend = [

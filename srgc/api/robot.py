@@ -81,7 +81,7 @@ class Robot:
     def mass_matrix(self, q: ArrayLike) -> Array:
         """The mass matrix M at ``q``, shape (n, n) or (K, n, n).
 
-        The rows of revolute joints are in kg m^2, those of prismatic joints in kg.
+        The rows of revolute joints are in kg*m^2, those of prismatic joints in kg.
 
         Raises:
             SrgcError: ``q`` has another shape.
@@ -94,7 +94,7 @@ class Robot:
     def coriolis(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """The centrifugal and Coriolis forces c, shape (n,) or (K, n).
 
-        They are in N m for revolute joints, in N for prismatic joints.
+        They are in N*m for revolute joints, in N for prismatic joints.
 
         Raises:
             SrgcError: ``q`` or ``qd`` has another shape, or they have different numbers of poses
@@ -119,7 +119,7 @@ class Robot:
     def gravity(self, q: ArrayLike) -> Array:
         """The gravitational forces g, shape (n,) or (K, n); zero without a task.
 
-        They are in N m for revolute joints, in N for prismatic joints.
+        They are in N*m for revolute joints, in N for prismatic joints.
 
         Raises:
             SrgcError: ``q`` has another shape.

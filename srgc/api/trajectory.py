@@ -86,7 +86,7 @@ def _charts(motion: Trajectory) -> Iterator[tuple[str, list[Curve]]]:
     groups: tuple[CurveGroup, ...] = planned_curves(motion.found, motion)
     for group in groups:
         for unit in dict.fromkeys(curve.unit for curve in group.curves):
-            label = group.title if unit == "1" else f"{group.title} ({unit.replace('*', '·')})"
+            label = group.title if unit == "1" else f"{group.title} ({unit})"
             yield label, [curve for curve in group.curves if curve.unit == unit]
 
 

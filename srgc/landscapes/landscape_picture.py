@@ -74,7 +74,7 @@ def _frames(content: Landscape, shown: _Shown) -> str:
 
 
 def _named(axis: Axis) -> str:
-    unit = "" if axis.unit == "1" else f" ({axis.unit.replace('*', ' ')})"
+    unit = "" if axis.unit == "1" else f" ({axis.unit})"
     symbol_, _, name = axis.name.partition(".")
     return f"{axis.module}.{name}, symbol {symbol_}{unit}"
 

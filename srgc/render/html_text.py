@@ -34,9 +34,9 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
-    """A number with its unit, in which ``·`` stands for products; dimensionless ones have none."""
+    """A number with its unit, spelled as in a spec; dimensionless ones have none."""
     shown = number(value, digits)
-    return shown if unit in ("", "1") else f"{shown} {unit.replace('*', '·')}"
+    return shown if unit in ("", "1") else f"{shown} {unit}"
 
 
 LONGEST_NAME = 24

@@ -156,7 +156,10 @@ def _caption(model: RobotModel, task: ir.Task, theta: Array, robustness: float) 
     """The parameters and the robustness, in the unit of the inputs or, with several, as a share."""
     bounds = {(bound.unit, bound.widest_margin) for bound in input_bounds(model, task)}
     written = number(robustness)
-    if len(bounds) > 1:
+    if len(bounds) == 1:
+        ((unit, _),) = bounds
+        written = with_unit(robustness, unit)
+    elif bounds:
         widest = float(max(margin for _, margin in bounds))
         written = f"{number(100 * robustness / widest)} %" if widest > 0 else written
     values = [
@@ -213,8 +216,7 @@ def input_figure(design: Design, task: ir.Task) -> str:
             for k, i in enumerate(bound.inputs, 1)
         ]
         says = f"bound ±{number(high)}" if low == -high else f"{number(low)} to {number(high)}"
-        unit = bound.unit.replace("*", " ")
-        title = f"{'effort' if bound.effort else 'input'} ({unit}), {says} {unit}"
+        title = f"{'effort' if bound.effort else 'input'} ({bound.unit}), {says} {bound.unit}"
         panels.append(_panel(curves, title))
     if not robot_inputs(design.model):
         panels.append(label(0, 14, "start", "the robot has no inputs", ' class="says"'))

@@ -72,7 +72,7 @@ def _group(group: CurveGroup) -> str:
 
 
 def _figure(curve: Curve) -> str:
-    unit = "" if curve.unit == "1" else f" ({text(curve.unit.replace('*', '·'))})"
+    unit = "" if curve.unit == "1" else f" ({text(curve.unit)})"
     return (
         f"<figure><figcaption><span>{text(curve.title)}{unit}</span>"
         f'<output class="screen-only" data-for="{text(curve.name)}">'

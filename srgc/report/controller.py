@@ -80,7 +80,7 @@ def _figure(title: str, curves: Sequence[Curve], name: str) -> str:
         f'<span class="key {colour_class(curve)}">{text(curve.title)}</span>' for curve in curves
     )
     return (
-        f"<figure><figcaption><span>{text(title.replace('*', '·'))}</span><span>{legend}</span>"
+        f"<figure><figcaption><span>{text(title)}</span><span>{legend}</span>"
         f"</figcaption>{lines_chart(curves, name)}</figure>"
     )
 

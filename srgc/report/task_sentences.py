@@ -64,7 +64,7 @@ def _kept(program: ir.Program, origin: ir.Origin) -> str:
     for each in origin.fixed:
         module = program.modules[origin.word[each.symbol]]
         (unit,) = (own.unit for own in module.parameters if own.name == each.name)
-        shown = closed_text(each.value) + ("" if unit == "1" else f" {unit.replace('*', '·')}")
+        shown = closed_text(each.value) + ("" if unit == "1" else f" {unit}")
         said.append(f"`{module.name}.{each.name}` of symbol {each.symbol}: {shown}")
     return f", whose parameters keep their values: {', '.join(said)}"
 
@@ -162,7 +162,7 @@ def _limits(task: ir.Task) -> Iterator[str]:
         yield f"{who} carries a point mass of {_value(payload.mass)} kg"
     if any(task.gravity):
         vector = ", ".join(_value(part) for part in task.gravity)
-        yield f"Gravity is ({vector}) m/s²"
+        yield f"Gravity is ({vector}) m/s^2"
     if task.control is not None:
         feedback = task.control == "feedback"
         yield (

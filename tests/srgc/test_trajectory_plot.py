@@ -27,7 +27,7 @@ def data(line):
 def test_each_kind_and_unit_has_a_chart(motion):
     axes = motion.plot()
     assert [each.get_ylabel() for each in axes] == [
-        "Coordinates (rad)", "Rates (rad/s)", "Inputs (N·m)",
+        "Coordinates (rad)", "Rates (rad/s)", "Inputs (N*m)",
     ]  # fmt: skip
     assert axes[-1].get_xlabel() == "time (s)"
     coordinates, rates, inputs = (each.get_lines()[0] for each in axes)

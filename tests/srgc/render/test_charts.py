@@ -177,7 +177,7 @@ def test_numbers_are_short(value: float, shown: str) -> None:
 
 
 def test_units_are_written_behind() -> None:
-    assert with_unit(2.0, "N*m") == "2 N·m"
+    assert with_unit(2.0, "N*m") == "2 N*m"
     assert with_unit(2.0, "1") == "2"
 
 

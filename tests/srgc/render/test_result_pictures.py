@@ -95,3 +95,14 @@ def test_the_legend_tells_the_cells_of_the_path_from_regions(drawn):
     assert {"shape cell here", "shape cell covered here", "shape region"} <= kinds
     says = {each.text for each in picture.iter("{http://www.w3.org/2000/svg}text")}
     assert {"region", "target", "obstacle", "cell of the path", "cell path"} <= says
+
+
+def test_units_are_spelled_as_in_the_spec(drawn):
+    program, task, result = drawn
+    inputs = input_figure(result.design, task)
+    assert "effort (N*m), bound ±10 N*m" in inputs
+    workspace = workspace_figure(result, result.design, program.workspaces["Table"], task)
+    robustness = result.design.configuration.outcome.robustness
+    assert f"robustness {robustness:.4g} N*m" in workspace
+    for other in ("N m", "N·m"):
+        assert other not in inputs + workspace

@@ -90,10 +90,19 @@ def test_a_design_is_told_in_its_numbers(pages: Pages) -> None:
     head = page.section("verdict")
     for parameter in design["parameters"]:
         assert f"{parameter['value']:.5g} {parameter['unit']}" in head
-    assert f"{design['robustness']:.4g} N·m" in head
-    assert f"{design['effort_peak']:.4g} N·m" in head
+    assert f"{design['robustness']:.4g} N*m" in head
+    assert f"{design['effort_peak']:.4g} N*m" in head
     assert f"{design['step'] * design['horizon']:g} s" in head
     assert page.all("p", class_="verdict good")
+
+
+@pytest.mark.parametrize("spec", ["turner", "motor", "closed"])
+def test_units_are_spelled_as_in_the_spec(pages: Pages, spec: str) -> None:
+    folder, _ = pages(spec)
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "N*m" in text
+    for other in ("N·m", "N m", "·s", "m²", "s²"):
+        assert other not in text, other
 
 
 def test_charts_show_the_motion(pages: Pages) -> None:
@@ -274,9 +283,9 @@ def test_every_kind_of_joint_has_its_peak(pages: Pages) -> None:
     rows = np.array([[float(Fraction(x)) for x in row] for row in claim["inputs"]])
     torque, force = np.abs(rows[:, 0]).max(), np.abs(rows[:, 1:]).max()
     head = page.section("verdict")
-    assert f"{torque:.4g} N·m and {force:.4g} N" in head
+    assert f"{torque:.4g} N*m and {force:.4g} N" in head
     share = 100 * min(1 - torque / 20, 1 - force / 40)
-    assert f"{share:.4g} % ({20 - torque:.4g} N·m, {40 - force:.4g} N)" in head
+    assert f"{share:.4g} % ({20 - torque:.4g} N*m, {40 - force:.4g} N)" in head
 
 
 def test_lemmas_are_listed(pages: Pages) -> None:
