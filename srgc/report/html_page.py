@@ -8,6 +8,7 @@ from importlib.resources import files
 
 from srgc.render.html_text import text
 from srgc.render.svg import marks_style
+from srgc.report.word_breaks import with_breaks
 
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
@@ -18,7 +19,7 @@ POLICY = (
 
 def html_page(title: str, head: str, rest: Sequence[str]) -> str:
     """A page with a head, which contains a ``<header>``, and the sections that are not empty."""
-    body = _with_contents(head, [section for section in rest if section])
+    body = with_breaks(_with_contents(head, [section for section in rest if section]))
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{text(POLICY)}">\n'

@@ -94,6 +94,42 @@ def test_a_phone_does_not_scroll_sideways(opened: Open, spec: str, width: int) -
     assert wide == [width, width]
 
 
+BROKEN = """
+const parts = /[A-Z][a-z]{3,}/g, found = [];
+const walker = document.createTreeWalker(document.querySelector('main'), NodeFilter.SHOW_TEXT);
+let seen = 0;
+while (walker.nextNode()) {
+  const node = walker.currentNode, element = node.parentElement;
+  if (element.closest('svg, pre, script, select') || !element.getClientRects().length) continue;
+  for (const word of node.data.matchAll(parts)) {
+    const range = document.createRange();
+    range.setStart(node, word.index);
+    range.setEnd(node, word.index + word[0].length);
+    const tops = new Set(Array.from(range.getClientRects()).map((box) => box.top));
+    seen += 1;
+    if (tops.size > 1) found.push(word[0]);
+  }
+}
+return [seen, found];
+"""
+"""How many capitalised words there are on the page, and those that are on two lines."""
+
+
+@pytest.mark.parametrize("width", [320, 360])
+def test_long_names_are_broken_between_their_words(opened: Open, width: int) -> None:
+    page = opened("plotter")
+    page.command(
+        "Emulation.setDeviceMetricsOverride", width=width, height=740, deviceScaleFactor=2,
+        mobile=True,
+    )  # fmt: skip
+    page.run("document.querySelectorAll('details').forEach((each) => { each.open = true; });")
+    seen, broken = page.run(BROKEN)
+    assert seen > 60
+    assert broken == []
+    wide = "return [document.documentElement.scrollWidth, document.documentElement.clientWidth];"
+    assert page.run(wide) == [width, width]
+
+
 @pytest.mark.parametrize("spec", SPECS)
 def test_every_text_can_be_read_by_day_and_in_the_dark(opened: Open, spec: str) -> None:
     page = opened(spec)

@@ -147,7 +147,7 @@ const srgcScene = function (data, picture, holder) {
       return cell;
     });
     marks.cells.forEach((mark, index) => mark.classList.toggle("here", here.includes(index)));
-    readings.cells.forEach((mark, e) => { mark.textContent = here[e] < 0 ? "" : motion.cells[here[e]]; });
+    readings.cells.forEach((mark, e) => { srgcWrite(mark, here[e] < 0 ? "" : motion.cells[here[e]]); });
     readings.time.textContent = shortTime(t) + " s";
     readings.sample.textContent = String(sample);
     between(times, motion.q, t).forEach((value, i) => {

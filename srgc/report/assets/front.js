@@ -73,7 +73,7 @@
       mark.classList.toggle("lit", own);
       if (mark instanceof HTMLElement) mark.setAttribute("aria-pressed", String(own));
     });
-    name.textContent = found.says;
+    srgcWrite(name, found.says);
     now = moving ? 0 : end();
     draw();
     play(moving);
