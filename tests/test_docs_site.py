@@ -269,6 +269,13 @@ def test_the_first_use_of_a_term_is_the_one_that_is_linked(
         assert not left_out & first.keys(), name
 
 
+def test_the_page_of_the_search_has_a_heading_and_a_field(site: Path) -> None:
+    text = (site / "search.html").read_text(encoding="utf-8")
+    assert "<h1>Search</h1>" in text
+    article = text.partition('<article role="main"')[2]
+    assert re.search(r'<input type="search" name="q" aria-label="Search"', article)
+
+
 # --- the search of the site, in a browser --------------------------------------------------------
 
 

@@ -130,6 +130,12 @@ def code(content: object) -> str:
     return f"<code>{text(content)}</code>"
 
 
+def with_code(sentence: str) -> str:
+    """A sentence in HTML; its parts in backquotes become code."""
+    parts = sentence.split("`")
+    return "".join(code(part) if i % 2 else text(part) for i, part in enumerate(parts))
+
+
 def details(summary: str, content: str) -> str:
     """Content that a click on the summary opens."""
     return f"<details><summary>{text(summary)}</summary>{content}</details>"

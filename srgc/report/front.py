@@ -136,7 +136,7 @@ def _table(designs: ComparedDesigns, moving: set[int]) -> str:
     )
     return (
         '<div class="scroll"><table class="front-table"><thead><tr>'
-        f'<th class="screen-only"></th>{heads}<th>word</th><th>folder</th></tr></thead>'
+        f'<td class="screen-only"></td>{heads}<th>word</th><th>folder</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
     )
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from srgc.render.charts import Point, scatter_chart
 from srgc.render.heat_map import plane_chart
-from srgc.render.html_text import many, number, text
+from srgc.render.html_text import many, number, text, with_code
 from srgc.report.compared_designs import designs_part
 from srgc.report.evidence import GROUPS, Evidence, TriedRobot, tried_robots
 from srgc.report.tables import Evaluation, varied
@@ -117,7 +117,7 @@ def _row(robot: TriedRobot, most: int) -> str:
 def _why(robot: TriedRobot) -> str:
     if robot.verdict != "refuted":
         return text(robot.evidence)
-    reason = f"{text(robot.reason)}; " if robot.reason else ""
+    reason = f"{with_code(robot.reason)}; " if robot.reason else ""
     files = dict.fromkeys(name for name in (robot.evidence, robot.boxes) if name)
     return reason + " and ".join(f"<code>{text(name)}</code>" for name in files)
 

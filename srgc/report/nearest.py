@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from solvers.verifier.claims.spec_copy import bounded_bytes
-from srgc.render.html_text import number, text
+from srgc.render.html_text import number, text, with_code
 from srgc.report.evidence import Evidence
 from srgc.results.folder_writer import NEAREST_PICTURE
 
@@ -28,7 +28,7 @@ def _says(nearest: Mapping[str, Any]) -> str:
     """The robot of the motion, and what the motion lacks."""
     word = nearest.get("word")
     robot = " ".join(map(str, word)) if isinstance(word, list) else ""
-    cause, reason = (text(str(nearest.get(name, ""))) for name in ("cause", "reason"))
+    cause, reason = (with_code(str(nearest.get(name, ""))) for name in ("cause", "reason"))
     parts = [f'<p><span class="word">{text(robot)}</span>: {cause}{_stuck(nearest.get("stuck"))}.']
     if reason:
         parts.append(f' <span class="soft">{reason.removesuffix(".")}.</span>')

@@ -9,7 +9,7 @@ from solvers.verifier.claims.bound_claims import bound_text
 from solvers.verifier.claims.certificate import FoundClaim, ImpossibleClaim, control_of
 from solvers.verifier.proofs.tube_checks import Status
 from solvers.verifier.report import Outcome, Report
-from srgc.render.html_text import many, number, text, with_unit
+from srgc.render.html_text import many, number, text, with_code, with_unit
 from srgc.report.controller import commanded_peak
 from srgc.report.evidence import Evidence, tried_robots
 from srgc.report.task_sentences import task_sentences
@@ -43,7 +43,7 @@ def proved_section(evidence: Evidence) -> str:
     """What was proved, the task in words, and the robot in figures."""
     proved = "".join(f"<p>{sentence}</p>" for sentence in _proved(evidence))
     sentences = "".join(
-        f"<li>{_code(sentence)}</li>"
+        f"<li>{with_code(sentence)}</li>"
         for sentence in task_sentences(evidence.program, evidence.task)
     )
     return (
@@ -52,22 +52,14 @@ def proved_section(evidence: Evidence) -> str:
     )
 
 
-def _code(sentence: str) -> str:
-    """A sentence in HTML; parts in backquotes become code."""
-    parts = sentence.split("`")
-    return "".join(
-        f"<code>{text(part)}</code>" if i % 2 else text(part) for i, part in enumerate(parts)
-    )
-
-
 def _robot_line(evidence: Evidence) -> str:
     if evidence.found is not None:
         return f'<p class="word">{text(" ".join(evidence.found.claim.word))}</p>'
     claim = evidence.claim
     if isinstance(claim, ImpossibleClaim):
-        return f'<p class="reason">{_code(_claimed(claim))}</p>'
+        return f'<p class="reason">{with_code(_claimed(claim))}</p>'
     reason = evidence.design["reason"]
-    return "" if reason is None else f'<p class="reason">{_code(str(reason))}</p>'
+    return "" if reason is None else f'<p class="reason">{with_code(str(reason))}</p>'
 
 
 def _claimed(claim: ImpossibleClaim) -> str:
@@ -171,9 +163,9 @@ def _proved_motion(evidence: Evidence) -> Iterator[str]:
             "bounds of the inputs hold for all that it commands."
         )
     if evidence.design.get("held_at_end") is False:
-        yield _code(f"It is at rest there for an instant only; {NOT_HELD}.")
+        yield with_code(f"It is at rest there for an instant only; {NOT_HELD}.")
     if evidence.task.avoid_self is None:
-        yield _code(f"{UNASKED_SELF[0].upper()}{UNASKED_SELF[1:]}: it may pass through itself.")
+        yield with_code(f"{UNASKED_SELF[0].upper()}{UNASKED_SELF[1:]}: it may pass through itself.")
     if evidence.task.repeat:
         yield (
             "The motion goes on for ever. The certificate states a set of states in which every "

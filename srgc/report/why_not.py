@@ -9,7 +9,7 @@ from grammar_lang.source import Span, written
 from solvers.explanation.conflict import Conflict
 from solvers.verifier.claims.certificate import ImpossibleClaim, exact
 from solvers.verifier.report import Outcome
-from srgc.render.html_text import many, text
+from srgc.render.html_text import many, text, with_code
 from srgc.report.evidence import Evidence, TriedRobot, tried_robots
 from srgc.report.spec_source import line_anchor
 
@@ -44,8 +44,8 @@ def _headline(evidence: Evidence, robots: Sequence[TriedRobot]) -> Iterator[str]
     if evidence.verdict != "unknown":
         return
     listed = any(each.verdict == "unresolved" for each in robots)
-    reason = str(evidence.design["reason"] or "no reason is stated").replace("`", "")
-    what = "what is open is listed here" if listed else text(reason)
+    reason = str(evidence.design["reason"] or "no reason is stated")
+    what = "what is open is listed here" if listed else with_code(reason)
     yield (
         f"<p>The verdict is unknown: {what}. The task may be possible, or impossible for a reason "
         "that the refuters do not see.</p>"
@@ -176,7 +176,7 @@ def _reasons(refuted: Sequence[TriedRobot]) -> Iterator[str]:
     if not groups:
         return
     rows = "".join(
-        f'<tr><td class="figure">{len(group)}</td><td>{text(reason)}</td>'
+        f'<tr><td class="figure">{len(group)}</td><td>{with_code(reason)}</td>'
         f'<td class="word">{text(" ".join(group[-1].word))}</td></tr>'
         for reason, group in list(groups.items())[:MOST_REASONS]
     )

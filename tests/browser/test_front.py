@@ -101,6 +101,7 @@ def test_without_scripts_there_is_the_table(page: Opened) -> None:
     page.command("Emulation.setScriptExecutionDisabled", value=True)
     page.driver.refresh()
     assert page.one(".front-table").is_displayed()
+    assert all(head.text.strip() for head in page.all(".front-table th"))
     assert page.one(".front-chart").is_displayed()
     assert not page.one(".front-scene").is_displayed()
     assert not [each for each in page.all("button.choice") if each.is_displayed()]

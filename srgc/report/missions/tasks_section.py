@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from compiler.expressions.exact_numbers import exact_text
-from srgc.render.html_text import many, number, text, with_unit
+from srgc.render.html_text import many, number, text, with_code, with_unit
 from srgc.report.evidence import Evidence
 from srgc.report.missions.mission_evidence import MissionEvidence
 from srgc.report.verdict import least_clearance
@@ -141,7 +141,7 @@ def _reasons(each: TaskRefutations) -> str:
     if each.separated:
         items.append("<li>obstacles separate the start from the target, for every robot</li>")
     items += [
-        f"<li>{many(count, 'structure')}: {text(reason)}, for example "
+        f"<li>{many(count, 'structure')}: {with_code(reason)}, for example "
         f'<span class="word">{text(" ".join(word))}</span></li>'
         for reason, count, word in each.reasons
     ]

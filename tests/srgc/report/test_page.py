@@ -288,6 +288,14 @@ def test_every_kind_of_joint_has_its_peak(pages: Pages) -> None:
     assert f"{share:.4g} % ({20 - torque:.4g} N*m, {40 - force:.4g} N)" in head
 
 
+def test_names_in_reasons_are_code(pages: Pages) -> None:
+    """They are in backquotes, which a page does not show."""
+    folder, page = pages("learnt")
+    tried = result_files.read(folder, "design.json")["structures_tried"]
+    assert any("`" in each["reason"] for each in tried)
+    assert "`" not in page.section("why-not") + page.section("search")
+
+
 def test_lemmas_are_listed(pages: Pages) -> None:
     folder, page = pages("learnt")
     lemmas = result_files.read(folder)["claims"]
