@@ -103,10 +103,24 @@ def certified_design(
             0.0 if spread is None else missing_margin(conditions, spread),
             beyond_loop(conditions),
         )
-    held = _held_at_end(path_problem, trajectory)
-    design = replace(design, conditions=conditions, held_at_end=held)
+    design = replace(
+        design,
+        conditions=conditions,
+        held_at_start=_held_at_start(path_problem, trajectory),
+        held_at_end=_held_at_end(path_problem, trajectory),
+    )
     outcome = _outcome(design, path_problem, replace(trajectory, u=driven), gains)
     return Found(replace(design, configuration=replace(found, outcome=outcome)))
+
+
+def _held_at_start(path_problem: PathProblem, trajectory: Trajectory) -> bool | None:
+    """Whether drives seem to hold the robot where it begins; None if it need not, or has to."""
+    task, start = path_problem.task, path_problem.task.start
+    moving = isinstance(start, ir.StartIn) and (start.held or start.rates > 0)
+    if moving or not any(task.gravity):
+        return None
+    numeric, groups = path_problem.numeric, path_problem.groups
+    return holds_still(numeric, trajectory.x[0], trajectory.theta, groups)
 
 
 def _held_at_end(path_problem: PathProblem, trajectory: Trajectory) -> bool | None:

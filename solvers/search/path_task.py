@@ -195,8 +195,9 @@ class Design:
     """A robot in exact decimals, with its trajectory in floats for tables and pictures.
 
     ``effector`` starts and reaches, ``leader`` followed the cell path; ``path`` names cells of
-    ``abstraction``.  ``conditions`` are the results of the proof.  ``held_at_end``: whether the
-    drives seem to hold the robot at its target; None if it need not be at rest, or stays there.
+    ``abstraction``.  ``conditions`` are the results of the proof.  ``held_at_start`` and
+    ``held_at_end``: whether the drives seem to hold the robot where its motion begins, and at its
+    target; None if it need not be at rest there, or certainly stays.
     """
 
     derivation: Derivation
@@ -212,6 +213,7 @@ class Design:
     conditions: tuple[CheckedCondition, ...] = ()
     controller: ControllerClaim | None = None
     loop: LoopClaim | None = None
+    held_at_start: bool | None = None
     held_at_end: bool | None = None
 
     @property

@@ -16,6 +16,7 @@ from srgc.report.task_sentences import task_sentences
 from srgc.results.found_design import FoundDesign
 from srgc.text_reports.synthesis_report import (
     NOT_HELD,
+    NOT_HELD_FIRST,
     UNASKED_SELF,
     robustness_text,
     steps_taken,
@@ -162,6 +163,8 @@ def _proved_motion(evidence: Evidence) -> Iterator[str]:
             "by what they are off from its reference. What was followed is this closed loop; the "
             "bounds of the inputs hold for all that it commands."
         )
+    if evidence.design.get("held_at_start") is False:
+        yield with_code(f"{NOT_HELD_FIRST[0].upper()}{NOT_HELD_FIRST[1:]}.")
     if evidence.design.get("held_at_end") is False:
         yield with_code(f"It is at rest there for an instant only; {NOT_HELD}.")
     if evidence.task.avoid_self is None:

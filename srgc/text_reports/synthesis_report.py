@@ -141,6 +141,10 @@ MORE_EFFORT = "which may use more effort than planned: see `srgc verify`"
 UNASKED_SELF = "self-collision was not asked for (`avoid self with body;`)"
 """The remark about a task that lets a robot pass through itself."""
 
+NOT_HELD_FIRST = (
+    "the drives cannot hold it where it begins: `start in R at rest held` would ask for that"
+)
+"""The remark about a motion whose start the drives cannot hold against gravity."""
 NOT_HELD = "the drives cannot hold it there: `at rest for 1 s` would ask for that"
 """The remark about a motion whose end the drives cannot hold against gravity."""
 
@@ -215,6 +219,8 @@ def _design(design: Design, task: ir.Task, change: Reconfiguration | None) -> li
         for condition in design.conditions
         if condition.clause is not None
     ]
+    if design.held_at_start is False:
+        lines.append(f"start:   {NOT_HELD_FIRST}")
     if design.held_at_end is False:
         lines.append(f"end:     {NOT_HELD}")
     if task.avoid_self is None:

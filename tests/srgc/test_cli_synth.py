@@ -16,8 +16,8 @@ from tests.oracles.small_specs import SLIDER, TURNER, replaced
 
 DESIGN_FIELDS = [
     "verdict", "reason", "task", "spec", "word", "derivation", "dofs", "parameters", "robustness",
-    "effort_peak", "robustness_share", "robustness_by_unit", "control", "held_at_end",
-    "step", "horizon", "path",
+    "effort_peak", "robustness_share", "robustness_by_unit", "control", "held_at_start",
+    "held_at_end", "step", "horizon", "path",
     "leader", "satisfy", "reconfiguration", "cells", "structures_tried", "nearest",
     "counterexamples", "iterations", "seed", "least_cells", "all_designs", "solver", "search",
     "paths", "evaluations", "spec_sha256", "version",
@@ -261,6 +261,26 @@ def test_it_is_told_if_the_drives_do_not_hold_what_they_lifted(srgc, spec, tmp_p
     assert srgc("report", tmp_path / "out").status == 0
     page = (tmp_path / "out/report.html").read_text()
     assert ("at rest there for an instant only" in page) is not held
+
+
+@pytest.mark.parametrize(("effort", "held"), [(9, False), (14, True)])
+def test_it_is_told_if_the_drives_do_not_hold_what_they_let_down(
+    srgc, spec, tmp_path, effort, held
+):
+    """The same rod swings down from where its weight turns it by 11.04 N*m."""
+    down = SWING.replace("start in S", "start in Here").replace("reach T at rest", "reach There")
+    down = down.replace("region S box", "region There box").replace(
+        "target T box", "target Here box"
+    )
+    path = spec(down.replace("effort <= 10", f"effort <= {effort}"))
+    ran = srgc("synth", path, "-o", tmp_path / "out")
+    assert ran.status == 0
+    assert ("the drives cannot hold it where it begins" in ran.out) is not held
+    design = json.loads((tmp_path / "out/design.json").read_text())
+    assert (design["held_at_start"], design["held_at_end"]) == (held, None)
+    assert srgc("report", tmp_path / "out").status == 0
+    page = (tmp_path / "out/report.html").read_text()
+    assert ("drives cannot hold it where it begins" in page) is not held
 
 
 def test_a_wall_that_bodies_alone_avoid_is_named(srgc, spec, tmp_path):
