@@ -55,8 +55,8 @@ OPTIONS = {
 
 
 # The same few examples every time; `make test-slow` takes more, and looks for others.
-settings.register_profile(USUAL, derandomize=True, max_examples=40)
-settings.register_profile(OTHERS)
+settings.register_profile(USUAL, derandomize=True, max_examples=40, deadline=None)
+settings.register_profile(OTHERS, deadline=None)
 settings.load_profile(USUAL)
 
 # A suite in the background ignores interrupts; the commands that it starts, some of which are

@@ -160,7 +160,6 @@ def _polytope(rows: Sequence[HalfSpace], chosen: Sequence[int]) -> Polytope:
 
 
 LISTED = 5
-MARGIN = " with its margin"
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,14 +237,15 @@ def _blocked(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
         return
     binding = _avoided(task, ("effector",), part, shapes)
     name, notes = end.region.name, ((end.region.span, f"`{end.region.name}` is declared here"),)
-    if inside := _cover(part, binding):
-        message = f"the {end.role} `{name}` lies wholly inside {inside}, which is avoided"
-        less = "ask for a smaller margin" if inside.endswith(MARGIN) else "avoid less"
-        sink.error(end.code, message, end.span, f"move `{name}`, or {less}", notes)
-    elif inside := _cover(part, nearby):
+    if cover := _cover(part, binding):
+        message = (
+            f"the {end.role} `{name}` lies wholly inside {cover.text}, which {cover.verb} avoided"
+        )
+        sink.error(end.code, message, end.span, f"move `{name}`, or {cover.remedy}", notes)
+    elif cover := _cover(part, nearby):
         sink.warning(
             end.code,
-            f"the {end.role} `{name}` lies wholly inside {inside}, which the body avoids",
+            f"the {end.role} `{name}` lies wholly inside {cover.text}, which the body avoids",
             end.span,
             "only an effector that is not part of a body can be there",
             notes,
@@ -253,7 +253,8 @@ def _blocked(task: Task, end: End, shapes: Shapes, sink: Sink) -> None:
     elif met := [avoided for avoided in nearby if avoided.pieces]:
         sink.warning(
             Code.REGION_PARTLY_BLOCKED,
-            f"a part of the {end.role} `{name}` lies inside {_listed(met)}, which is avoided",
+            f"a part of the {end.role} `{name}` lies inside {_listed(met)}, "
+            f"which {'are' if len(met) > 1 else 'is'} avoided",
             end.span,
             f"move `{name}`, or avoid less",
             notes,
@@ -303,13 +304,26 @@ def _boxes_meet(first: Polytope, second: Polytope, margin: Fraction) -> bool:
     )
 
 
-def _cover(part: Polytope, avoided: Sequence[_Avoided]) -> str:
-    """The sets that cover a polytope, alone or with their margins; empty if they do not."""
-    if _covered(part, [piece for one in avoided for piece in one.pieces]):
-        return _listed([one for one in avoided if one.pieces])
+@dataclass(frozen=True, slots=True)
+class _Cover:
+    """Sets that cover an end, in words, and what to do about it."""
+
+    text: str
+    verb: str
+    remedy: str
+
+
+def _cover(part: Polytope, avoided: Sequence[_Avoided]) -> _Cover | None:
+    """The sets that cover a polytope, alone or with their margins; None if they do not."""
+    met = [one for one in avoided if one.pieces]
+    if _covered(part, [piece for one in met for piece in one.pieces]):
+        return _Cover(_listed(met), "are" if len(met) > 1 else "is", "avoid less")
     if _covered(part, [piece for one in avoided for piece in one.zone]):
-        return _listed(avoided) + MARGIN
-    return ""
+        remedy = "ask for a smaller margin"
+        if len(avoided) > 1:
+            return _Cover(f"{_listed(avoided)} with their margins", "are", remedy)
+        return _Cover(f"{_listed(avoided)} with its margin", "is", remedy)
+    return None
 
 
 def _listed(avoided: Sequence[_Avoided]) -> str:

@@ -149,7 +149,7 @@ def _too_slow(model: RobotModel, limits: MotionLimits, way: _Way, task: ir.Task)
     called = model.dofs[joint].called
     return (
         f"a longer horizon or higher {' and '.join(kinds)}: to the nearest poses found, `{called}` "
-        f"takes {way.times[joint]:.3g} s at least, of {_given(way, task):.4g} s"
+        f"takes {way.times[joint]:.3g} s, and there are {_given(way, task):.4g} s"
     )
 
 

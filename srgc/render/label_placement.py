@@ -12,7 +12,7 @@ Point-Feature Label Placement, ACM Transactions on Graphics 14 (1995).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ NEAR = 12.0
 """A label within this distance of what it names needs no leader line."""
 COVERED, CROSSED = 8.0, 40.0
 """The costs of a point of the drawing under a label, and of a point of its leader under a label."""
+CONFUSED, BESIDE = 30.0, 6.0
+"""The cost of a label at most so far from another thing, whose name it seems to be."""
 PROBES = 12
 """The number of points checked on a leader."""
 _GRID = 4_000
@@ -44,12 +46,14 @@ class Label:
         size: its width and height.
         home: the preferred centre (2,); None for a place beside the point.
         reach: half the width and height of the named thing, which a label beside it avoids.
+        others: rectangles (m, 4) of things with other names: left, top, right, bottom.
     """
 
     at: Array
     size: tuple[float, float]
     home: Array | None = None
     reach: tuple[float, float] = (0.0, 0.0)
+    others: Array = field(default_factory=lambda: np.zeros((0, 4)))
 
 
 class LabelPlacer:
@@ -112,7 +116,10 @@ class LabelPlacer:
         probes = _between(label.at, ends)[:, :, None, :]
         within = (probes > self.taken[:, :2]) & (probes < self.taken[:, 2:])
         crossed = within.all(axis=3).sum(axis=(1, 2))
-        cost: Array = np.hypot(*off.T) + COVERED * inside + CROSSED * crossed
+        low, high = middles[:, None] - half - BESIDE, middles[:, None] + half + BESIDE
+        near = (low < label.others[:, 2:]) & (high > label.others[:, :2])
+        confused = near.all(axis=2).sum(axis=1)
+        cost: Array = np.hypot(*off.T) + COVERED * inside + CROSSED * crossed + CONFUSED * confused
         return cost
 
     def _grid(self, half: Array) -> Array:

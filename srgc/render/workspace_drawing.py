@@ -227,8 +227,13 @@ def _placed(
     placer = LabelPlacer((view.width, view.height), drawn)
     if taken is not None:
         placer.take(taken)
+    boxes = {index: _box_of(shape, view) for index, shape in enumerate(shapes) if shape.label}
     wanted = {
-        index: _name_of(shape, view, size) for index, shape in enumerate(shapes) if shape.label
+        index: replace(
+            _name_of(shapes[index], view, size),
+            others=np.array([boxes[each] for each in boxes if each != index]).reshape(-1, 4),
+        )
+        for index in boxes
     }
     # Names that fit into their regions stay there, whatever the other names.
     order = sorted(wanted, key=lambda index: (wanted[index].home is None, index))
@@ -264,8 +269,8 @@ def _corner(view: View) -> Array:
 
 def _name_of(shape: WorkspaceShape, view: View, size: float) -> Label:
     """The label of a set, in its middle if it fits there."""
-    corners = view.project(shape.corners)
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    box = _box_of(shape, view)
+    low, high = box[:2], box[2:]
     middle = (low + high) / 2
     label = sized(middle, [name_in_picture(shape.label)], size, bold=True)
     across, up = high - low
@@ -349,3 +354,9 @@ def triad(view: View) -> str:
             f'<text x="{44 * x:.1f}" y="{-44 * y:.1f}">{name}</text>'
         )
     return f'<g class="triad" transform="translate(52 {view.height - 52:.0f})">{"".join(marks)}</g>'
+
+
+def _box_of(shape: WorkspaceShape, view: View) -> Array:
+    """The bounding box (4,) of a set in the picture."""
+    corners = view.project(shape.corners)
+    return np.concatenate([corners.min(axis=0), corners.max(axis=0)])

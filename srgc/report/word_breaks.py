@@ -29,7 +29,9 @@ def with_breaks(markup: str) -> str:
 
 
 def _broken(name: re.Match[str]) -> str:
-    return _BETWEEN.sub("<wbr>", name[0])
+    """A name of several words, in a box that goes to the next line before it is broken."""
+    words = _BETWEEN.sub("<wbr>", name[0])
+    return words if words == name[0] else f'<span class="long-name">{words}</span>'
 
 
 def _deeper(tag: str) -> int:

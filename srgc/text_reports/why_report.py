@@ -131,10 +131,14 @@ def _marked(
 
 
 def _amounts(found: Explanation, conflict: Conflict) -> str:
-    """How much drives lack for the robot that is named, where they are part of a conflict."""
+    """How much drives lack for a robot of a conflict that they are part of.
+
+    It is the first one: others are ruled out by its lines too, but the search may have found other
+    reasons for them.
+    """
     if not (conflict.words and any(line.kind in DRIVES for line in conflict.lines)):
         return ""
-    robot = max(conflict.words, key=len)
+    robot = conflict.words[0]
     reason = found.tried.reasons.get(robot)
     return "" if reason is None else f"\n{_robot(robot)}: {reason}"
 

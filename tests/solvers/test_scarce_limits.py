@@ -87,7 +87,7 @@ def test_rates_too_low_for_the_time_are_named() -> None:
     text = said(gantry("rate in [-0.2, 0.2] m/s"))
     head, _, rest = text.partition(": to the nearest poses found, `Rail.sx` takes ")
     assert head == "a longer horizon or higher rates"
-    seconds, _, has = rest.partition(" s at least, of ")
+    seconds, _, has = rest.partition(" s, and there are ")
     assert 4.9 <= float(seconds) <= 5.1
     assert has == "4.2 s"
 
@@ -104,7 +104,7 @@ def test_a_slow_arm_is_told_of_its_rates() -> None:
     """2 degrees a second, for 2 s: 4 degrees of 90, less what the regions are wide."""
     text = said(ARM)
     assert text.startswith("a longer horizon or higher rates: to the nearest poses found, `JO.q` ")
-    assert text.endswith(" s at least, of 2 s")
+    assert text.endswith(" s, and there are 2 s")
 
 
 def test_rates_that_may_be_too_low_come_instead_of_efforts() -> None:

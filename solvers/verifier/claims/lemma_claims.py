@@ -104,16 +104,14 @@ def lemma_claim(item: dict[str, Any]) -> LemmaClaim:
 
 def lemma_text(claim: LemmaClaim) -> str:
     """A lemma in words."""
+    which = "" if claim.condition == EVERY_WORD else f" with `{claim.condition}`"
+    nobody = f"no robot of the family{which}"
     if isinstance(claim, WeightsClaim):
-        return (
-            f"no robot with `{claim.condition}` is brought there: the drives of "
-            f"{' '.join(claim.word)} are too weak, with any weights"
-        )
-    if isinstance(claim, VariantClaim):
         word = " ".join(claim.word)
-        return f"no robot with `{claim.condition}` has poses that {word}, refuted, has not"
-    which = "of the family" if claim.condition == EVERY_WORD else f"with `{claim.condition}`"
-    return f"no robot {which} has an effector in `{claim.region}`, {claim.argument} for it"
+        return f"{nobody} is brought there: the drives of {word} are too weak, with any weights"
+    if isinstance(claim, VariantClaim):
+        return f"{nobody} has poses that {' '.join(claim.word)}, refuted, has not"
+    return f"{nobody} has an effector in `{claim.region}`, {claim.argument} for it"
 
 
 def effector_bound(claim: DistanceClaim) -> EffectorBound:
