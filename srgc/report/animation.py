@@ -33,6 +33,8 @@ WIDEST_BOX = 15.0
 """The largest half width in the picture to which the box of an instant is magnified."""
 MOST_MAGNIFIED = 1e15
 """Boxes that need a greater factor are not magnified."""
+MOST_SPELT = 1e7
+"""Larger factors are told as powers of ten, which they are."""
 KIND_WORDS = {"obstacle": "obstacle", "target": "target", "region": "other region"}
 TUBE_SAMPLE = '<path class="tube" d="M2 1h10v7h10v3h-10v-3h-10Z"/>'
 """The sample for the boxes of a tube in the legend."""
@@ -290,7 +292,9 @@ def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str
     )
     if factor > 1:
         shown = f"{factor:,.0f}".replace(",", "\u202f")
-        drawn = f"the box about the effector is drawn {shown} times as wide as it is"
+        if factor > MOST_SPELT:
+            shown = f"{factor:.0e}".replace("e+", "e")
+        drawn = f"magnified, the box about the effector is {shown} times as wide"
         return f"{words}; {drawn}.{apart}"
     return f"{words}; that is the box about the effector.{apart}"
 
