@@ -158,16 +158,16 @@ task Go { robot G; workspace W; start in A; reach T; effort <= 90 N; horizon 20 
 @pytest.mark.parametrize(
     ("limits", "target", "wanted", "least"),
     [
-        ("[-25, 0] cm", "[-1, 1] x [0.7, 0.9]", "with `Lift.s` up to", 0.7),
-        ("[-25, 1] cm", "[-1, 1] x [0.7, 0.9]", "with `Lift.s` up to", 0.7),
-        ("[0, 50] cm", "[-1, 1] x [-0.9, -0.7]", "with `Lift.s` down to", -0.7),
-        ("[10, 50] cm", "[-1, 1] x [-0.9, -0.7]", "with `Lift.s` down to", -0.7),
+        ("[-25, 0] cm", "[-1, 1] x [0.7, 0.9]", "with `Lift.s` up to", 70),
+        ("[-25, 1] cm", "[-1, 1] x [0.7, 0.9]", "with `Lift.s` up to", 70),
+        ("[0, 50] cm", "[-1, 1] x [-0.9, -0.7]", "with `Lift.s` down to", -70),
+        ("[10, 50] cm", "[-1, 1] x [-0.9, -0.7]", "with `Lift.s` down to", -70),
     ],
 )
 def test_a_slide_whose_range_ends_near_zero(
     limits: str, target: str, wanted: str, least: float
 ) -> None:
-    """An end at 0 moves as far as any other: the conflict names the range, a run its new end."""
+    """An end at 0 moves as far as any other: the conflict names the range, a run its end in cm."""
     asked = posed(SLIDE.replace("RANGE", limits).replace("TARGET", target))
     tried = Tried("impossible", "", (("h", "l", "b"),))
     found = explain(asked, tried, Asked(runs=4))

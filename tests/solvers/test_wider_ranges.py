@@ -13,7 +13,7 @@ from solvers.explanation.scale import scales
 from solvers.explanation.suggestions import SuggestionSearch
 from solvers.explanation.task_line import task_lines
 from solvers.run_context import RunContext
-from tests.oracles.small_specs import TURNER, replaced
+from tests.oracles.small_specs import SLIDER, TURNER, replaced
 from tests.solvers.test_changes import Vain, line, posed
 
 ONE_LINK = "accept matches B eps JO eps L eps EN;"
@@ -57,6 +57,23 @@ def test_a_range_is_wider_in_the_unit_in_which_it_is_written(
     assert change.says == f"with `JO.q` {says}"
     wanted = posed(arm(same)).program.modules["JO"].dofs[0]
     assert change.posed.program.modules["JO"].dofs[0] == wanted
+
+
+@pytest.mark.parametrize(
+    ("limits", "same", "up", "unit"),
+    [
+        ("[0, 40] cm", "[0, 60] cm", 60, "cm"),
+        ("[0 m, 400 mm]", "[0 m, 600 mm]", 600, "mm"),
+        ("[0, 40]", "[0, 60] m", 60, "m"),
+    ],
+)
+def test_a_slide_is_longer_in_the_unit_in_which_it_is_written(
+    limits: str, same: str, up: int, unit: str
+) -> None:
+    asked, wanted = (posed(replaced(SLIDER, "[0, 3] m", each)) for each in (limits, same))
+    change = next(scales(asked, line(asked, "joint_range"))).at(Fraction(up))
+    assert change.says == f"with `P.q` up to {up} {unit}"
+    assert change.posed.program.modules["P"].dofs[0] == wanted.program.modules["P"].dofs[0]
 
 
 def test_a_range_is_wider_on_both_sides() -> None:
