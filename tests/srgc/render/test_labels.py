@@ -18,9 +18,9 @@ from srgc.landscapes.landscape_picture import landscape_svg
 from srgc.landscapes.landscape_request import Axis, Mark
 from srgc.render.charts import Curve, line_chart
 from srgc.render.label_placement import Label, LabelPlacer, leader_ends
-from srgc.render.svg import document, from_above
+from srgc.render.svg import View, document, from_above
 from srgc.render.text_size import text_width
-from srgc.render.workspace_drawing import WorkspaceShape, page_names, shape_names
+from srgc.render.workspace_drawing import WorkspaceShape, name_boxes, page_names, shape_names
 from srgc.render.workspace_picture import workspace_svg
 from tests.oracles.drawn_texts import drawn_texts, outside, overlaps, true_width
 from tests.oracles.planes import bench
@@ -244,3 +244,25 @@ def test_values_along_an_axis_are_apart(scale: float) -> None:
     svg = svg.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1)
     assert overlaps(drawn_texts(svg)) == []
     assert len(drawn_texts(svg)) > 5
+
+
+def test_names_are_nearer_to_their_own_sets_than_to_others() -> None:
+    """Two shelves side by side, and two boxes one above the other."""
+    sets = {
+        "ShelfOnTheLeftSide": (0.2, 0.4, 0.6, 0.9),
+        "ShelfOnTheRight": (0.42, 0.6, 0.6, 0.9),
+        "StartOfTheConveyor": (0.9, 1.1, -0.1, 0.1),
+        "PalletForFinishedParts": (0.9, 1.1, 0.12, 0.3),
+    }
+    shapes = [
+        WorkspaceShape("region", name, name, np.array([(a, c), (b, c), (b, d), (a, d)]), ())
+        for name, (a, b, c, d) in sets.items()
+    ]
+    view = View(np.eye(2), np.array([0.5, 0.3]), 170.0, 600.0, 600.0)
+    own = [view.project(shape.corners) for shape in shapes]
+    boxes = name_boxes(shapes, view)
+    assert len(boxes) == len(shapes)
+    for number, box in enumerate(boxes):
+        middle = (box[:2] + box[2:]) / 2
+        away = [np.linalg.norm(corners.mean(axis=0) - middle) for corners in own]
+        assert np.argmin(away) == number, shapes[number].name
