@@ -228,13 +228,12 @@ def _placed(
     if taken is not None:
         placer.take(taken)
     boxes = {index: _box_of(shape, view) for index, shape in enumerate(shapes) if shape.label}
-    wanted = {
-        index: replace(
-            _name_of(shapes[index], view, size),
-            others=np.array([boxes[each] for each in boxes if each != index]).reshape(-1, 4),
-        )
-        for index in boxes
-    }
+    wanted = {index: _name_of(shapes[index], view, size) for index in boxes}
+    if view.axes.shape[1] == 2:
+        # In space, sets are seen upon each other wherever their names are.
+        for index, label in wanted.items():
+            others = np.array([boxes[each] for each in boxes if each != index]).reshape(-1, 4)
+            wanted[index] = replace(label, others=others)
     # Names that fit into their regions stay there, whatever the other names.
     order = sorted(wanted, key=lambda index: (wanted[index].home is None, index))
     places = {index: placer.place(wanted[index]) for index in order}
