@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from tests.oracles import small_specs
 from tests.oracles.command_line import copied
@@ -54,9 +54,11 @@ OPTIONS = {
 """Of those that are made with some."""
 
 
-# The same few examples every time; `make test-slow` takes more, and looks for others.
-settings.register_profile(USUAL, derandomize=True, max_examples=40, deadline=None)
-settings.register_profile(OTHERS, deadline=None)
+# The same few examples every time; `make test-slow` takes more, and looks for others. However busy
+# the machine is, no test fails because it is slow.
+PATIENT = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(USUAL, PATIENT, derandomize=True, max_examples=40)
+settings.register_profile(OTHERS, PATIENT)
 settings.load_profile(USUAL)
 
 # A suite in the background ignores interrupts; the commands that it starts, some of which are
