@@ -58,7 +58,7 @@ SLOWLY := --hypothesis-profile=others --ledger=out/slow $(if $(SHARD),--shard=$(
 test-slow: .venv/oracles .venv/timor/installed
 	$(BIN)/pytest $(WORKERS) -m "not campaign" $(SLOWLY)
 
-# Three times as many random cases again, which take as long: after a change of what they try.
+# Further cases of long random tests, three times as many: after a change of what they try.
 campaigns: .venv/oracles
 	$(BIN)/pytest $(WORKERS) -m campaign $(SLOWLY)
 
