@@ -55,7 +55,8 @@ def with_remedy(result: Synthesis, workspace: ir.Workspace, task: ir.Task, seed:
         seed: the seed of the poses.
     """
     nearest = result.nearest
-    if nearest is None or nearest.cause is not Cause.NOT_FOLLOWED:
+    # Poses are searched for seconds: not after a time limit.
+    if result.unfinished or nearest is None or nearest.cause is not Cause.NOT_FOLLOWED:
         return result
     said = remedy(nearest.model, workspace, task, seed)
     return replace(result, nearest=replace(nearest, remedy=said))

@@ -6,6 +6,8 @@ import json
 from dataclasses import replace
 from math import inf
 from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,7 +15,9 @@ import pytest
 from compiler.robots.candidate import robot_in_task
 from compiler.robots.normal_form import family_of
 from compiler.words.structures import structures
+from solvers.explanation import scarce_limits
 from solvers.explanation.scarce_limits import least_time, remedy
+from solvers.search.search_state import Cause
 from solvers.trajectory.task_limits import MotionLimits, motion_limits
 from srgc.cli import run
 from tests.oracles.small_specs import TURNER, replaced
@@ -135,3 +139,12 @@ def test_synth_ends_with_it(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -
     assert f"next:    try {tried}`Rail.sx` takes 5." in capfd.readouterr().out
     design = json.loads((tmp_path / "out" / "design.json").read_text())
     assert design["nearest"]["try_first"].startswith(tried)
+
+
+def test_after_a_time_limit_no_poses_are_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+    monkeypatch.setattr(scarce_limits, "remedy", lambda *given: asked.append(given))
+    result: Any = Mock(unfinished=True)
+    result.nearest.cause = Cause.NOT_FOLLOWED
+    assert scarce_limits.with_remedy(result, Mock(), Mock(), 0) is result
+    assert asked == []
