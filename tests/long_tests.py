@@ -1,6 +1,6 @@
 """Which tests `make quick` and `make test` leave out, because of how long they take.
 
-`make timings` records in ``long_tests.json``, file by file, which tests take 0.03 s and more, or
+`make timings` records in ``long_tests.json``, file by file, which tests take 0.015 s and more, or
 start a process; `make quick` leaves them out. A test that is not listed is quick; if it starts a
 process it fails in `make quick`.
 
@@ -30,7 +30,9 @@ from pathlib import Path
 import pytest
 
 LISTED = Path(__file__).with_name("long_tests.json")
-LONG_SECONDS = 0.03
+LONG_SECONDS = 0.015
+STAYS_SECONDS = 0.03
+"""A case that takes less stays in the usual suite."""
 SLOW = Path(__file__).with_name("slow_tests.json")
 SLOW_SECONDS = 0.2
 CASES_SECONDS = 0.3
@@ -123,7 +125,7 @@ def slow_tests(seconds: Mapping[str, float]) -> set[str]:
         file, name = test.partition("::")[0], test.partition("[")[0]
         together[name] += seconds[test]
         many = file not in USUAL and name in seen and together[name] > CASES_SECONDS
-        many = many and seconds[test] >= LONG_SECONDS
+        many = many and seconds[test] >= STAYS_SECONDS
         if many or seconds[test] >= _bound(test, file not in seen, name not in seen):
             slow.add(test)
         seen |= {file, name}
