@@ -6,9 +6,9 @@ conflict is a set of lines that is refuted, but is not refuted if any one of the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias, TypeVar
+from typing import Literal, TypeAlias, TypeVar
 
 from compiler.discretisation.numeric_robot import NumericRobot
 from compiler.dynamics.equations_of_motion import robot_graph
@@ -27,6 +27,11 @@ from solvers.run_context import Memory, RunContext
 
 MOST_QUESTIONS = 1500
 """The most questions to the refuter about all structures together."""
+BY_DRIVES = "!"
+"""What a covering has where drives are too weak."""
+
+Evidence: TypeAlias = Literal["poses", "ways", "drives"]
+"""What refutes a structure: a script or a covering about poses, or a covering by drives."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +85,8 @@ class ConflictSearch:
 
     ``between`` is called before every question to the refuter, and may raise to end the search.
     With ``late``, a structure that is not refuted otherwise is examined as after a search without a
-    motion, which takes long.  ``step`` is told of every question, in words.
+    motion, which takes long.  ``step`` is told of every question, in words, and ``tell`` of each
+    conflict when the first structure with it is known.
     """
 
     posed: PosedTask
@@ -88,28 +94,38 @@ class ConflictSearch:
     between: Callable[[], None] = lambda: None
     late: bool = True
     step: Callable[[str], None] = lambda _: None
+    tell: Callable[[Conflict], None] = lambda _: None
     questions: int = 0
+    examined: int = 0
     place: str = ""
     lines: tuple[TaskLine, ...] = ()
     _found: dict[tuple[TaskLine, ...], list[tuple[str, ...]]] = field(
         default_factory=dict[tuple[TaskLine, ...], list[tuple[str, ...]]]
     )
+    _kinds: dict[tuple[TaskLine, ...], set[Evidence]] = field(
+        default_factory=dict[tuple[TaskLine, ...], set[Evidence]]
+    )
 
     def __post_init__(self) -> None:
         self.lines = task_lines(self.posed)
 
-    def conflicts(self, derivations: Iterable[Derivation], count: int) -> Conflicts:
-        """The conflicts of ``count`` refuted structures; those of most robots come first."""
-        total = 0
-        for derivation in derivations:
-            total += 1
-            self.place = f"robot {total} of {count}: "
-            if self.questions >= MOST_QUESTIONS:
-                continue
+    def conflicts(self, derivations: Sequence[Derivation], most: int = MOST_QUESTIONS) -> Conflicts:
+        """The conflicts of refuted structures; those of most robots come first.
+
+        It ends before the first structure after ``most`` questions; another call with the same
+        structures goes on from there.
+        """
+        while self.examined < len(derivations) and self.questions < most:
+            derivation = derivations[self.examined]
+            self.examined += 1
+            self.place = f"robot {self.examined} of {len(derivations)}: "
             lines = self.conflict(derivation)
-            if lines is not None:
-                self._found.setdefault(lines, []).append(derivation.word)
-        return self.found(total)
+            if lines is None:
+                continue
+            if lines not in self._found:
+                self.tell(Conflict(lines, (derivation.word,)))
+            self._found.setdefault(lines, []).append(derivation.word)
+        return self.found(len(derivations))
 
     def found(self, total: int) -> Conflicts:
         """The conflicts found so far among ``total`` structures."""
@@ -120,7 +136,8 @@ class ConflictSearch:
     def conflict(self, derivation: Derivation) -> tuple[TaskLine, ...] | None:
         """The lines that rule a structure out; None if the refuter does not refute it.
 
-        Conflicts that rule out other structures are tried first.
+        Conflicts that rule out other structures by evidence of the same kind are tried first.
+        Others are not: a refuter may search for long for what drives rule out among poses.
         """
         found = self._conflict(derivation, late=False)
         if found is None and self.late:
@@ -128,18 +145,26 @@ class ConflictSearch:
         return found
 
     def _conflict(self, derivation: Derivation, *, late: bool) -> tuple[TaskLine, ...] | None:
-        answers: dict[frozenset[TaskLine], bool] = {}
+        answers: dict[frozenset[TaskLine], Evidence | None] = {}
 
-        def refuted(kept: Sequence[TaskLine]) -> bool:
+        def evidence(kept: Sequence[TaskLine]) -> Evidence | None:
             key = frozenset(kept)
             if key not in answers:
-                answers[key] = self.refuted(derivation, kept, late=late)
+                answers[key] = self.evidence(derivation, kept, late=late)
             return answers[key]
 
-        for known in self._found:
-            if refuted(known):
-                return minimal_conflict(known, refuted)
-        return minimal_conflict(self.lines, refuted)
+        def refuted(kept: Sequence[TaskLine]) -> bool:
+            return evidence(kept) is not None
+
+        kind = evidence(self.lines)
+        if kind is None:
+            return None
+        alike = (known for known, kinds in self._kinds.items() if kind in kinds)
+        known = next(filter(refuted, alike), self.lines)
+        found = minimal_conflict(known, refuted)
+        if found is not None:
+            self._kinds.setdefault(found, set()).add(kind)
+        return found
 
     def _question(self, derivation: Derivation, kept: Sequence[TaskLine], *, late: bool) -> str:
         """What is being asked, in words."""
@@ -148,10 +173,10 @@ class ConflictSearch:
         what = f"{kept[0].says} rules" if len(kept) == 1 else some
         return f"{self.place}whether {what} out {' '.join(derivation.word)}{harder}"
 
-    def refuted(
+    def evidence(
         self, derivation: Derivation, kept: Sequence[TaskLine], *, late: bool = False
-    ) -> bool:
-        """Whether a structure is refuted by these lines alone.
+    ) -> Evidence | None:
+        """The kind of evidence by which these lines alone refute a structure; None if they do not.
 
         ``late``: also with the effort that a synthesis spends after it has found no motion.
         """
@@ -164,16 +189,21 @@ class ConflictSearch:
         try:
             model = robot_in_task(family, posed.task.origin, derivation)
         except SemanticsError:
-            return False
+            return None
         numeric = NumericRobot(robot_graph(model, posed.task.gravity))
         answer = refute_structure(model, numeric, posed.program, posed.task, self.context)
-        if answer.refuted or not late:
-            return answer.refuted
+        if answer.script is not None:
+            return "poses"
+        if answer.boxes is not None:
+            return "drives" if BY_DRIVES in answer.boxes else "ways"
+        if not late:
+            return None
         candidate, context = (
             Candidate(0, derivation, model),
             replace(self.context, journal=Memory()),
         )
-        return out_of_reach_of_drives(candidate, posed.program, posed.task, context) is not None
+        found = out_of_reach_of_drives(candidate, posed.program, posed.task, context)
+        return None if found is None else "drives"
 
 
 # --- A minimal conflict: a refuted subset of constraints, all of them needed ----------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from compiler.robots.candidate import robot_in_task
@@ -11,6 +11,7 @@ from compiler.time_limits.time_limit import OutOfTimeError
 from compiler.words.derivation import Derivation, replay
 from solvers.explanation.change import Change
 from solvers.explanation.conflict import (
+    MOST_QUESTIONS,
     Conflict,
     Conflicts,
     ConflictSearch,
@@ -36,6 +37,9 @@ TELLING = (
 MOST_COMPARED = 100
 """The number of refuted structures, counted from the last, among which the foremost is chosen."""
 
+
+FIRST_QUESTIONS = 60
+"""After so many questions about conflicts, changes are tried before further robots are examined."""
 
 MOST_QUICK = 40
 """The most questions to the refuter for the conflict at the end of a synthesis."""
@@ -119,8 +123,8 @@ def explain(posed: PosedTask, tried: Tried, asked: Asked) -> Explanation:
     found = Explanation(posed, tried, most_runs=asked.runs)
     runs = Runs(asked.context, asked.runs, asked.tell, asked.found, asked.step)
     try:
-        _conflicts(found, asked)
-        _suggestions(found, asked, runs)
+        for number, lines in enumerate(_conflicts(found, asked)):
+            _suggestions(found, runs, lines, again=bool(number))
         if asked.runs and not runs.left:
             found.ended = f"the limit of {asked.runs} runs was reached"
         if asked.pairs and not runs.found:
@@ -159,7 +163,7 @@ def conflicts_of(
     """
     search = ConflictSearch(posed, context, context.check_time, step=step)
     try:
-        return search.conflicts(refuted, len(refuted)), None
+        return search.conflicts(refuted), None
     except OutOfTimeError:
         return search.found(len(refuted)), "the time limit was reached"
 
@@ -191,29 +195,38 @@ def quick_conflict(
     return found
 
 
-def _conflicts(found: Explanation, asked: Asked) -> None:
-    """The conflicts, and whether the bound on modules is one of their lines."""
+def _conflicts(found: Explanation, asked: Asked) -> Iterator[tuple[TaskLine, ...]]:
+    """The lines of conflicts, and in a second step those of many further robots, if there are some.
+
+    The conflicts are noted, and whether the bound on modules is one of their lines.
+    """
     posed, tried = found.posed, found.tried
     if not tried.refuted:
         cut = separation_conflict(posed)
         found.conflicts = Conflicts(() if cut is None else (cut,))
         if cut is None and tried.verdict == "impossible":
             _bound(found, asked)
+        yield found.conflicts.lines
         return
     count = len(tried.refuted)
     asked.tell(f"looking for the conflicts of {'1 robot' if count == 1 else f'{count} robots'}")
-    search = ConflictSearch(posed, asked.context, asked.context.check_time, step=asked.step)
+    search = ConflictSearch(
+        posed, asked.context, asked.context.check_time, step=asked.step, tell=asked.found
+    )
     grammar = posed.program.grammars[posed.task.grammar]
-    try:
-        search.conflicts((replay(grammar, labels) for labels in tried.refuted), count)
-    finally:
-        conflicts = search.found(len(tried.refuted))
-        ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
-        found.conflicts = Conflicts(tuple(ranked), conflicts.left)
-        for conflict in ranked:
-            asked.found(conflict)
-    if tried.verdict == "impossible":
-        _bound(found, asked)
+    derivations = [replay(grammar, labels) for labels in tried.refuted]
+    known = tuple[TaskLine, ...]()
+    for number, most in enumerate((FIRST_QUESTIONS, MOST_QUESTIONS)):
+        try:
+            search.conflicts(derivations, most)
+        finally:
+            conflicts = search.found(count)
+            ranked = sorted(conflicts.found, key=lambda one: (not _telling(one), -len(one.words)))
+            found.conflicts = Conflicts(tuple(ranked), conflicts.left)
+        if not number and tried.verdict == "impossible":
+            _bound(found, asked)
+        yield tuple(line for line in found.conflicts.lines if line not in known)
+        known = found.conflicts.lines
 
 
 def _telling(conflict: Conflict) -> bool:
@@ -231,14 +244,15 @@ def _bound(found: Explanation, asked: Asked) -> None:
             return
 
 
-def _suggestions(found: Explanation, asked: Asked, runs: Runs) -> None:
-    if not asked.runs:
+def _suggestions(found: Explanation, runs: Runs, lines: Sequence[TaskLine], *, again: bool) -> None:
+    """Try changes of lines, of those that are new if this is done ``again``."""
+    if not runs.left or (again and not lines):
         return
     search = SuggestionSearch(found.posed, runs)
     if found.tried.verdict == "impossible" or found.all_refuted:
         impossible = found.tried.verdict == "impossible"
         # If no larger robot had poses, none has now.
-        bounds = () if impossible and found.bound is None else size_lines(found.posed)
-        search.after_conflicts(found.conflicts.lines, bounds)
-    else:
+        bounds = () if again or (impossible and found.bound is None) else size_lines(found.posed)
+        search.after_conflicts(lines, bounds)
+    elif not again:
         search.after_motions(task_lines(found.posed), size_lines(found.posed))

@@ -19,7 +19,7 @@ from solvers.explanation.required_poses import first_with_poses, with_poses
 from solvers.explanation.run import Runs
 from solvers.explanation.scale import Scale, scales
 from solvers.explanation.straight_motions import straight_motions
-from solvers.explanation.suggestions import DRIVES, FURTHER, SuggestionSearch
+from solvers.explanation.suggestions import DRIVES, WIDER, SuggestionSearch
 from solvers.explanation.task_line import TaskLine, task_lines
 
 MOST_PAIRS = 4
@@ -142,7 +142,7 @@ class PairSearch:
         place = self._first([added.posed_at(v) for v in added.values], derivations)
         if place is None:
             return
-        for more in FURTHER[:2]:
+        for more in (Fraction(1), WIDER):
             first = scale.at(scale.further(value, more))
             second = _scale(first.posed, *other).at(added.further(added.values[place], more))
             yield _together(first, second, second.posed)

@@ -6,10 +6,10 @@ far end is tried first, then nearer values.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, takewhile
 
 from compiler.robots.normal_form import family_of
 from compiler.words.derivation import Derivation
@@ -41,8 +41,9 @@ LOADS = "payload", "carry"
 """Changed next: a conflict with a load has poses for any ranges, too."""
 LIMIT = "joint_range"
 """Limits of joints are dropped last, since real joints keep theirs."""
-FURTHER = (Fraction(1), Fraction(6, 5), Fraction(2))
-"""Multiples of the least value with poses that are tried until a run succeeds."""
+WIDER, WIDEST = Fraction(6, 5), Fraction(2)
+"""Multiples of the least value with poses that are tried, too. With the least, a robot may only
+just touch what it has to reach: then nothing is proved, after a long search."""
 NEARER = 3
 """The runs that look for a smaller change once one has succeeded."""
 SHORTER = (5, 2)
@@ -206,10 +207,11 @@ class SuggestionSearch:
     def posable(
         self, scale: Scale, derivations: Sequence[Derivation], place: str, *, shown: bool = True
     ) -> bool:
-        """Try the least change for which there are poses, and then a few larger ones.
+        """Try changes from the least one on for which there are poses; return whether one helps.
 
-        If poses show nothing, as the task has some without the change, the largest is tried first.
-        Return whether one helps.
+        A somewhat larger one comes first, then the least or one twice as large. If poses show
+        nothing, as the task has some without the change, the largest comes first. Where more is not
+        weaker, in lists, the least does.
         """
 
         def tick() -> None:
@@ -223,14 +225,21 @@ class SuggestionSearch:
         if first is None:
             return False
         least = scale.values[first]
-        inside = dict.fromkeys(scale.further(least, more) for more in FURTHER)
-        helps = False
-        for value in inside if shown else reversed(inside):
-            helped = self.tried(scale.at(value)) is not None
-            helps |= helped
-            if helped == shown:
-                return helps
-        return helps
+        wider, widest = (scale.further(least, more) for more in (WIDER, WIDEST))
+        if shown and scale.with_all is not None:
+            return any(map(self.helps(scale), dict.fromkeys((least, wider, widest))))
+        if shown:
+            if not self.helps(scale)(wider):
+                return widest != wider and self.helps(scale)(widest)
+            if least != wider:
+                self.helps(scale)(least)
+            return True
+        downwards = list(takewhile(self.helps(scale), dict.fromkeys((widest, wider, least))))
+        return bool(downwards)
+
+    def helps(self, scale: Scale) -> Callable[[Fraction], bool]:
+        """Whether a change by a value helps, by a run."""
+        return lambda value: self.tried(scale.at(value)) is not None
 
     def far(self, scale: Scale, promising: Fraction | None = None) -> bool:
         """Try the largest change first, and smaller ones if it helps; return whether it does.

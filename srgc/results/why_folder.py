@@ -94,10 +94,12 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
     tried = None
     if content["verdict"] != "found":
         structures = content["structures_tried"]
+        if any(one["verdict"] == "found" for one in structures):
+            raise ValueError(content["verdict"])
         refuted = _refuted(posed, structures)
         tried = Tried(
             _verdict(content["verdict"]),
-            str(content["reason"]),
+            _text(content["reason"]),
             (*refuted, *robots_of_lemmas(posed, claims, refuted)),
             _nearest(folder, structures),
             learnt(posed, claims),
@@ -112,6 +114,12 @@ def _read(folder: Path, content: Mapping[str, Any], program: ir.Program) -> Trie
         _budget(content, "evaluations", EVALUATIONS),
     )
     return TriedFolder(posed, seed, search, solver, paths, evaluations, tried, claims)
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError(value)
+    return value
 
 
 def _lemmas(content: Mapping[str, Any]) -> tuple[LemmaClaim, ...]:

@@ -92,11 +92,10 @@ def _unexplained(found: Explanation) -> str:
     """The refuted robots whose lines are not known, with what the search said of some of them."""
     explained = {word for conflict in found.conflicts.found for word in conflict.words}
     known = [word for word in found.tried.reasons if word not in explained]
-    lines = [f"Refuted robots that no lines explain yet: {found.conflicts.left}"]
-    return "\n".join(
-        lines
-        + [f"  {_robot(word)}: {found.tried.reasons[word]}" for word in known[:MOST_CONFLICTS]]
-    )
+    head = f"Refuted robots for which no conflict is known yet: {found.conflicts.left}"
+    shown = [f"  {_robot(word)}: {found.tried.reasons[word]}" for word in known[:MOST_CONFLICTS]]
+    more = found.conflicts.left - len(shown)
+    return "\n".join([head, *shown, *([f"  and {more} more"] if shown and more > 0 else [])])
 
 
 def _conflict(

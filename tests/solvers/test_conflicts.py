@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
 import pytest
 
 from compiler.robots.normal_form import family_of
+from compiler.words.derivation import Derivation
 from compiler.words.structures import derivations_of, structures
 from grammar_lang.load import load_text
 from solvers.explanation import explanation, required_poses
 from solvers.explanation.change import Change
-from solvers.explanation.conflict import ConflictSearch, separation_conflict
-from solvers.explanation.explanation import quick_conflict
+from solvers.explanation.conflict import Conflict, ConflictSearch, Evidence, separation_conflict
+from solvers.explanation.explanation import Asked, Tried, explain, quick_conflict
 from solvers.explanation.posed_task import PosedTask
 from solvers.explanation.relaxation import without
 from solvers.explanation.required_poses import first_with_poses
@@ -143,8 +145,8 @@ def test_no_proper_part_of_a_conflict_is_refuted() -> None:
     found = search.conflict(derivation)
     assert found is not None
     parts = [part for n in range(len(found)) for part in combinations(found, n)]
-    assert search.refuted(derivation, found)
-    assert not any(search.refuted(derivation, part) for part in parts)
+    assert search.evidence(derivation, found)
+    assert not any(search.evidence(derivation, part) for part in parts)
 
 
 def test_the_conflict_at_the_end_of_a_synthesis_takes_few_questions(
@@ -155,6 +157,70 @@ def test_the_conflict_at_the_end_of_a_synthesis_takes_few_questions(
     assert quick_conflict(asked, derivation, RunContext()).conflicts.found
     monkeypatch.setattr(explanation, "MOST_QUICK", 3)
     assert not quick_conflict(asked, derivation, RunContext()).conflicts.found
+
+
+class Foreseen(ConflictSearch):
+    """Refuted by the lines of places among poses where there is no link, else by the effort."""
+
+    def evidence(
+        self, derivation: Derivation, kept: Sequence[TaskLine], *, late: bool = False
+    ) -> Evidence | None:
+        del late
+        self.questions += 1
+        kinds = {line.kind for line in kept}
+        self.step(f"{len(derivation.word)} {sorted(kinds)}")
+        if "L" not in derivation.word:
+            return "poses" if "start" in kinds else None
+        return "drives" if {"effort", "horizon"} <= kinds else None
+
+
+def words(asked: PosedTask, *texts: tuple[str, ...]) -> list[Derivation]:
+    language = family_of(asked.program, asked.task).language
+    return [next(iter(derivations_of(language, word))) for word in texts]
+
+
+BARE = ("B", "eps", "JO", "eps", "EN")
+
+
+def test_conflicts_of_other_evidence_are_not_tried() -> None:
+    """Among poses, a refuter may search for long for what the drives rule out."""
+    asked, steps = posed(TURNER), list[str]()
+    search = Foreseen(asked, RunContext(), step=steps.append)
+    found = search.conflicts(words(asked, BARE, ONE_LINK, TWO_LINKS))
+    assert [names(each.lines) for each in found.found] == [{"effort 0", "horizon"}, {"start"}]
+    assert [len(each.words) for each in found.found] == [2, 1]
+    assert f"{len(ONE_LINK)} ['start']" not in steps
+    # The conflict of the first robot with links is tried for the second.
+    second = [step for step in steps if step.startswith(f"{len(TWO_LINKS)} ")]
+    assert second[1] == f"{len(TWO_LINKS)} ['effort', 'horizon']"
+
+
+def test_each_conflict_is_told_when_it_is_found() -> None:
+    asked, told = posed(TURNER), list[Conflict | str]()
+    search = Foreseen(asked, RunContext(), step=told.append, tell=told.append)
+    robots = words(asked, BARE, ONE_LINK, TWO_LINKS)
+    search.conflicts(robots, 1)
+    assert isinstance(told[-1], Conflict)
+    assert (names(told[-1].lines), told[-1].words) == ({"start"}, (BARE,))
+    assert search.found(3).left == 2
+    search.conflicts(robots)
+    assert [each.words for each in told if isinstance(each, Conflict)] == [(BARE,), (ONE_LINK,)]
+    assert search.found(3).left == 0
+
+
+def test_changes_are_tried_before_all_robots_are_examined(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, tried = posed(TURNER), list[list[str]]()
+
+    def after(_search: SuggestionSearch, lines: Sequence[TaskLine], _bounds: object) -> None:
+        tried.append(sorted(line.kind for line in lines))
+
+    monkeypatch.setattr(explanation, "ConflictSearch", Foreseen)
+    monkeypatch.setattr(explanation, "FIRST_QUESTIONS", 1)
+    monkeypatch.setattr(SuggestionSearch, "after_conflicts", after)
+    refuted = tuple(each.labels for each in words(asked, BARE, ONE_LINK, TWO_LINKS))
+    found = explain(asked, Tried("unknown", "", refuted), Asked())
+    assert tried == [["start"], ["effort", "horizon"]]
+    assert found.conflicts.left == 0
 
 
 class Vain(Runs):

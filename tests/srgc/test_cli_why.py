@@ -186,6 +186,18 @@ def test_a_place_is_shown_once_with_all_that_is_said_about_it() -> None:
     assert ": the range of `JO.q`; the effort of `JO.q`\n" in text
 
 
+def test_refuted_robots_that_are_left_out_are_counted() -> None:
+    """Of nine robots without a conflict, six reasons are shown."""
+    reasons = {("B",) * size: f"reason {size}" for size in range(1, 9)}
+    found = Explanation(
+        posed(TURNER), Tried("impossible", "", (), reasons=reasons), Conflicts((), left=9)
+    )
+    text = why_text(found)
+    assert "no conflict is known yet: 9\n  B: reason 1\n" in text
+    assert text.count(": reason ") == 6
+    assert "\n  and 3 more\n" in text
+
+
 def test_lines_of_an_included_file(srgc: Srgc, tmp_path: Path) -> None:
     module = "module L  { role link; param length in [0.5, 1] m; const density = 1 kg/m; }\n"
     (tmp_path / "parts.srg").write_text("// links\n" + module, encoding="utf-8")
@@ -303,6 +315,8 @@ def test_results_that_are_none(srgc: Srgc, impossible: Path, tmp_path: Path, con
         ("seed", -1),
         ("seed", float("inf")),
         ("structures_tried", [{}]),
+        ("structures_tried", [{"verdict": "found", "same_robot_as": None}]),
+        ("reason", None),
         ("structures_tried", [{"verdict": "refuted", "same_robot_as": None, "derivation": ["no"]}]),
     ],
 )
