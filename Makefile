@@ -11,6 +11,7 @@ unexport PYTHONDONTWRITEBYTECODE
 KERNEL := compiler/expressions/machine/ball_kernel.c
 
 .venv/installed: requirements/dev.lock pyproject.toml $(KERNEL)
+	@echo "installing into .venv (a few minutes, 1.8 GB)"
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements/dev.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
