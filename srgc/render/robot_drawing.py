@@ -227,14 +227,24 @@ def pose_marks(
     marks += [_segment("bone", seen[[a, b]]) for a, b in robot.bones]
     for rod in robot.rods:
         ends = seen[list(rod.ends)]
-        width = 0.0 if rod.radius is None else 2 * rod.radius * view.scale
-        if width > THINNEST_CAPSULE:
-            marks.append(_segment("capsule", ends, f' stroke-width="{place(width)}"'))
+        if is_thick(rod, view):
+            width = place(_width(rod, view))
+            marks.append(_segment("capsule", ends, f' stroke-width="{width}"'))
         marks.append(_segment("rod", ends))
     marks += [_axis(joint, seen) for joint in robot.joints if joint.tip is not None]
     marks += [_joint(joint, seen) for joint in robot.joints]
     marks += [_mass(seen[mass.point], solid=mass.solid) for mass in robot.masses]
     return "".join(marks) + _effectors(robot, seen, view, taken, half)
+
+
+def is_thick(rod: DrawnRod, view: View) -> bool:
+    """Whether a rod is drawn with its thickness, as a band around it."""
+    return _width(rod, view) > THINNEST_CAPSULE
+
+
+def _width(rod: DrawnRod, view: View) -> float:
+    """The width of a rod in the picture; 0 if it has no radius."""
+    return 0.0 if rod.radius is None else 2 * rod.radius * view.scale
 
 
 def _effectors(robot: DrawnRobot, seen: Array, view: View, taken: Array | None, half: float) -> str:

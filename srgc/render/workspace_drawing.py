@@ -321,12 +321,14 @@ def plane_axes(view: View) -> str:
     return axes(plot, below, beside, grid=False, more=titles(plot, "x (m)", "y (m)"))
 
 
-KIND_SAMPLES = {
-    kind: f'<g class="shape {kind}"><path class="face" d="M2 1h20v10h-20Z"/></g>'
-    for kind in ("obstacle", "target", "region")
-}
+def set_sample(kind: str) -> str:
+    """The sample in a legend, 24 x 12, for sets with these classes."""
+    return f'<g class="shape {kind}"><path class="face" d="M2 1h20v10h-20Z"/></g>'
+
+
+KIND_SAMPLES = {kind: set_sample(kind) for kind in ("obstacle", "target", "region")}
 """The sample in the legend for each kind of region."""
-CELL_SAMPLE = '<g class="shape cell here"><path class="face" d="M2 1h20v10h-20Z"/></g>'
+CELL_SAMPLE = set_sample("cell here")
 """The sample for a cell that an effector visits."""
 AXES_ROOM = (60.0, 40.0)
 """The room that ``plane_axes`` needs on the left and below."""

@@ -14,8 +14,6 @@ from srgc.render.html_text import json_script, number, text, with_unit
 from srgc.render.robot_drawing import DrawnRobot, pose_marks
 from srgc.render.svg import NAMED, View, line_path
 from srgc.render.workspace_drawing import (
-    CELL_SAMPLE,
-    KIND_SAMPLES,
     boxes_path,
     page_name_boxes,
     page_names,
@@ -25,6 +23,7 @@ from srgc.render.workspace_drawing import (
     triad,
 )
 from srgc.report.evidence import Evidence
+from srgc.report.legend import beyond_words, legend, robot_caption
 from srgc.report.motion_data import scene_data
 from srgc.report.motion_scene import MotionScene, RobotMotion, TubeBoxes, motion_scene
 
@@ -35,9 +34,6 @@ MOST_MAGNIFIED = 1e15
 """Boxes that need a greater factor are not magnified."""
 MOST_SPELT = 1e7
 """Larger factors are told as powers of ten, which they are."""
-KIND_WORDS = {"obstacle": "obstacle", "target": "target", "region": "other region"}
-TUBE_SAMPLE = '<path class="tube" d="M2 1h10v7h10v3h-10v-3h-10Z"/>'
-"""The sample for the boxes of a tube in the legend."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0)
 LONGEST_SHOW, SHORTEST_SHOW = 8.0, 1.0
 """The longest and the shortest time in seconds that showing a motion takes at the initial speed."""
@@ -63,10 +59,10 @@ def motion_section(evidence: Evidence) -> str:
     if found is not None:
         title, word, model = "Motion", found.derivation.word, found.model
         tube = tube_caption(motion.tube, factor, repeats=evidence.task.repeat)
-        caption = f"{robot_caption(scene)} {tube}"
+        caption = f"{robot_caption([scene])} {tube}"
     elif nearest is not None:
         title, word, model = "The nearest motion, which fails", nearest.word, nearest.model
-        caption = f"{NEAREST} {robot_caption(scene)}"
+        caption = f"{NEAREST} {robot_caption([scene])}"
     else:
         raise ValueError("a motion of no robot")
     picture = motion_picture(scene, motion, factor, word, evidence.workspace.name)
@@ -85,9 +81,9 @@ def _workspace_alone(evidence: Evidence, scene: MotionScene) -> str:
     return (
         '<section id="motion"><h2>Workspace</h2><figure>'
         f"{scene_picture(scene.view, f'Workspace {evidence.workspace.name}', shapes)}"
-        f"{_views(scene)}"
+        f"{_views(scene)}{legend([scene])}"
         "<figcaption>There is no robot, and so no motion: the workspace "
-        f"<i>{text(evidence.workspace.name)}</i> with its regions and cells.{_beyond(scene)}"
+        f"<i>{text(evidence.workspace.name)}</i> with its regions and cells.{beyond_words([scene])}"
         "</figcaption></figure>"
         f"{json_script('motion-data', scene_data(scene))}</section>"
     )
@@ -154,10 +150,6 @@ def magnified(tube: TubeBoxes | None, view: View) -> float:
 def measure(scene: MotionScene) -> str:
     """The scale bar of a planar scene, or the axes of a spatial one."""
     return scale_bar(scene.view) if scene.dimension == 2 else triad(scene.view)
-
-
-def _beyond(scene: MotionScene) -> str:
-    return " The bounds reach beyond the picture." if scene.beyond else ""
 
 
 def _views(scene: MotionScene) -> str:
@@ -236,37 +228,6 @@ def readings(word: Sequence[str], dofs: Sequence[RobotDof], motion: RobotMotion)
 
 def _coordinate(value: float, *, turning: bool) -> str:
     return f"{degrees(value):.1f}°" if turning else f"{number(value)} m"
-
-
-def legend(scenes: Sequence[MotionScene]) -> str:
-    """The legend of the pictures: all that is in one of them."""
-    kinds = {shape.kind for scene in scenes for shape in scene.shapes}
-    motions = [scene.motion for scene in scenes if scene.motion is not None]
-    entries = [(KIND_SAMPLES[kind], says) for kind, says in KIND_WORDS.items() if kind in kinds]
-    if any(any(motion.visits) for motion in motions):
-        entries.append((CELL_SAMPLE, "cell that an effector is in"))
-    if any(motion.tube is not None for motion in motions):
-        entries.append((TUBE_SAMPLE, "proved tube: the effector is in these boxes"))
-    if motions:
-        entries.append(('<path class="trace" d="M1 6h22"/>', "path of the effector so far"))
-    items = "".join(
-        f'<li><svg class="scene" viewBox="0 0 24 12" aria-hidden="true">{sample}</svg>{says}</li>'
-        for sample, says in entries
-    )
-    return f'<ul class="legend">{items}</ul>'
-
-
-def robot_caption(scene: MotionScene) -> str:
-    """The meanings of the marks of a robot."""
-    words = (
-        "The robot at its real lengths: rods as thick lines, joints as circles (turning) and "
-        "squares (sliding), effectors as rings, other bodies by their centres of mass as dots."
-    )
-    if scene.motion is not None and len(scene.motion.robot.effectors) > 1:
-        words += " The numbers of effectors are on discs."
-    if scene.dimension == 3:
-        words += " A short line through a joint is its axis."
-    return f"{words}{_beyond(scene)}"
 
 
 def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str:

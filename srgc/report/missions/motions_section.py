@@ -9,15 +9,14 @@ from srgc.render.html_text import json_script, text
 from srgc.render.svg import fitted
 from srgc.report.animation import (
     controls,
-    legend,
     magnified,
     motion_picture,
     poses,
     readings,
-    robot_caption,
     tube_caption,
 )
 from srgc.report.evidence import Evidence
+from srgc.report.legend import legend, robot_caption
 from srgc.report.missions.mission_evidence import MissionEvidence
 from srgc.report.missions.robots_section import change_words
 from srgc.report.motion_data import scene_data
@@ -56,7 +55,8 @@ def motions_section(evidence: MissionEvidence) -> str:
     title = "The motion" if len(moved) == 1 else "The motions, one after the other"
     return (
         f'<section id="motion"><h2>{title}</h2><figure>{parts}{_jumps(evidence, scenes)}'
-        f"{controls(scenes)}{said}{legend(scenes)}<figcaption>{robot_caption(scenes[0])}</figcaption></figure>"
+        f"{controls(scenes)}{said}{legend(scenes)}"
+        f"<figcaption>{robot_caption(scenes)}</figcaption></figure>"
         f'<div class="stills">{stills}</div>{json_script("motion-data", data)}</section>'
     )
 
