@@ -16,14 +16,13 @@ from compiler.workspaces.map_header import MapFault
 from srgc.exports.scenes.fine_instants import FineInstants, fine_instants
 from srgc.faults import UsageFault
 from srgc.render.html_text import number
+from srgc.render.region_names import name_boxes, shape_names
 from srgc.render.robot_drawing import DrawnRobot, drawn_robot, pose_marks
 from srgc.render.svg import View, clipped, document, fitted, label, line_path, moved
 from srgc.render.workspace_drawing import (
     AXES_ROOM,
-    name_boxes,
     plane_axes,
     shape_marks,
-    shape_names,
     triad,
     workspace_shapes,
 )

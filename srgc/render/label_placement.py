@@ -163,6 +163,13 @@ def leader(label: Label, middle: Array) -> str:
     return "" if ends is None else f'<path class="leader" d="{line_path(ends)}"/>'
 
 
+def along(line: Array, apart: float = 4.0) -> Array:
+    """Points (k, 2) on a line (m, 2), about ``apart`` from one to the next, to keep visible."""
+    ends = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    at = np.linspace(0.0, ends[-1], 1 + int(ends[-1] / apart))
+    return np.stack([np.interp(at, ends, line[:, i]) for i in (0, 1)], axis=1)
+
+
 def sized(at: Array, lines: Sequence[str], size: float, *, bold: bool = False) -> Label:
     """A label for a point (2,), with the size of its lines of text."""
     return Label(at, block_size(lines, size, bold=bold))

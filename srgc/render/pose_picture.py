@@ -9,10 +9,10 @@ import numpy as np
 from compiler.arrays import Array
 from compiler.robots.robot import RobotDof, RobotModel
 from grammar_lang.ir.constants import to_float
+from srgc.render.region_names import NAME_SIZE
 from srgc.render.robot_drawing import DrawnJoint, drawn_robot, pose_marks
 from srgc.render.svg import document, fitted, label
 from srgc.render.text_size import block_size
-from srgc.render.workspace_drawing import NAME_SIZE
 
 PICTURE = 320.0
 """The width of the picture."""

@@ -17,6 +17,7 @@ from solvers.search.search_state import NearestMotion
 from solvers.search.synthesis import Synthesis
 from srgc.render.charts import Curve, colour_class, curve_marks, plot_of, thinned
 from srgc.render.html_text import number, with_unit
+from srgc.render.region_names import name_boxes, shape_names
 from srgc.render.robot_drawing import (
     DrawnRobot,
     drawn_robot,
@@ -31,10 +32,8 @@ from srgc.render.workspace_drawing import (
     KIND_SAMPLES,
     WorkspaceShape,
     cell_path,
-    name_boxes,
     plane_axes,
     shape_marks,
-    shape_names,
     workspace_shapes,
 )
 

@@ -16,10 +16,9 @@ from compiler.workspaces.hull import around, turn
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang.ir import Workspace
 from srgc.render.axes import Plot, Scale, axes, labelled, titles
-from srgc.render.html_text import name_in_picture, number, text
-from srgc.render.label_placement import Label, LabelPlacer, leader_ends, sized
-from srgc.render.svg import View, closed_path, line_path, place
-from srgc.render.text_size import BASELINE
+from srgc.render.html_text import number, text
+from srgc.render.svg import PADDING, View, closed_path, line_path
+from srgc.render.text_size import block_size
 
 ShapeKind = Literal["bounds", "cell", "region", "obstacle", "target"]
 
@@ -169,132 +168,6 @@ def _shape_mark(group: Sequence[WorkspaceShape], view: View, here: Container[str
     return f'<g class="shape {kind}">{title}{face}{edges}</g>'
 
 
-NAME_SIZE, NARROW_SIZE = 13.0, 24.0
-"""Sizes of region names, in units of the picture; the second is for pages that show it small."""
-
-
-def shape_names(
-    shapes: Sequence[WorkspaceShape],
-    view: View,
-    drawn: Array | None = None,
-    *,
-    taken: Array | None = None,
-    size: float = NAME_SIZE,
-    kind: str = "names",
-) -> str:
-    """The names of regions, above all else: in the region if there is room, else beside it.
-
-    Args:
-        shapes: the sets; those without a label have no name.
-        view: the projection.
-        drawn: points (m, 2) of the picture that names should not cover.
-        taken: rectangles (m, 4) of the picture that names avoid.
-        size: the size of the font.
-        kind: the classes of the group; scripts move its names by their ``data-half``.
-    """
-    marks = "".join(
-        _name_mark(shapes[index], index, label, middle, size)
-        for index, (label, middle) in _placed(shapes, view, drawn, taken, size).items()
-    )
-    return f'<g class="{kind}">{marks}</g>'
-
-
-def name_boxes(
-    shapes: Sequence[WorkspaceShape],
-    view: View,
-    drawn: Array | None = None,
-    *,
-    taken: Array | None = None,
-    size: float = NAME_SIZE,
-) -> Array:
-    """The rectangles (m, 4) that ``shape_names`` with these arguments covers."""
-    found = [
-        np.concatenate([middle - np.array(label.size) / 2, middle + np.array(label.size) / 2])
-        for label, middle in _placed(shapes, view, drawn, taken, size).values()
-        if middle is not None
-    ]
-    return np.array(found).reshape(-1, 4)
-
-
-def _placed(
-    shapes: Sequence[WorkspaceShape],
-    view: View,
-    drawn: Array | None,
-    taken: Array | None,
-    size: float,
-) -> dict[int, tuple[Label, Array | None]]:
-    """The labels of sets by their indices, and their middles, None where no place is free."""
-    placer = LabelPlacer((view.width, view.height), drawn)
-    if taken is not None:
-        placer.take(taken)
-    boxes = {index: _box_of(shape, view) for index, shape in enumerate(shapes) if shape.label}
-    wanted = {index: _name_of(shapes[index], view, size) for index in boxes}
-    if view.axes.shape[1] == 2:
-        # In space, sets are seen upon each other wherever their names are.
-        for index, label in wanted.items():
-            others = np.array([boxes[each] for each in boxes if each != index]).reshape(-1, 4)
-            wanted[index] = replace(label, others=others)
-    # Names that fit into their regions stay there, whatever the other names.
-    order = sorted(wanted, key=lambda index: (wanted[index].home is None, index))
-    places = {index: placer.place(wanted[index]) for index in order}
-    return {index: (label, places[index]) for index, label in wanted.items()}
-
-
-def page_names(shapes: Sequence[WorkspaceShape], view: View) -> str:
-    """The names of regions twice: for a wide page and for a phone.
-
-    They avoid the lower left corner, which has the scale bar or the axes.
-    """
-    return "".join(
-        shape_names(shapes, view, taken=_corner(view), size=size, kind=f"names {kind}")
-        for kind, size in (("wide", NAME_SIZE), ("narrow", NARROW_SIZE))
-    )
-
-
-def page_name_boxes(shapes: Sequence[WorkspaceShape], view: View) -> Array:
-    """The rectangles (m, 4) that ``page_names`` covers, and the corner that they avoid."""
-    corner = _corner(view)
-    sizes = NAME_SIZE, NARROW_SIZE
-    return np.concatenate(
-        [corner, *(name_boxes(shapes, view, taken=corner, size=size) for size in sizes)]
-    )
-
-
-def _corner(view: View) -> Array:
-    """The corner of a page's picture with the scale bar or the axes, as a rectangle (1, 4)."""
-    wide, high = (104.0, 104.0) if view.axes.shape[1] == 3 else (0.25 * view.width + 24, 40.0)
-    return np.array([[0.0, view.height - high, wide, view.height]])
-
-
-def _name_of(shape: WorkspaceShape, view: View, size: float) -> Label:
-    """The label of a set, in its middle if it fits there."""
-    box = _box_of(shape, view)
-    low, high = box[:2], box[2:]
-    middle = (low + high) / 2
-    label = sized(middle, [name_in_picture(shape.label)], size, bold=True)
-    across, up = high - low
-    if across > label.size[0] + 8 and up > label.size[1] + 5:
-        return replace(label, home=middle)
-    reach = min(across / 2, label.size[0] / 2), up / 2
-    return replace(label, reach=reach)
-
-
-def _name_mark(
-    shape: WorkspaceShape, index: int, label: Label, middle: Array | None, size: float
-) -> str:
-    """A name, with a leader line if it is far away; hidden if no place is free."""
-    half = f"{label.size[0] / 2:.1f} {label.size[1] / 2:.1f}"
-    x, y = label.at if middle is None else middle
-    ends = None if middle is None else leader_ends(label, middle)
-    line = "" if ends is None else line_path(ends)
-    hidden = ' visibility="hidden"' if middle is None else ""
-    return (
-        f'<path class="leader" d="{line}"/><text data-shape="{index}" data-half="{half}" '
-        f'x="{place(x)}" y="{place(y + BASELINE * size)}"{hidden}>'
-        f"{text(name_in_picture(shape.label))}</text>"
-    )
-
-
 def box_corners(box: Array) -> Array:
     """The corners (2^d, d) of a box (d, 2)."""
     grids = np.meshgrid(*box, indexing="ij")
@@ -332,18 +205,38 @@ CELL_SAMPLE = set_sample("cell here")
 """The sample for a cell that an effector visits."""
 AXES_ROOM = (60.0, 40.0)
 """The room that ``plane_axes`` needs on the left and below."""
+RULER_LEFT = 12.0
+"""Where the scale bar begins."""
 
 
 def scale_bar(view: View) -> str:
-    """A bar of 1, 2 or 5 times a power of ten metres."""
+    """A bar of 1, 2 or 5 times a power of ten metres, with its length beside it.
+
+    Both lie in the margin below what is drawn, in large letters for phones, too.
+    """
+    length, begin = _ruler(view)
+    y = view.height - 9
+    return (
+        f'<g class="ruler"><path d="M{RULER_LEFT:g} {y - 4}v4h{length * view.scale:.1f}v-4"/>'
+        f'<text x="{begin:.1f}" y="{view.height - 4}">{number(length)} m</text></g>'
+    )
+
+
+def _ruler(view: View) -> tuple[float, float]:
+    """The length of the scale bar in metres, and where its label begins in the picture."""
     most = 0.25 * view.width / view.scale
     power = 10.0 ** floor(log10(most))
     length = max(power * step for step in (1, 2, 5) if power * step <= most)
-    x, y = 12.0, view.height - 10
-    return (
-        f'<g class="ruler"><path d="M{x} {y - 4}v4h{length * view.scale:.1f}v-4"/>'
-        f'<text x="{x + 5}" y="{y - 4}">{number(length)} m</text></g>'
-    )
+    return length, RULER_LEFT + length * view.scale + 6
+
+
+def measure_box(view: View, size: float) -> Array:
+    """The rectangle (1, 4) of the scale bar, or of the axes of space, with letters of a size."""
+    if view.axes.shape[1] == 3:
+        return np.array([[0.0, view.height - 104.0, 104.0, view.height]])
+    length, begin = _ruler(view)
+    wide = begin + block_size([f"{number(length)} m"], size)[0]
+    return np.array([[0.0, view.height - PADDING, wide, view.height]])
 
 
 def triad(view: View) -> str:
@@ -355,9 +248,3 @@ def triad(view: View) -> str:
             f'<text x="{44 * x:.1f}" y="{-44 * y:.1f}">{name}</text>'
         )
     return f'<g class="triad" transform="translate(52 {view.height - 52:.0f})">{"".join(marks)}</g>'
-
-
-def _box_of(shape: WorkspaceShape, view: View) -> Array:
-    """The bounding box (4,) of a set in the picture."""
-    corners = view.project(shape.corners)
-    return np.concatenate([corners.min(axis=0), corners.max(axis=0)])

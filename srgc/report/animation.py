@@ -11,17 +11,11 @@ from compiler.arrays import Array
 from compiler.robots.robot import RobotDof
 from srgc.render.effector_numbers import NARROW_HALF
 from srgc.render.html_text import json_script, number, text, with_unit
+from srgc.render.label_placement import along
+from srgc.render.region_names import page_name_boxes, page_names
 from srgc.render.robot_drawing import DrawnRobot, pose_marks
 from srgc.render.svg import NAMED, View, line_path
-from srgc.render.workspace_drawing import (
-    boxes_path,
-    page_name_boxes,
-    page_names,
-    scale_bar,
-    shape_marks,
-    shape_path,
-    triad,
-)
+from srgc.render.workspace_drawing import boxes_path, scale_bar, shape_marks, shape_path, triad
 from srgc.report.evidence import Evidence
 from srgc.report.legend import beyond_words, legend, robot_caption
 from srgc.report.motion_data import scene_data
@@ -117,19 +111,31 @@ def motion_picture(
     for tips in np.swapaxes(motion.tips, 0, 1):
         parts.append(f'<path class="trail" d="{line_path(view.project(tips))}"/>')
         parts.append('<path class="trace" d=""/>')
-    names = page_name_boxes(scene.shapes, view)
+    paths = seen_paths([motion], view)
+    names = page_name_boxes(scene.shapes, view, paths)
     robot = pose_marks(motion.robot, motion.points[0], view, names, NARROW_HALF)
     parts.append(f'<g class="robot">{robot}</g>')
     if motion.tube is not None:
         boxes = _instant_boxes(motion.tips[0], motion.tube.half_widths[0], factor)
         parts.append(f'<path class="instant" d="{boxes_path(list(boxes), view)}"/>')
-    parts.append(page_names(scene.shapes, view))
+    parts.append(page_names(scene.shapes, view, paths))
     parts.append(measure(scene))
     return scene_picture(
         view,
         f"The robot {' '.join(word)} in {workspace} at the time that the slider gives",
         "".join(parts),
     )
+
+
+def seen_paths(motions: Sequence[RobotMotion], view: View) -> Array | None:
+    """Points (m, 2) of a planar picture on the paths of all effectors, off which names keep.
+
+    None for a view of space, in which the script places names anew.
+    """
+    if view.axes.shape[1] == 3:
+        return None
+    tips = [np.swapaxes(motion.tips, 0, 1) for motion in motions]
+    return np.concatenate([along(view.project(line)) for lines in tips for line in lines])
 
 
 def _instant_boxes(tips: Array, half_widths: Array, factor: float) -> Array:

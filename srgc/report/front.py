@@ -11,10 +11,11 @@ import numpy as np
 
 from srgc.render.axes import Plot, Scale, axes, labelled, padded, titles
 from srgc.render.html_text import json_script, many, text
+from srgc.render.region_names import page_names
 from srgc.render.robot_drawing import pose_marks
 from srgc.render.svg import View, fitted, line_path
-from srgc.render.workspace_drawing import WorkspaceShape, page_names, shape_marks, workspace_shapes
-from srgc.report.animation import measure, scene_picture
+from srgc.render.workspace_drawing import WorkspaceShape, shape_marks, workspace_shapes
+from srgc.report.animation import measure, scene_picture, seen_paths
 from srgc.report.compared_designs import Axis, Compared, ComparedDesigns, shown
 from srgc.report.evidence import Evidence
 from srgc.report.front_motions import MOST_MOTIONS
@@ -199,7 +200,8 @@ def _scene(
         return ""
     scene = MotionScene(evidence.workspace.dimension, shapes, None, view)
     robots = "".join(_robot(number, motion, view) for number, motion in motions.items())
-    content = shape_marks(shapes, view) + robots + page_names(shapes, view) + measure(scene)
+    names = page_names(shapes, view, seen_paths(list(motions.values()), view))
+    content = shape_marks(shapes, view) + robots + names + measure(scene)
     picture = scene_picture(view, "The chosen design, moving", content, turned=False)
     return (
         f'<figure class="front-scene screen-only" hidden="">{picture}'

@@ -243,6 +243,24 @@ def test_no_label_lies_on_another(opened: Open, spec: str, width: int) -> None:
             assert page.run(COVERED) == []
 
 
+@pytest.mark.parametrize("width", [320, 768, 1280])
+def test_the_scale_bar_is_below_the_bounds(opened: Open, width: int) -> None:
+    page = opened("planar_arm")
+    page.command(
+        "Emulation.setDeviceMetricsOverride",
+        width=width, height=740, deviceScaleFactor=1, mobile=width < 500,
+    )  # fmt: skip
+    length, bar, frame, picture = page.run(
+        "return ['.ruler text', '.ruler path', '.bounds .face', ''].map((each) => {"
+        "const b = document.querySelector('#motion > figure > .scene ' + each)"
+        ".getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; });"
+    )
+    assert length[1] > frame[3] - 1
+    assert bar[1] > frame[3]
+    assert length[0] > bar[2]
+    assert length[3] < picture[3] + 1
+
+
 @pytest.mark.parametrize("width", [320, 1280])
 def test_the_page_of_an_unknown_task_is_as_wide_as_the_screen(
     opened: Open, made: Callable[[str], Path], tmp_path: Path, width: int

@@ -5,10 +5,12 @@ from __future__ import annotations
 import random
 import re
 import string
+from dataclasses import replace
 
 import networkx as nx
 import numpy as np
 import pytest
+from shapely import LineString, Polygon, box
 
 from compiler.workspaces.abstraction import abstract
 from compiler.workspaces.bisection import bisections
@@ -18,14 +20,16 @@ from srgc.landscapes.landscape_picture import landscape_svg
 from srgc.landscapes.landscape_request import Axis, Mark
 from srgc.render.charts import Curve, line_chart
 from srgc.render.label_placement import Label, LabelPlacer, leader_ends
-from srgc.render.svg import View, document, from_above
+from srgc.render.region_names import name_boxes, page_name_boxes, page_names, shape_names
+from srgc.render.svg import View, document, fitted, from_above
 from srgc.render.text_size import text_width
-from srgc.render.workspace_drawing import WorkspaceShape, name_boxes, page_names, shape_names
+from srgc.render.workspace_drawing import WorkspaceShape, measure_box, scale_bar
 from srgc.render.workspace_picture import workspace_svg
 from tests.oracles.drawn_texts import drawn_texts, outside, overlaps, true_width
 from tests.oracles.planes import bench
 from tests.oracles.random_worlds import space_world, tilted_boxes
 
+SQUARE = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
 LEAST = 9.0
 """Pixels of a text that can be read on a screen of 1280, which the widest pictures fill."""
 
@@ -262,7 +266,60 @@ def test_names_are_nearer_to_their_own_sets_than_to_others() -> None:
     own = [view.project(shape.corners) for shape in shapes]
     boxes = name_boxes(shapes, view)
     assert len(boxes) == len(shapes)
-    for number, box in enumerate(boxes):
-        middle = (box[:2] + box[2:]) / 2
+    for number, each in enumerate(boxes):
+        middle = (each[:2] + each[2:]) / 2
         away = [np.linalg.norm(corners.mean(axis=0) - middle) for corners in own]
         assert np.argmin(away) == number, shapes[number].name
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("angle", [15, 30, 60, 105])
+def test_names_on_pages_keep_off_paths_and_edges(angle: int, side: int) -> None:
+    """A beam as wide as its name, but tilted, and a path close to it."""
+    along, across = turned(angle).T
+    corners = np.array([[-0.26, -0.1], [0.26, -0.1], [0.26, 0.1], [-0.26, 0.1]]) @ [along, across]
+    shapes = [
+        WorkspaceShape("bounds", "bounds", "", 1.5 * np.array(SQUARE), ()),
+        WorkspaceShape("obstacle", "Beam", "Beam", corners, ()),
+    ]
+    view = fitted([shape.corners for shape in shapes])
+    path = np.linspace(-0.5, 0.5, 400)[:, None] * along + 0.16 * side * across
+    drawn = view.project(path)
+    beam_shape = Polygon(view.project(corners))
+    names = page_name_boxes(shapes, view, drawn)[1:]
+    assert len(names) == 2
+    for left, top, right, bottom in names:
+        name = box(left, top, right, bottom)
+        assert beam_shape.contains(name) or not beam_shape.intersects(name)
+        assert not name.intersects(LineString(drawn))
+    # Where there is room in the set, the name stays there.
+    large = replace(shapes[1], corners=3 * corners)
+    for left, top, right, bottom in page_name_boxes([shapes[0], large], view)[1:2]:
+        assert Polygon(view.project(large.corners)).contains(box(left, top, right, bottom))
+
+
+@pytest.mark.parametrize("size", [12.0, 24.0])
+@pytest.mark.parametrize("side", [0.03, 1.0, 1.5, 40.0])
+def test_the_length_of_the_scale_bar_is_off_the_bounds(side: float, size: float) -> None:
+    """Letters are 12 high on a wide page, 24 on a phone."""
+    bounds = side * np.array(SQUARE)
+    view = fitted([bounds])
+    bar = scale_bar(view)
+    svg = document(bar, (view.width, view.height), "scene", "x")
+    (says,) = re.findall(r">([\d.]+) m</text>", bar)
+    ((begin, base),) = re.findall(r'<text x="([\d.]+)" y="([\d.]+)"', bar)
+    # Digits of DejaVu Sans are 0.73 of the size above their base line.
+    assert float(base) - 0.73 * size > view.project(bounds)[:, 1].max()
+    assert float(base) <= view.height
+    ((x, wide),) = re.findall(r'd="M([\d.]+) [\d.]+v4h([\d.]+)v-4"', bar)
+    assert float(begin) > float(x) + float(wide)
+    assert float(wide) == pytest.approx(float(says) * view.scale, abs=0.06)
+    assert outside(drawn_texts(svg, size), svg) == []
+    width, box_end = true_width(f"{says} m", size), measure_box(view, size)[0, 2]
+    assert float(begin) + width <= box_end + 0.1
+
+
+def turned(angle: float) -> np.ndarray:
+    """The rotation by an angle in degrees."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    return np.array([[c, -s], [s, c]])
