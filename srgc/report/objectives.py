@@ -28,7 +28,8 @@ def objectives_section(evidence: Evidence) -> str:
     front = "" if designs is None or not designs.named else front_part(evidence, designs)
     return (
         f'<section id="objectives"><h2>Objectives</h2><p>{_checked(evidence)}</p>'
-        f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>'
+        f'<div class="scroll"><table class="folded"><thead><tr>{heads}</tr></thead>'
+        f"<tbody>{rows}</tbody></table>"
         f"</div>{front}</section>"
     )
 
@@ -52,9 +53,12 @@ def _row(one: Objective, *, first: bool) -> str:
     gap = "" if nothing or one.gap is None else gap_text(Fraction(one.gap))
     claim = one.claim(first=first)
     says = "; ".join(part for part in (claim, one.open) if part)
+    figures = text(one.amount(one.value)), least, gap, str(one.undecided)
+    cells = "".join(
+        f'<td class="figure" data-head="{head}">{figure}</td>'
+        for head, figure in zip(HEADS[1:5], figures, strict=True)
+    )
     return (
-        f'<tr data-objective="{text(one.objective)}"><td>{text(one.name)}</td>'
-        f'<td class="figure">{text(one.amount(one.value))}</td><td class="figure">{least}</td>'
-        f'<td class="figure">{gap}</td><td class="figure">{one.undecided}</td>'
+        f'<tr data-objective="{text(one.objective)}"><td>{text(one.name)}</td>{cells}'
         f"<td>{text(says[0].upper() + says[1:])}.</td></tr>"
     )

@@ -39,7 +39,7 @@ def margins_section(evidence: Evidence) -> str:
         "<p>By how much each condition holds, at the instant at which it is closest to being "
         "violated. Bars are logarithmic, each unit to its own scale. "
         '<span class="screen-only">Choose a time to see the robot there.</span></p>'
-        '<div class="scroll"><table class="margins"><thead><tr><th>condition</th>'
+        '<div class="scroll"><table class="margins folded"><thead><tr><th>condition</th>'
         '<th class="figure">margin</th><th class="bar">size</th>'
         "<th>closest at</th><th>where</th><th>known</th></tr></thead>"
         f"<tbody>{rows}</tbody></table></div></section>"
@@ -60,8 +60,10 @@ def _row(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
     level = condition.level if condition.status is Status.HOLDS else ""
     return (
         f'<tr class="{_class(condition)}"><td>{name}</td><td class="figure">{text(margin)}</td>'
-        f'<td class="bar">{_bar(condition, among)}</td><td>{_when(condition)}</td>'
-        f"<td>{f'({place})' if place else ''}</td><td>{level}</td></tr>"
+        f'<td class="bar">{_bar(condition, among)}</td>'
+        f'<td data-head="closest at">{_when(condition)}</td>'
+        f'<td data-head="where">{f"({place})" if place else ""}</td>'
+        f'<td data-head="known">{level}</td></tr>'
     )
 
 

@@ -108,12 +108,13 @@ def _table(found: FoundDesign, roles: Mapping[str, ir.Role]) -> str:
         values += joints.get(place, [])
         rows.append(
             f'<tr data-symbol="{place}"><td>{place}</td><th scope="row">{text(name)}</th>'
-            f"<td>{roles[name]}</td><td>{'<br/>'.join(values)}</td>"
-            f"<td>{text(labels[place])}</td></tr>"
+            f'<td data-head="role">{roles[name]}</td><td>{"<br/>".join(values)}</td>'
+            f'<td data-head="rule">{text(labels[place])}</td></tr>'
         )
     return (
-        '<table class="parts"><thead><tr><th scope="col">place</th><th scope="col">module</th>'
-        '<th scope="col">role</th><th scope="col">values</th><th scope="col">rule</th></tr></thead>'
+        '<table class="parts folded"><thead><tr><th scope="col">place</th>'
+        '<th scope="col">module</th><th scope="col">role</th>'
+        '<th scope="col">values</th><th scope="col">rule</th></tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>"
     )
 
