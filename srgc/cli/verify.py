@@ -108,15 +108,14 @@ def verify(
             report = verify_directory(folder, spec, trust, watch, Expected(task, expect))
             text = verification_json(report) if as_json else verification_text(report)
     if not as_json:
+        from srgc.results.lost_file import next_after
         from srgc.terminal import with_verdict
         from srgc.text_reports.next_step import WHY, WHY_MISSION
         from srgc.text_reports.verification_report import after_verification
 
         text = with_verdict(text, report.outcome.value)
         why = WHY_MISSION if of_mission else WHY
-        ended = any((folder / name).exists() for name in ("design.json", MISSION))
-        begun = not ended and (folder / "journal.jsonl").exists()
-        text = f"{text}\n{after_verification(report, str(folder), why, begun=begun)}"
+        text = f"{text}\n{after_verification(report, str(folder), why, next_after(folder))}"
     click.echo(text)
     statuses = {
         Outcome.VALID: 0, Outcome.REFUTED: REFUSED, Outcome.UNEXPECTED: UNEXPECTED,

@@ -107,11 +107,14 @@ def _of_found(
         stated_json,
         stated_text,
     )
+    from srgc.results.lost_file import no_certificate
     from srgc.results.progress_display import progress
     from srgc.results.result_folder import json_object
     from srgc.results.stated_objectives import stated_objectives
     from srgc.terminal import out_colours
 
+    if not (folder / "certificate.json").is_file():
+        raise no_certificate(folder)
     cheaper = next_cheaper(folder, tried)
     if cheaper is None:
         path = folder / "design.json"

@@ -43,6 +43,7 @@ from solvers.verifier.report import Refused
 from srgc.faults import NoAnswer, UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
+from srgc.results.lost_file import no_certificate, no_design
 from srgc.results.mission_refusal import refuse_mission
 from srgc.results.no_robot import no_robot
 from srgc.results.result_folder import json_object
@@ -162,10 +163,7 @@ def _found_claim(folder: Path) -> FoundClaim:
     refuse_mission(folder)
     path = folder / "certificate.json"
     if not path.exists():
-        verdict = json_object(folder / "design.json", needed=False).get("verdict")
-        if verdict in ("impossible", "unknown"):
-            raise no_robot(folder, verdict)
-        raise UsageFault(f"{folder} has no certificate: no robot was found")
+        raise no_certificate(folder)
     claim = from_text(bounded_text(path))
     if not isinstance(claim, FoundClaim):
         raise no_robot(folder, "impossible")
@@ -214,6 +212,8 @@ def found_record(folder: Path, found: FoundDesign) -> FoundRecord:
     Raises:
         UsageFault: the file is missing, of another version, or differs from the certificate.
     """
+    if not (folder / "design.json").exists():
+        raise no_design(folder)
     content = json_object(folder / "design.json")
     ours, theirs = VERSION, content.get("version")
     if theirs != ours:

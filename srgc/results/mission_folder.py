@@ -26,6 +26,7 @@ from srgc.faults import UsageFault
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
 from srgc.results.found_design import FoundDesign, found_design
+from srgc.results.lost_file import no_design
 from srgc.results.mission_files import change_entry
 from srgc.results.result_folder import json_object
 from srgc.results.undecided_robots import StatedUndecided, stated_undecided
@@ -132,7 +133,7 @@ def mission_folder(folder: Path) -> MissionFolder:
     refuse_links(folder)
     path = folder / "design.json"
     if not path.exists():
-        raise UsageFault(f"{folder} has no design.json: it holds no finished results")
+        raise no_design(folder)
     design = {"differs": []} | json_object(path)  # missing in earlier results
     try:
         return _read(folder, design)

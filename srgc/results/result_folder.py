@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from solvers.run_context import Recorded
+from solvers.verdict import MISSION
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text
 from srgc.faults import WITH_O, UsageFault, argument
 from srgc.paths import unwritable
@@ -158,16 +159,19 @@ def _is_edited(path: Path, identity: Identity, spec: str | None) -> bool:
 def _opened(path: Path, identity: Identity, *, force: bool) -> ResultFolder:
     folder = ResultFolder(path, identity)
     owner = _owner(path)
+    ours = [name for name in OWN_FOLDERS if (path / name).exists()]
+    if owner is None and ours and (force or holds_claim(path)):
+        # They may belong to somebody else: they must neither be mixed with results nor deleted.
+        raise UsageFault(
+            f"{path} has a `{ours[0]}` but no design.json to tell whose it is; choose another "
+            "folder"
+        )
     if owner is None and not force and any(item.name not in UNFINISHED for item in path.iterdir()):
         raise UsageFault(
             f"{path} is not empty and holds no results; ",
             argument("force"),
             " uses it all the same",
         )
-    ours = [name for name in OWN_FOLDERS if (path / name).exists()]
-    if owner is None and ours and force:
-        # They belong to somebody else: they must neither be mixed with results nor deleted.
-        raise UsageFault(f"{path} has a `{ours[0]}` that is not ours; choose another folder")
     if owner is not None and owner != identity and not force:
         raise UsageFault(
             f"{path} holds the results of another {_difference(owner, identity)}; "
@@ -285,6 +289,11 @@ def _journal_values(path: Path) -> dict[str, Recorded]:
         except (ValueError, TypeError, RecursionError):
             break
     return values
+
+
+def holds_claim(folder: Path) -> bool:
+    """Whether a folder has the certificate of a task or of a mission."""
+    return any((folder / name).is_file() for name in ("certificate.json", MISSION))
 
 
 # --- The object in a JSON file of a result folder -------------------------------------------------

@@ -26,6 +26,7 @@ from solvers.verifier.claims.lemma_claims import LemmaClaim, lemma_claim
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text, read_copy
 from srgc.paths import no_folder
 from srgc.results.folder_writer import refuse_links
+from srgc.results.lost_file import no_design
 from srgc.results.mission_refusal import refuse_mission
 from srgc.search_options import named_search, named_solver
 from srgc.session import UsageFault
@@ -69,9 +70,7 @@ def tried_folder(folder: Path) -> TriedFolder:
     refuse_mission(folder)
     path = folder / "design.json"
     if not path.exists():
-        begun = (folder / "journal.jsonl").exists()
-        how = "; the `srgc synth` that began it goes on from there" if begun else ""
-        raise UsageFault(f"{folder} has no design.json: it holds no finished results{how}")
+        raise no_design(folder)
     try:
         content = json.loads(bounded_bytes(path))
         program, _ = read_copy(folder / "spec", content["spec"], content["spec_sha256"])

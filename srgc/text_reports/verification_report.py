@@ -145,11 +145,15 @@ def by_map(conditions: Sequence[CheckedCondition]) -> Iterator[CheckedCondition]
 # --- The next step --------------------------------------------------------------------------------
 
 
-def after_verification(report: Report, folder: str, why: str = WHY, *, begun: bool = False) -> str:
+def after_verification(
+    report: Report, folder: str, why: str = WHY, incomplete: str | None = None
+) -> str:
     """The line about the next step, for results in a folder; ``why`` is what `srgc why` says.
 
-    ``begun``: the folder is that of a search that was interrupted.
+    ``incomplete`` is the advice for a folder that lacks what `srgc report` and `srgc why` need.
     """
+    if incomplete is not None and _goes_on(report):
+        return f"{HEAD}{incomplete}"
     match report.outcome:
         case Outcome.VALID if report.verdict == "found":
             return next_command("srgc report", folder, "or srgc export")
@@ -159,8 +163,6 @@ def after_verification(report: Report, folder: str, why: str = WHY, *, begun: bo
             return next_command("srgc verify --trust z3", folder)
         case Outcome.UNEXPECTED:
             return next_command("srgc verify", folder, "judges it, whatever it is about")
-        case Outcome.UNDECIDED if report.verdict is None and begun:
-            return f"{HEAD}the `srgc synth` that began it goes on from there"
         case Outcome.UNDECIDED if report.verdict is None:
             return next_command("srgc why", folder)
         case Outcome.UNDECIDED if report.verdict == "found":
@@ -169,3 +171,10 @@ def after_verification(report: Report, folder: str, why: str = WHY, *, begun: bo
             return next_command("srgc verify --trust cvc5", folder, "or another solver")
         case _:
             return f"{HEAD}do not rely on it; run `srgc synth` into another folder"
+
+
+def _goes_on(report: Report) -> bool:
+    """Whether the next step is to look at a result, or to ask why there is none."""
+    return report.outcome is Outcome.VALID or (
+        report.outcome is Outcome.UNDECIDED and report.verdict is None
+    )
