@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 from compiler.checks.smallest_robots import smallest_robots
 from compiler.robots.bodies_apart import bodies_apart, exempt_bodies
+from compiler.robots.collider_names import collider_names
 from compiler.robots.robot import RobotModel
 from grammar_lang import ir
 from grammar_lang.diagnostics.diagnostic import Code, Sink
@@ -29,10 +32,9 @@ def _report(program: ir.Program, task: ir.Task, itself: ir.AvoidSelf, sink: Sink
         tried += 1
         apart = bodies_apart(model, itself)
         if apart:
-            exempt = [
-                f"{_named(model, one)} and {_named(model, two)}"
-                for one, two in exempt_bodies(model, itself)
-            ]
+            grammar = program.grammars[task.grammar]
+            names = collider_names(program, grammar, derivation, model)
+            exempt = [f"{names[one]} and {names[two]}" for one, two in exempt_bodies(model, itself)]
             more = len(exempt) - MOST_PAIRS
             listed = ", ".join(exempt[:MOST_PAIRS]) + (f" and {more} more" if more > 0 else "")
             sink.note(
@@ -40,7 +42,7 @@ def _report(program: ir.Program, task: ir.Task, itself: ir.AvoidSelf, sink: Sink
                 f"in `{' '.join(derivation.word)}` {counted(len(apart), 'pair')} of bodies "
                 f"must stay apart; pairs that may touch: {listed or 'none'}",
                 itself.span,
-                "name other pairs of modules that may touch after `except`",
+                _hint(grammar, model, apart),
             )
             return
     if tried:
@@ -50,6 +52,30 @@ def _report(program: ir.Program, task: ir.Task, itself: ir.AvoidSelf, sink: Sink
         sink.note(Code.EXEMPT_BODIES, message, itself.span, hint)
 
 
-def _named(model: RobotModel, body: int) -> str:
-    owner, name = model.collider_owners[body], model.collider_names[body]
-    return name if owner is None else f"{name} ({owner.module} at symbol {owner.symbol})"
+def _hint(grammar: ir.Grammar, model: RobotModel, apart: Sequence[tuple[int, int]]) -> str:
+    """How to let more bodies touch; ``except`` takes no module that only may own a body."""
+    unclear = set(_unclear_owners(grammar))
+    owners = [None if each is None else each.module for each in model.collider_owners]
+    known = {None, *unclear}
+    if all(owners[one] in known or owners[two] in known for one, two in apart):
+        return (
+            "`except` can add no pair here, for several modules may own the bodies: name one "
+            "module in the quantities of a body, or emit it in a production of one module"
+        )
+    *names, last = (f"`{name}`" for name in sorted(unclear)) if unclear else ("",)
+    but = (
+        f", but not {', '.join(names)} and {last}: it is not clear which bodies are theirs"
+        if unclear
+        else ""
+    )
+    return f"name other pairs of modules that may touch after `except`{but}"
+
+
+def _unclear_owners(grammar: ir.Grammar) -> Iterator[str]:
+    """The modules that may own a body that others may own, too."""
+    for production in grammar.productions:
+        block = (grammar.semantics or {}).get(production.label)
+        for emission in () if block is None else block.emissions:
+            found = ir.owners(production, emission)
+            if len(found) > 1 and not isinstance(emission, ir.Effector):
+                yield from (production.right[i].name for i in found)

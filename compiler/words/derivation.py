@@ -6,7 +6,7 @@ of its productions; ``replay`` checks one.  Nothing here is recursive in the len
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from grammar_lang import ir
@@ -133,26 +133,6 @@ def emission_order(derivation: Derivation) -> list[int]:
     """The nodes ordered by first module or else first terminal; effectors count in this order."""
     nodes = range(len(derivation.nodes))
     return sorted(nodes, key=lambda node: (_place(derivation, node), node))
-
-
-def body_symbols(
-    derivation: Derivation, semantics: Mapping[str, ir.SemanticBlock]
-) -> tuple[tuple[int | None, ...], tuple[int | None, ...]]:
-    """The symbol, by its position in the word, that each body and each shape belongs to.
-
-    None for a production without terminals.
-    """
-    bodies, shapes = list[int | None](), list[int | None]()
-    for node in emission_order(derivation):
-        place = _place(derivation, node)
-        emissions = semantics[derivation.nodes[node].production.label].emissions
-        symbol = place if place < len(derivation.word) else None
-        for emission in emissions:
-            if isinstance(emission, ir.Shape):
-                shapes.append(symbol)
-            elif not isinstance(emission, ir.Effector):
-                bodies.append(symbol)
-    return tuple(bodies), tuple(shapes)
 
 
 def _place(derivation: Derivation, node: int) -> int:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol, TypeVar
 
 from compiler.dynamics.equations_of_motion import RobotGraph, robot_graph
 from compiler.dynamics.rigid_bodies import coordinates_for_intervals
+from compiler.robots.collider_names import collider_names
 from compiler.robots.parameter_values import ParameterValue
 from compiler.robots.robot import RobotModel
-from compiler.words.derivation import Derivation, body_symbols
+from compiler.words.derivation import Derivation
 from compiler.workspaces.abstraction import Abstraction
 from compiler.workspaces.polytope import Polytope, polytope_of
 from grammar_lang import ir
@@ -135,11 +136,7 @@ def scene_of(
     """The scene of a robot in a task; colliders are named after modules of the derivation."""
     bodies: tuple[str, ...] = ()
     if derivation is not None:
-        semantics = program.grammars[task.grammar].semantics or {}
-        own, shapes = body_symbols(derivation, semantics)
-        if len(own) + len(model.payloads) == len(model.bodies) and len(shapes) == len(model.shapes):
-            symbols = [s for number, s in enumerate(own) if number not in model.covered]
-            bodies = _named(model, [*symbols, *shapes], derivation.word)
+        bodies = collider_names(program, program.grammars[task.grammar], derivation, model)
     return _scene(model, program.workspaces[task.workspace], task, cells, bodies)
 
 
@@ -152,18 +149,3 @@ def _scene(
 ) -> Scene:
     graph = robot_graph(model, task.gravity, coordinates_for_intervals(model))
     return Scene(graph, workspace, task, cells, bodies)
-
-
-def _named(
-    model: RobotModel, symbols: Sequence[int | None], word: Sequence[str]
-) -> tuple[str, ...]:
-    """Names with the module of each collider; if several modules define it, with the first."""
-    owners = model.collider_owners or (None,) * len(symbols)
-    known = [
-        symbol if owner is None else owner.symbol
-        for symbol, owner in zip(symbols, owners, strict=True)
-    ]
-    return tuple(
-        name + ("" if symbol is None else f" ({word[symbol]} at symbol {symbol})")
-        for name, symbol in zip(model.collider_names, known, strict=True)
-    )
