@@ -93,6 +93,8 @@ def _without_free_input(own: OwnDynamics) -> set[int]:
 # --- Exact bounds of the inputs of a robot in a task (C.3 of the paper, Theta and U) --------------
 
 
+SEVERAL_UNITS = "SI"
+"""Instead of the unit of several quantities of different units."""
 EFFORT_UNITS: dict[ir.DofKind, str] = {"revolute": "N*m", "prismatic": "N"}
 
 
@@ -164,6 +166,19 @@ def input_bounds(model: RobotModel, task: ir.Task) -> tuple[InputBound, ...]:
             name = f"input {item.module}.{item.name} (symbol {item.symbol})"
             found.append(InputBound((place,), lower, upper, item.unit, name))
     return tuple(found)
+
+
+def common_unit(model: RobotModel, revolute: str, prismatic: str) -> str:
+    """The unit of a quantity of all joints at once; ``SI`` if there are joints of both kinds."""
+    kinds = {dof.kind for dof in model.dofs}
+    if len(kinds) != 1:
+        return SEVERAL_UNITS
+    return revolute if kinds == {"revolute"} else prismatic
+
+
+def rates_unit(model: RobotModel) -> str:
+    """The unit of the rates of all joints."""
+    return common_unit(model, "rad/s", "m/s")
 
 
 def family_unit(program: ir.Program, task: ir.Task) -> str:

@@ -12,6 +12,7 @@ from solvers.trajectory.fine_motion import BEYOND
 from solvers.trajectory.round_set import LEAST_SLACK
 from solvers.trajectory.task_size import LEAST_MARGIN
 from solvers.verifier.proofs.checked_condition import CheckedCondition
+from solvers.verifier.proofs.end_conditions import FINAL_RATES
 from solvers.verifier.proofs.endless_conditions import CLOSED, ENTERED
 from solvers.verifier.proofs.tube_checks import Status
 
@@ -95,7 +96,8 @@ def missing_margin(conditions: Sequence[CheckedCondition], spread: DisturbanceSp
         if condition.name in (ENTERED, CLOSED):
             continue
         if condition.status is not Status.HOLDS and condition.margin < 0:
-            width = most.get(condition.unit, states)
+            final = condition.name.startswith(FINAL_RATES)
+            width = spread.final if final else most.get(condition.unit, states)
             if width > 0:
                 lacking.append(-condition.margin / width)
             elif np.isinf(condition.margin):

@@ -53,7 +53,9 @@ def _row(condition: CheckedCondition, among: Sequence[CheckedCondition]) -> str:
         if condition.why:
             name += f'<br><span class="soft">{text(condition.why)}</span>'
     margin = (
-        with_unit(condition.least(4), condition.unit) if math.isfinite(condition.margin) else ""
+        with_unit(condition.least(4), condition.unit_text)
+        if math.isfinite(condition.margin)
+        else ""
     )
     # To a nanometre: 0, not what rounding left of it.
     place = ", ".join(number(round(x, 9) + 0.0) for x in condition.place)

@@ -19,8 +19,8 @@ from srgc.text_reports.next_step import HEAD, WHY, WIDTH, next_command
 
 NAMES = 13
 """The least width of the column of names: a margin, a time and a planar position fit beside it."""
-UNITS = {"1": "of the bound", "SI": "(SI)"}
-"""What stands after a margin that is a share, and after one of several quantities at once."""
+SHARE = "of the bound"
+"""What stands after a margin that is a share."""
 ORDER = (Status.FAILS, Status.UNDECIDED, Status.HOLDS)
 
 
@@ -112,7 +112,7 @@ def _said(condition: CheckedCondition) -> str:
     if condition.name == ENERGY and isfinite(condition.most):
         parts.append(f"{condition.least(6):.6g} to {condition.most:.6g} J")
     elif isfinite(condition.margin):
-        unit = UNITS.get(condition.unit, condition.unit)
+        unit = SHARE if condition.unit == "1" else condition.unit_text
         parts.append(f"margin {condition.least(6):.6g} {unit}")
     if condition.time is not None:
         place = ", ".join(f"{x:.4f}" for x in condition.place)

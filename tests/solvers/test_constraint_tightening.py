@@ -31,6 +31,11 @@ def test_the_largest_lack_counts_as_a_part_of_the_tightening() -> None:
     assert missing_margin([finding(float("-inf"), "")], SPREAD) == float("inf")
     # Limits of coordinates and rates are held against the spread of those.
     assert missing_margin([finding(-0.05, "rad")], SPREAD) == pytest.approx(0.5)
+    # Those of the rates at the end, against what they spread there: whatever their unit.
+    resting = DisturbanceSpread(np.zeros((2, 1)), np.full((2, 1, 2), 0.1), final=0.02)
+    for unit in ("rad/s", "SI"):
+        late = CheckedCondition("rest at the end", Status.UNDECIDED, -0.01, unit)
+        assert missing_margin([late], resting) == pytest.approx(0.5)
 
 
 def test_what_the_disturbances_do_not_move_is_given_a_wider_margin() -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
@@ -189,3 +190,13 @@ def test_names_of_a_certificate_start_no_line(srgc, result):
     ran = srgc("verify", folder, "--task", "b\nvalid: found")
     assert ran.status == 6
     assert not any(line.startswith("valid") for line in ran.out.splitlines())
+
+
+@pytest.mark.parametrize(("spec", "unit"), [("turner", "kg*m^2"), ("slider", "kg")])
+def test_quantities_of_all_joints_have_their_one_unit(srgc, made, spec, unit):
+    said = srgc("verify", made(spec) / "out").out
+    assert re.search(rf"mass matrix positive definite  margin \S+ {re.escape(unit)}  at", said)
+    assert "(SI)" not in said
+    found = json.loads(srgc("verify", made(spec) / "out", "--json").out)["findings"]
+    rates = "rad/s" if spec == "turner" else "m/s"
+    assert {one["unit"] for one in found if "rates" in one["name"]} == {rates}

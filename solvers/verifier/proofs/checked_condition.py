@@ -9,6 +9,7 @@ from decimal import ROUND_FLOOR, Context
 from flint import arb
 
 from compiler.expressions.evaluators.balls import below
+from compiler.robots.state_and_input import SEVERAL_UNITS
 from compiler.workspaces.polytope import Polytope
 from solvers.verifier.proofs.tube_checks import Status, rows_of
 
@@ -44,6 +45,11 @@ class CheckedCondition:
     def least(self, digits: int) -> float:
         """The margin rounded down to ``digits`` digits, so that no more is stated than proved."""
         return float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(repr(self.margin)))
+
+    @property
+    def unit_text(self) -> str:
+        """The unit for people: in parentheses if it stands for those of several quantities."""
+        return f"({SEVERAL_UNITS})" if self.unit == SEVERAL_UNITS else self.unit
 
     @property
     def level(self) -> str:

@@ -14,6 +14,7 @@ from flint import arb
 
 from compiler.dynamics.equations_of_motion import RobotGraph
 from compiler.expressions.evaluators.balls import ball
+from compiler.robots.state_and_input import rates_unit
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import CheckedCondition, least
 from solvers.verifier.proofs.enclosure import TubeSegment
@@ -36,6 +37,10 @@ from solvers.verifier.proofs.zonotope import Zonotope
 def target_name(reach: ir.Reach) -> str:
     """The name of the condition on positions."""
     return f"target {reach.region}"
+
+
+FINAL_RATES = "rest at the end", "rates"
+"""How the names of conditions on rates begin, at the end and where a load changes hands."""
 
 
 def rates_name(rates: ir.FinalRates) -> str:
@@ -129,7 +134,8 @@ def slow_at(
 def final_rates(graph: RobotGraph, rates: ir.FinalRates) -> FinalRates:
     """The bound of all rates at the end, in balls."""
     rows = tuple(tuple(row) for row in graph.coordinates.rows)
-    return FinalRates(rates_name(rates), "SI", (), None, ball(rates.bound), rows=rows)
+    unit = rates_unit(graph.model)
+    return FinalRates(rates_name(rates), unit, (), None, ball(rates.bound), rows=rows)
 
 
 @dataclass(slots=True)

@@ -12,6 +12,7 @@ from compiler.expressions.evaluators.balls import BALLS, ball, closed_ball, scal
 from compiler.expressions.tape import tape
 from compiler.robots.given_start import given_start
 from compiler.robots.robot import RobotModel, amounts_of
+from compiler.robots.state_and_input import common_unit, rates_unit
 from grammar_lang import ir
 from solvers.verifier.proofs.checked_condition import NO_MARGIN, CheckedCondition, inside, least
 from solvers.verifier.proofs.held_start import held_start
@@ -37,7 +38,8 @@ def positive_mass(graph: RobotGraph, state: Sequence[arb], tail: Sequence[arb]) 
         for i in range(k + 1, n):
             for j in range(k + 1, n):
                 matrix[i][j] = matrix[i][j] - matrix[i][k] * matrix[k][j] / pivot
-    return least("mass matrix positive definite", [least_pivot], "SI", 0.0)
+    unit = common_unit(graph.model, "kg*m^2", "kg")
+    return least("mass matrix positive definite", [least_pivot], unit, 0.0)
 
 
 def unphysical(model: RobotModel, tail: Sequence[arb]) -> list[CheckedCondition]:
@@ -68,14 +70,14 @@ def start_conditions(
     ``tail`` holds the balls of theta and k.
     """
     start, n = scene.task.start, len(scene.model.dofs)
-    rates = [abs(value) for value in motion.state[n:]]
+    rates, unit = [abs(value) for value in motion.state[n:]], rates_unit(scene.model)
     if isinstance(start, ir.StartAt):
-        return [_pose(scene, start, state), _rates("start at rest", rates, Fraction(0))]
+        return [_pose(scene, start, state), _rates("start at rest", rates, Fraction(0), unit)]
     region = scene.polytope(scene.workspace.region(start.region))
     number = motion.effector if start.effector is None else start.effector - 1
     found = [
         inside(f"start {start.region}", region, tips[number], 0.0),
-        _rates("start rates", rates, start.rates),
+        _rates("start rates", rates, start.rates, unit),
     ]
     return [*found, held_start(scene, state, tail)] if start.held else found
 
@@ -101,13 +103,13 @@ def _pose(scene: Scene, start: ir.StartAt, state: Sequence[arb]) -> CheckedCondi
     return CheckedCondition(found.name, found.status, margin, "SI", 0.0)
 
 
-def _rates(name: str, rates: Sequence[Fraction], bound: Fraction) -> CheckedCondition:
+def _rates(name: str, rates: Sequence[Fraction], bound: Fraction, unit: str) -> CheckedCondition:
     """Check that no rate is larger than a bound; a start at rest has no margin."""
     gap = bound - max(rates, default=Fraction(0))
     if gap < 0:
-        return CheckedCondition(name, Status.FAILS, float(gap), "SI", 0.0, exact=True)
+        return CheckedCondition(name, Status.FAILS, float(gap), unit, 0.0, exact=True)
     margin = float(gap) if bound else NO_MARGIN
-    return CheckedCondition(name, Status.HOLDS, margin, "SI", 0.0, exact=True)
+    return CheckedCondition(name, Status.HOLDS, margin, unit, 0.0, exact=True)
 
 
 def _weighed(weights: Sequence[int], values: Sequence[arb]) -> arb:
