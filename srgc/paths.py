@@ -94,12 +94,14 @@ def refuse_impossible(path: str | os.PathLike[str]) -> None:
         path: a path as the user gives it; the file or folder need not exist.
 
     Raises:
-        UsageFault: the path has a NUL character, cannot be encoded, is too long, ends in a slash
-            but is a file, or lies in a folder that must not be read.
+        UsageFault: the path is empty, has a NUL character, cannot be encoded, is too long, ends in
+            a slash but is a file, or lies in a folder that must not be read.
     """
     from grammar_lang.files.file_tree import shown
 
     text = os.fspath(path)
+    if not text:
+        raise UsageFault("an empty path names neither a file nor a folder")
     name = shown(text)
     if "\0" in text:
         raise UsageFault(f"{name}: no path has a NUL character")

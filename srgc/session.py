@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -14,13 +15,15 @@ from grammar_lang.diagnostics.diagnostic import Severity, Sink
 from grammar_lang.load import Loaded, load
 from grammar_lang.parsing.parse import without_collection
 from srgc.faults import Checked, NoAnswer, SpecErrors, SrgcError, UsageFault
+from srgc.standard_input import DASH, STDIN, standard_input
 
 __all__ = [
     "Checked", "NoAnswer", "SpecErrors", "SrgcError", "UsageFault", "check_file", "check_loaded",
-    "chosen", "program_of", "refuse_cycles",
+    "check_standard_input", "chosen", "program_of", "refuse_cycles",
 ]  # fmt: skip
 
 Item = TypeVar("Item")
+READS_STDIN = "`srgc check -` and `srgc fmt -` read standard input; other commands read files"
 
 
 def check_file(path: Path) -> Checked:
@@ -32,10 +35,22 @@ def check_file(path: Path) -> Checked:
     return _with_near_name(path, check_loaded(_loaded(path)))
 
 
+def check_standard_input() -> Checked:
+    """Run all checks on standard input; files that it names are looked for in the current folder.
+
+    Raises:
+        UsageFault: it cannot be read.
+    """
+    return check_loaded(load(Path(STDIN), {os.path.realpath(STDIN): standard_input()}))
+
+
 def _loaded(path: Path) -> Loaded:
     try:
+        if path == DASH and not path.exists():
+            raise UsageFault("`-` is no file", hint=READS_STDIN)
         if path.exists() and not path.is_file():
-            raise UsageFault(f"{path} is not a file")
+            hint = None if path.is_dir() else READS_STDIN
+            raise UsageFault(f"{path} is not a file", hint=hint)
         if path.is_file():
             path.open("rb").close()
     except OSError as error:

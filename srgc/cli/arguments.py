@@ -35,14 +35,6 @@ class PathOf(click.Path):
 
 
 FILE = click.argument("file", type=PathOf(path_type=Path), shell_complete=complete_file)
-FILES = click.argument(
-    "files",
-    nargs=-1,
-    required=True,
-    type=PathOf(path_type=Path),
-    shell_complete=complete_file,
-    metavar="FILE...",
-)
 FILES_OR_STDIN = click.argument(
     "files",
     nargs=-1,

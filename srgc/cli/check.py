@@ -10,8 +10,8 @@ from pathlib import Path
 
 import click
 
-from srgc.cli.arguments import FILES, DocumentedCommand
-from srgc.faults import Checked
+from srgc.cli.arguments import FILES_OR_STDIN, DocumentedCommand
+from srgc.faults import Checked, UsageFault
 
 
 @click.command(
@@ -21,18 +21,23 @@ from srgc.faults import Checked
     reads_spec=False,
     read_on="docs/reference/language.md, and `srgc explain CODE` on a finding",
 )
-@FILES
+@FILES_OR_STDIN
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnostics as a JSON list.")
 def check(files: tuple[Path, ...], as_json: bool) -> int:  # noqa: FBT001
     """Find the mistakes in specs.
 
     This checks syntax, names, units, grammars, semantics, workspaces and tasks.  Every diagnostic
-    has a location, a code and, in most cases, a hint.
+    has a location, a code and, in most cases, a hint.  `-` reads standard input.
     """
     from srgc.cli.fault_report import show
-    from srgc.session import check_file
+    from srgc.session import check_file, check_standard_input
+    from srgc.standard_input import DASH
 
-    results = _each_finding_once([check_file(path) for path in files])
+    if files.count(DASH) > 1:
+        raise UsageFault("`-` is given twice: standard input can be read once")
+    results = _each_finding_once(
+        [check_standard_input() if path == DASH else check_file(path) for path in files]
+    )
     if as_json:
         from grammar_lang.diagnostics.render import records
 

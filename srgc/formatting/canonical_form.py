@@ -18,8 +18,7 @@ from grammar_lang.files.file_tree import LIMIT, TooLarge, decoded, read_file
 from grammar_lang.formatting.formatter import canonical
 from grammar_lang.source import Source
 from srgc.faults import Checked, SpecErrors, UsageFault
-
-STDIN = "<stdin>"
+from srgc.standard_input import STDIN, standard_input
 
 _WRITABLE = 0o222
 
@@ -86,14 +85,7 @@ def formatted_stdin() -> Formatted:
         SpecErrors: it has syntax errors or is not text.
         NotFaithful: the formatter has a bug.
     """
-    try:
-        with open(0, "rb", closefd=False) as stdin:
-            data = stdin.read(LIMIT + 1)
-    except OSError as error:
-        raise UsageFault(f"standard input: {error.strerror}") from None
-    if len(data) > LIMIT:
-        raise UsageFault(f"standard input has more than {LIMIT} bytes")
-    return formatted(data, STDIN)
+    return formatted(standard_input(), STDIN)
 
 
 def replace_file(path: Path, data: bytes) -> None:

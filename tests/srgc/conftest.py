@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import contextlib
 import io
+import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,6 +37,23 @@ def srgc(capsys: pytest.CaptureFixture[str]) -> Callable[..., Ran]:
         return Ran(status, captured.out, captured.err)
 
     return call
+
+
+@pytest.fixture
+def stdin(tmp_path: Path) -> Iterator[Callable[[bytes], None]]:
+    """Give this process a standard input of these bytes."""
+    saved = os.dup(0)
+
+    def give(data: bytes) -> None:
+        file = tmp_path / "standard input"
+        file.write_bytes(data)
+        number = os.open(file, os.O_RDONLY)
+        os.dup2(number, 0)
+        os.close(number)
+
+    yield give
+    os.dup2(saved, 0)
+    os.close(saved)
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 
 import pytest
 
@@ -196,3 +197,60 @@ def test_of_many_findings_some_are_printed_and_all_as_json(srgc, spec):
     assert ran.out.count("error[SRG0202]") == 200
     assert "\nand 799 more; `srgc check --json` prints them all\n" in ran.out
     assert len(json.loads(srgc("check", path, "--json").out)) == 999
+
+
+# --- standard input ------------------------------------------------------------------------------
+
+
+def test_standard_input_is_checked_like_a_file(srgc, stdin, arm_file, tmp_path, monkeypatch):
+    """As `fmt -` reads it; what the text includes is looked for in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    stdin(arm_file.read_bytes())
+    assert srgc("check", "-").out == "1 file without errors\n"
+    (tmp_path / "parts.srg").write_text("module A { role base; }\n")
+    stdin(b'include "parts.srg";\nmodule A { role link; }\n')
+    ran = srgc("check", "-", arm_file)
+    assert ran.status == 1
+    assert ran.out.startswith("<stdin>:2:8: error[SRG0202]")
+    stdin(b"module A { role foot; }\n")
+    (record,) = json.loads(srgc("check", "--json", "-").out)
+    assert (record["file"], record["line"], record["column"]) == ("<stdin>", 1, 17)
+
+
+@pytest.mark.parametrize("data", [b"", b"\xff\xfe", b"(" * 5000, b"\0"])
+def test_garbage_in_standard_input_is_no_crash(srgc, stdin, data):
+    stdin(data)
+    ran = srgc("check", "-")
+    assert (ran.status, ran.err) == (1, "")
+    assert "<stdin>:1:1" in ran.out or "hint: " in ran.out
+
+
+def test_standard_input_is_read_once(srgc, stdin):
+    stdin(b"")
+    ran = srgc("check", "-", "-")
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err == "error: `-` is given twice: standard input can be read once\n"
+
+
+def test_other_commands_say_who_reads_standard_input(srgc, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo(tmp_path / "pipe")
+    for path, said in (("-", "`-` is no file"), ("pipe", "pipe is not a file")):
+        ran = srgc("synth", path)
+        assert (ran.status, ran.out) == (2, "")
+        assert ran.err.startswith(f"error: {said}\n  hint: `srgc check -` and `srgc fmt -` read")
+    assert "hint" in srgc("check", "pipe").err
+
+
+# --- an empty path -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["synth", "check", "report"])
+def test_an_empty_path_is_not_the_current_folder(srgc, arm_file, tmp_path, monkeypatch, command):
+    """`-o ""` began to write among the sources, with `--force` as its advice."""
+    monkeypatch.chdir(tmp_path)
+    arguments = {"synth": (arm_file, "-o", "", "--force")}.get(command, ("",))
+    ran = srgc(command, *arguments)
+    said = "error: an empty path names neither a file nor a folder\n"
+    assert (ran.status, ran.out, ran.err) == (2, "", said)
+    assert list(tmp_path.iterdir()) == []

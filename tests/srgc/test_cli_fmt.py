@@ -3,12 +3,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from srgc import cli
+from srgc import cli, standard_input
 from srgc.formatting import canonical_form
 from tests.conftest import COMMAND, srgc_process
 from tests.srgc.conftest import Ran
@@ -24,23 +24,6 @@ HEAVY = {
 
 Run = Callable[..., Ran]
 Spec = Callable[..., Path]
-
-
-@pytest.fixture
-def stdin(tmp_path: Path) -> Iterator[Callable[[bytes], None]]:
-    """Give this process a standard input of these bytes."""
-    saved = os.dup(0)
-
-    def give(data: bytes) -> None:
-        file = tmp_path / "standard input"
-        file.write_bytes(data)
-        number = os.open(file, os.O_RDONLY)
-        os.dup2(number, 0)
-        os.close(number)
-
-    yield give
-    os.dup2(saved, 0)
-    os.close(saved)
 
 
 # --- in place -----------------------------------------------------------------------------------
@@ -175,7 +158,7 @@ def test_errors_in_standard_input(
 def test_standard_input_too_large(
     srgc: Run, stdin: Callable[[bytes], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(canonical_form, "LIMIT", 10)
+    monkeypatch.setattr(standard_input, "LIMIT", 10)
     stdin(b"edge eps;\n")
     assert srgc("fmt", "-").status == 0
     stdin(b"edge eps; \n")
@@ -224,7 +207,7 @@ def test_what_is_no_file(srgc: Run, tmp_path: Path, options: list[str]) -> None:
     assert (ran.status, ran.out, ran.err) == (2, "", f"error: {tmp_path} is not a file\n")
     pipe = tmp_path / "pipe.srg"
     os.mkfifo(pipe)
-    assert srgc("fmt", *options, pipe).err == f"error: {pipe} is not a file\n"
+    assert srgc("fmt", *options, pipe).err.startswith(f"error: {pipe} is not a file\n")
 
 
 def test_a_read_only_file(srgc: Run, spec: Spec) -> None:
