@@ -257,8 +257,29 @@ def _by_nonterminal(keys: Iterable[Key]) -> dict[str, list[str]]:
     return names
 
 
+def _reads(
+    grammar: GrammarInfo,
+    blocks: Mapping[str, s.Block],
+    names: NameTable,
+    key: tuple[str | None, str],
+) -> set[tuple[str, ir.AttributeOf]]:
+    """Where an attribute of a nonterminal is read: the productions and the occurrences there."""
+    nonterminal, name = key
+    entity = Entity("attribute", (grammar.grammar.name, nonterminal or ""), name)
+    return {
+        (label, ir.AttributeOf(mention.position, name))
+        for label, block in blocks.items()
+        for mention in names.inside(block.span)
+        if mention.entity == entity and not mention.declares and mention.position is not None
+    }
+
+
 def check_complete(
-    grammar: GrammarInfo, blocks: Mapping[str, s.Block], found: Attributes, sink: Sink
+    grammar: GrammarInfo,
+    blocks: Mapping[str, s.Block],
+    found: Attributes,
+    names: NameTable,
+    sink: Sink,
 ) -> None:
     """Report the attributes that a production leaves undefined."""
     given = {(placed.label, placed.target) for placed in found.rules}
@@ -279,4 +300,8 @@ def check_complete(
             if (label, ir.AttributeOf(occurrence, name)) not in given:
                 message = f"production `{label}` does not define `{called}.{name}`"
                 hint = f"add `{called}.{name} = …;`"
+                key = nonterminal_at(info, occurrence), name
+                reads = _reads(grammar, blocks, names, key)
+                if reads and reads <= given:
+                    hint += f"; or write `let {name} = …;` where only that production reads it"
                 sink.error(Code.UNDEFINED_ATTRIBUTE, message, block.label.span, hint)

@@ -234,7 +234,7 @@ def lower_semantics(
     before = len(sink.found)
     blocks = _blocks(grammar, semantics, names, sink)
     attributes = collect_attributes(grammar, blocks, modules, names, sink)
-    check_complete(grammar, blocks, attributes, sink)
+    check_complete(grammar, blocks, attributes, names, sink)
     types = Inference(grammar, modules, attributes, names).run()
     rules: dict[str, list[PlacedRule]] = {}
     for placed in attributes.rules:

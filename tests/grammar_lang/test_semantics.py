@@ -392,3 +392,42 @@ semantics G { b { effector(frame: rot(z, J1.q) * rot(z, J1.q)); } }
         "`J1.q` is used more than once",
     ]
     assert len(check_fragment(text)) == 2
+
+
+ONE = "a: S -> B T; one: T -> JO L T; end: T -> L;"
+TURNED = "this.turned = this.at * rot(-z, JO.q); T.at = this.turned * move(x, L.length);"
+LET = "write `let turned = …;`"
+
+
+@pytest.mark.parametrize(
+    ("one", "end", "hinted"),
+    [
+        (TURNED, "effector(frame: this.at);", True),  # only the production that defines it
+        (f"{TURNED} effector(frame: T.turned);", "effector(frame: this.at);", False),  # a parent
+        (TURNED, "effector(frame: this.turned);", False),  # the one that lacks it
+        ("this.turned = world; T.at = this.at;", "effector(frame: this.at);", False),  # nobody
+    ],
+)
+def test_an_attribute_that_is_read_only_where_it_is_defined_may_be_a_let(
+    one: str, end: str, *, hinted: bool
+) -> None:
+    text = spec(ONE, f"a {{ T.at = world; }} one {{ {one} }} end {{ {end} }}")
+    found = [each for each in load_text(text, "t").diagnostics if each.code.value == "SRG0501"]
+    (error,) = found
+    assert error.message == "production `end` does not define `this.turned`"
+    assert str(error.hint).startswith("add `this.turned = …;`")
+    assert (LET in str(error.hint)) == hinted
+    if hinted:
+        mended = text.replace("this.turned =", "let turned =").replace("this.turned *", "turned *")
+        assert load_text(mended, "t").program is not None
+
+
+def test_an_inherited_attribute_that_only_its_parent_reads_may_be_a_let() -> None:
+    text = spec(
+        "a: S -> T; b: S -> L T; c: T -> L;",
+        "a { T.at = world; effector(frame: T.at); } b { effector(frame: world); } c { }",
+    )
+    (error,) = (e for e in load_text(text, "t").diagnostics if e.code.value == "SRG0501")
+    assert (
+        error.hint == "add `T.at = …;`; or write `let at = …;` where only that production reads it"
+    )
