@@ -28,6 +28,7 @@ MOST_MAGNIFIED = 1e15
 """Boxes that need a greater factor are not magnified."""
 MOST_SPELT = 1e7
 """Larger factors are told as powers of ten, which they are."""
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 10.0)
 LONGEST_SHOW, SHORTEST_SHOW = 8.0, 1.0
 """The longest and the shortest time in seconds that showing a motion takes at the initial speed."""
@@ -260,10 +261,15 @@ def tube_caption(tube: TubeBoxes | None, factor: float, *, repeats: bool) -> str
     if factor > 1:
         shown = f"{factor:,.0f}".replace(",", "\u202f")
         if factor > MOST_SPELT:
-            shown = f"{factor:.0e}".replace("e+", "e")
+            shown = power_text(factor)
         drawn = f"magnified, the box about the effector is {shown} times as wide"
         return f"{words}; {drawn}.{apart}"
     return f"{words}; that is the box about the effector.{apart}"
+
+
+def power_text(number: float) -> str:
+    """A power of ten, such as ``10⁸``."""
+    return f"10{str(round(log10(number))).translate(RAISED)}"
 
 
 def _length(metres: float) -> str:

@@ -196,10 +196,11 @@ def _proved_impossible(evidence: Evidence) -> Iterator[str]:
         return
     yield f"{no_robot[0].upper()}{no_robot[1:]}."
     if isinstance(claim, ImpossibleClaim) and claim.lemmas:
+        coverings = ", the coverings of the other structures," if claim.structures else ""
         yield (
             "The verifier checked again, when this page was made, what each lemma says of all "
-            "robots of its words, the coverings of the other structures, and that these are all "
-            "words of the family; no solver has to be believed."
+            f"robots of its words{coverings} and that these are all words of the family; no solver "
+            "has to be believed."
         )
     elif evidence.design["structures_tried"]:
         yield (

@@ -7,6 +7,7 @@ import math
 import os
 import subprocess
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from decimal import ROUND_FLOOR, Context
 from fractions import Fraction
 from pathlib import Path
@@ -14,7 +15,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solvers.verifier.claims.certificate import ImpossibleClaim
 from srgc.cli import run
+from srgc.report.evidence import Evidence
+from srgc.report.verdict import proved_section
 from tests.conftest import COMMAND, ROOT
 from tests.oracles import result_files
 from tests.oracles.html_page import Page
@@ -294,6 +298,21 @@ def test_names_in_reasons_are_code(pages: Pages) -> None:
     tried = result_files.read(folder, "design.json")["structures_tried"]
     assert any("`" in each["reason"] for each in tried)
     assert "`" not in page.section("why-not") + page.section("search")
+
+
+def test_coverings_are_told_of_only_if_there_are_some(
+    evidence_on: Callable[[str], Evidence],
+) -> None:
+    """A lemma may be about all words of the family; then no structure is covered."""
+    evidence = evidence_on("learnt")
+    claim = evidence.claim
+    assert isinstance(claim, ImpossibleClaim)
+    assert claim.structures
+    others = ", the coverings of the other structures, and that these"
+    assert others in proved_section(evidence)
+    alone = proved_section(replace(evidence, claim=replace(claim, structures=())))
+    assert "coverings" not in alone
+    assert "of all robots of its words and that these are all words of the family" in alone
 
 
 def test_lemmas_are_listed(pages: Pages) -> None:
