@@ -7,12 +7,17 @@ from dataclasses import replace
 from compiler.arrays import Array
 from compiler.expressions.exact_numbers import decimal
 from compiler.robots.parameter_values import nearest_values
-from compiler.robots.state_and_input import dry_friction
+from compiler.robots.state_and_input import dry_friction, joint_names
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.search.closed_loop import controlled, loop_claim
 from solvers.search.configuration_search import Configuration
-from solvers.search.constraint_tightening import beyond_loop, missing_margin
+from solvers.search.constraint_tightening import (
+    beyond_loop,
+    missing_at_limits,
+    missing_margin,
+    without_limits,
+)
 from solvers.search.path_task import Design, motion_of
 from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import ControlOutcome
@@ -100,8 +105,9 @@ def certified_design(
         return Blocked(
             Cause.ENDED if obstacle.name == ENDED or undecided else Cause.UNPROVED,
             f"; last proof tried: {obstacle.reason}",
-            0.0 if spread is None else missing_margin(conditions, spread),
+            0.0 if spread is None else missing_margin(without_limits(conditions), spread),
             beyond_loop(conditions),
+            missing_at_limits(conditions, joint_names(model)),
         )
     design = replace(
         design,
@@ -206,7 +212,8 @@ def seen_broken(
         return Blocked(
             Cause.BROKEN,
             f"; the motion simulated before a proof: {worst.reason}",
-            0.0 if spread is None else missing_margin(conditions, spread),
+            0.0 if spread is None else missing_margin(without_limits(conditions), spread),
+            limits=missing_at_limits(conditions, joint_names(path_problem.model)),
         )
     if last or seems_to_satisfy(path_problem, seen):
         return None

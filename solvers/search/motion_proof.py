@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from compiler.words.derivation import Derivation
 from grammar_lang import ir
 from solvers.execution.workers import Begun, Job, Result
@@ -29,7 +31,7 @@ from solvers.search.evaluation import Recipe, recipe
 from solvers.search.path_task import Design
 from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
-from solvers.trajectory.fine_motion import refined, unstable
+from solvers.trajectory.fine_motion import inset, refined, unstable
 from solvers.trajectory.path_following import PathProblem
 from solvers.trajectory.trajectory import Trajectory
 from solvers.verifier.proofs.scene import Watch
@@ -182,7 +184,12 @@ class MotionProof:
             if blocked.cause in (Cause.ENDED, Cause.NO_DECIMALS):
                 break  # wider margins do not help
             self.context.reporter.note(f"{blocked.cause.value}; trying a wider margin")
-            tightening = tightening.wider(blocked.lacking, path_problem.spread, blocked.beyond)
+            limited = bool(blocked.limits) and path_problem.spread is not None
+            if limited:
+                path_problem = inset(path_problem, np.array(blocked.limits)[:, :, None])
+            tightening = tightening.wider(
+                blocked.lacking, path_problem.spread, blocked.beyond, limited=limited
+            )
         return ProofAttempt(blocked, found.outcome.robustness)
 
 
@@ -241,7 +248,7 @@ def tightened(
 ) -> PathProblem:
     """The same task, tightened as much as a motion requires."""
     wider = refined(path_problem.with_margin(tightening.margin), trajectory)
-    wider = replace(wider, slack=tightening.slack)
+    wider = replace(wider, slack=tightening.slack, narrowing=tightening.narrowing)
     robust = path_problem.task.robust is not None
     return wider.spreading(trajectory, tightening.spreads) if robust else wider
 

@@ -47,13 +47,15 @@ class Blocked:
     """Why there is no design; ``text`` explains it in words appended to a reason, if useful.
 
     ``lacking`` is the share by which the margin for disturbed motions must grow.  ``beyond`` is the
-    share by which motions leave the set of their loop.
+    share by which motions leave the set of their loop.  ``limits`` are what the
+    range and the rate of each joint lack, in SI; empty if they lack nothing.
     """
 
     cause: Cause
     text: str = ""
     lacking: float = 0.0
     beyond: float = 0.0
+    limits: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

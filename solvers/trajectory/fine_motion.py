@@ -138,9 +138,16 @@ def narrowed(path_problem: PathProblem, trajectory: Trajectory) -> PathProblem |
     below = limits[:, :, 0] - np.min(states, axis=2)
     above = np.max(states, axis=2) - limits[:, :, 1]
     beyond = np.stack([below, above], axis=2) + LIMIT_MARGIN / 2
-    if not bool(np.any(beyond > 0)):
-        return None
-    before = 0.0 if path_problem.insets is None else path_problem.insets
+    return inset(path_problem, beyond) if bool(np.any(beyond > 0)) else None
+
+
+def inset(path_problem: PathProblem, beyond: Array) -> PathProblem:
+    """The same task with limits narrowed because motions are ``beyond`` them, in SI.
+
+    Its shape is (n, 2, 2) for the lower and upper ends of ranges and rates, or (n, 2, 1) if both
+    ends are alike.  Values below 0 count as 0.
+    """
+    before = np.zeros((len(beyond), 2, 2)) if path_problem.insets is None else path_problem.insets
     return replace(path_problem, insets=before + np.maximum(0.0, BEYOND * beyond))
 
 

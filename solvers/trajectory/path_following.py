@@ -46,6 +46,7 @@ from solvers.trajectory.position_plan import ASTRAY, PositionPlan
 from solvers.trajectory.round_set import LEAST_SLACK, RoundSet, round_sets, turning
 from solvers.trajectory.seed_motions import body_seeds
 from solvers.trajectory.task_limits import (
+    NARROW,
     InputGroup,
     MotionLimits,
     acceleration_limits,
@@ -75,15 +76,15 @@ class PathProblem:
 
     ``margin`` is the clearance kept from position constraints, in metres.  ``recorded`` is the
     effector that starts (unless the task names another) and reaches; None means the one that
-    follows the path.  ``insets`` (n, 2, 2) narrows the limits of joints and rates further, because
-    motions exceeded them within steps.  A cell trace has to satisfy ``formula``; ``others`` are the
-    paths of other effectors in it.  ``timing`` gives the entries of cells if smooth timing will not
-    do.  ``spread`` is the tightening of the constraints for disturbed motions, beyond the margins.
-    With ``feedback`` a controller keeps robots near the motion; with ``refines``, its gains are
-    refined.  ``loop`` is the sample at which a loop begins: the motion must end in the state and
-    the cell that it has there.  The set of the loop is larger than its estimate by the share
-    ``slack``.  If not ``bound`` to its cells, the motion is constrained only by those at both ends.
-    ``in_joints`` says that seeds are ways in joint space, which ignore the cells in between.
+    follows the path.  ``insets`` (n, 2, 2) narrows limits of joints and rates further, as motions
+    exceeded them, in all by at most the share ``narrowing``. A cell trace has to satisfy
+    ``formula``; ``others`` are the paths of other effectors in it.  ``timing`` gives the entries of
+    cells if smooth timing will not do.  ``spread`` is the tightening for disturbed motions, beyond
+    the margins.  With ``feedback`` a controller keeps robots near the motion; with ``refines``, its
+    gains are refined.  ``loop`` is the sample at which a loop begins: the motion must end in the
+    state and the cell that it has there.  The set of the loop is larger than its estimate by the
+    share ``slack``. If not ``bound`` to its cells, the motion is constrained only by those at both
+    ends.  ``in_joints`` says that seeds are ways in joint space, which ignore the cells in between.
     ``rates`` and ``mobility`` are the prices of squared rates and of phi (``mobility.py``), as
     means over the samples, in SI. ``solver`` is the solver of the convex steps, by its name in
     cvxpy; None for our own.  ``box`` are bounds (p,) on the parameters, None for their ranges;
@@ -101,6 +102,7 @@ class PathProblem:
     branch_count: int = 4
     substeps: int = SUBSTEPS
     insets: Array | None = None
+    narrowing: float = NARROW
     recorded: int | None = None
     formula: SampledFormula | None = None
     others: tuple[EffectorPath, ...] = ()
@@ -158,7 +160,7 @@ class PathProblem:
         tightening = 0.0 if self.spread is None else self.spread.within_steps[..., None]
         final = 0.0 if self.spread is None else self.spread.final
         slack = self.limit_margin + insets + tightening
-        found = motion_limits(self.model, self.task, slack, final)
+        found = motion_limits(self.model, self.task, slack, final, self.narrowing)
         more = 0.0 if self.spread is None else self.spread.accelerations
         found = found.narrowed(self.limit_margin, more)
         return found if self.loop is None else replace(found, loop=self.loop)

@@ -21,7 +21,7 @@ from solvers.trajectory.friction_inputs import input_friction
 
 
 NARROW = 0.1
-"""Limits are narrowed by at most this share of a range's width."""
+"""Limits are narrowed by at most this share of a range's width, unless a proof lacked more."""
 RATE_MARGIN = 0.5
 """Final rates are limited to at most this fraction of the task's bound."""
 ROUNDING = 1e-7
@@ -66,18 +66,22 @@ def final_samples(task: ir.Task) -> int:
 
 
 def motion_limits(
-    model: RobotModel, task: ir.Task, slack: Array | float = 0.0, spread: float = 0.0
+    model: RobotModel,
+    task: ir.Task,
+    slack: Array | float = 0.0,
+    spread: float = 0.0,
+    share: float = NARROW,
 ) -> MotionLimits:
     """Joint limits, rate limits, start and final rates of a robot in a task, in floats.
 
     Accelerations are limited as in the model, without a margin.  Ranges are narrowed by ``slack``
-    at either end, but by at most a share of their width.  An array gives the slacks of ranges and
-    rates at their lower and upper ends, shape (n, 2, 2), or (k + 1, n, 2, 2) if samples differ.
+    at either end, but by at most a ``share`` of their width.  An array gives the slacks of ranges
+    and rates at their lower and upper ends, shape (n, 2, 2), or (k + 1, n, 2, 2) if samples differ.
     Disturbed motions may deviate by ``spread`` from the final rates, in SI units.
     """
     limits = state_limits(model)
     width = np.diff(limits, axis=2)
-    most = np.where(np.isfinite(width), NARROW * width, 0.0)
+    most = np.where(np.isfinite(width), share * width, 0.0)
     inset = np.minimum(slack, most) * np.array([1.0, -1.0])
     narrow = limits + inset
     ranges, rates = narrow[..., 0, :], narrow[..., 1, :]

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from grammar_lang.load import load
+from solvers.run_context import RunContext
 from solvers.search.constraint_tightening import (
+    MOST_NARROWING,
     WIDENINGS,
     WIDEST,
     ConstraintTightening,
+    missing_at_limits,
     missing_margin,
+    without_limits,
 )
+from solvers.search.synthesis import synthesise
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
@@ -73,3 +81,71 @@ def test_it_ends() -> None:
         assert tightening.spreads * SPREAD.widest <= WIDEST
         tightening = tightening.wider(0.3, SPREAD.scaled(tightening.spreads))
     assert tightening is None
+
+
+LIMITS = [
+    finding(0.02, "rad", status=Status.HOLDS),
+    CheckedCondition("range of Hip.q (joint 1)", Status.UNDECIDED, -0.01, "rad"),
+    CheckedCondition("rate of Hip.q (joint 2)", Status.UNDECIDED, -0.11, "rad/s"),
+    CheckedCondition("range of Hip.q (joint 2)", Status.HOLDS, 0.3, "rad"),
+]
+HIPS = ["Hip.q (joint 1)", "Hip.q (joint 2)"]
+
+
+def test_what_limits_lack_is_known_joint_by_joint() -> None:
+    assert missing_at_limits(LIMITS, HIPS) == ((0.01, 0.0), (0.0, 0.11))
+    assert missing_at_limits(LIMITS[:1], HIPS) == ()
+    # Nothing finite is known of it: the whole tightening grows.
+    unknown = CheckedCondition("rate of Hip.q (joint 2)", Status.UNDECIDED, float("-inf"), "rad/s")
+    assert missing_at_limits([unknown], HIPS) == ()
+    assert missing_margin(without_limits([unknown]), SPREAD) == float("inf")
+    assert missing_margin(without_limits(LIMITS), SPREAD) == 0
+
+
+def test_limits_are_narrowed_before_everything_else_is() -> None:
+    """A limit that may not be narrowed further gains nothing from more spreads."""
+    first = ConstraintTightening()
+    narrower = first.wider(0.0, SPREAD, limited=True)
+    assert narrower is not None
+    assert (narrower.spreads, narrower.widened) == (first.spreads, first.widened)
+    assert first.narrowing < narrower.narrowing <= MOST_NARROWING < 1 / 2
+    both = first.wider(0.5, SPREAD, limited=True)
+    assert both is not None
+    assert both.narrowing == narrower.narrowing
+    assert both.spreads > 1.5
+    # It ends, although limits never do.
+    tightening: ConstraintTightening | None = first
+    for _ in range(100):
+        if tightening is None:
+            break
+        tightening = tightening.wider(0.0, SPREAD.scaled(tightening.spreads), limited=True)
+    assert tightening is None
+
+
+TURN = """
+module Foot { role base; port out: F; frame out = in; }
+module Hip { role joint; dof q: revolute z in [-170, 170] deg rate in [-1, 1] rad/s;
+  port in: F; port out: G; frame out = in * rot(z, q); }
+module Tip { role effector; port in: G; point(frame: in * move(x, 0.5 m), mass: 1 kg);
+  effector(frame: in * move(x, 0.5 m)); }
+grammar Arm from ports { start Foot; with Hip, Tip; }
+workspace W { plane xy; bounds box [-1, 1] x [-1, 1] m;
+  region A box [0.45, 0.55] x [-0.05, 0.05] m; target B box [0.3, 0.45] x [0.3, 0.45] m; }
+task Turn { robot Arm; workspace W; start in A at rest; reach B; effort <= 10 N*m;
+  horizon 10 steps of 0.1 s; control feedback; modules <= 3; robust start 1 deg, 1 deg/s;
+  robust measure 0.2 deg, 3 deg/s; robust effort 1 % of bound; }
+"""
+"""Errors of measurements change the rate by more than 0.2 rad/s, a tenth of its range."""
+
+
+def test_a_rate_limit_is_narrowed_as_far_as_disturbed_motions_need(tmp_path: Path) -> None:
+    """Slow motions spread as much as fast ones, so some motion stays below 1 rad/s."""
+    (tmp_path / "turn.srg").write_text(TURN, encoding="utf-8")
+    program = load(tmp_path / "turn.srg").program
+    assert program is not None
+    result = synthesise(program, program.tasks["Turn"], RunContext())
+    assert result.verdict == "found"
+    assert result.design is not None
+    assert result.design.controller is not None
+    rates = [abs(float(row[1])) for row in result.design.controller.reference]
+    assert max(rates) < 1 - 0.2

@@ -16,7 +16,7 @@ from compiler.workspaces.abstraction import abstract
 from grammar_lang.load import load
 from solvers.trajectory.control_problem import ControlOutcome, limit_excess
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
-from solvers.trajectory.fine_motion import refined, unstable
+from solvers.trajectory.fine_motion import BEYOND, inset, refined, unstable
 from solvers.trajectory.path_following import LIMIT_MARGIN, PathProblem
 from solvers.trajectory.task_limits import motion_limits
 from solvers.trajectory.task_size import LEAST_MARGIN
@@ -60,6 +60,17 @@ def test_a_narrow_range_is_never_turned_inside_out(tmp_path):
     fixed = path_problem(tmp_path, ("[-180, 180] deg", "[0.3, 0.3]"))
     limits = motion_limits(fixed.model, fixed.task, 0.5)
     assert limits.lower[0] == limits.upper[0] == pytest.approx(0.3)
+
+
+def test_limits_are_narrowed_by_what_proofs_lack(tmp_path):
+    """More than the usual share of a range where a proof lacked more than that."""
+    plain = path_problem(tmp_path)
+    lacks = np.array([[[2.0], [0.0]]])
+    usual = inset(plain, lacks).limits
+    assert usual.upper[0] == pytest.approx(0.8 * np.pi)
+    wide = replace(inset(plain, lacks), narrowing=0.4).limits
+    assert wide.upper[0] == pytest.approx(np.pi - min(0.8 * np.pi, BEYOND * 2.0 + LIMIT_MARGIN))
+    assert wide.lower[0] == pytest.approx(-wide.upper[0])
 
 
 def test_substeps_are_refined_until_the_integration_is_accurate(tmp_path):

@@ -17,7 +17,7 @@ from solvers.verifier.proofs.apart import Apart, BodiesApart
 from solvers.verifier.proofs.extension import BoxExtension, DiscExtension, Extension
 from solvers.verifier.proofs.hull_extension import HullExtension
 from solvers.verifier.proofs.scene import Scene
-from solvers.verifier.proofs.state_limits import AccelerationLimit, StateLimit
+from solvers.verifier.proofs.state_limits import LIMITS, AccelerationLimit, StateLimit
 from solvers.verifier.proofs.tube_checks import Constraint, Inside, row, rows_of
 
 
@@ -159,12 +159,12 @@ def state_limits(scene: Scene, size: int) -> list[StateLimit]:
         row = graph.coordinates.rows[number]
         unit = "rad" if dof.kind == "revolute" else "m"
         for weights, interval, what, measure in (
-            ((*row, *none, *own), dof.range, "range", unit),
-            ((*none, *row, *own), dof.rate, "rate", f"{unit}/s"),
+            ((*row, *none, *own), dof.range, LIMITS[0], unit),
+            ((*none, *row, *own), dof.rate, LIMITS[1], f"{unit}/s"),
         ):
             if interval is not None:
                 ends = closed_ball(interval.lower), closed_ball(interval.upper)
-                found.append(StateLimit(f"{what} of {names[number]}", measure, weights, *ends))
+                found.append(StateLimit(f"{what} {names[number]}", measure, weights, *ends))
     return found
 
 

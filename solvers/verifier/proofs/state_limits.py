@@ -19,6 +19,9 @@ from solvers.verifier.proofs.tube_checks import (
     Stretch,
 )
 
+LIMITS = "range of", "rate of"
+"""How the names of limits begin: those of coordinates, and those of rates."""
+
 
 @dataclass(slots=True)
 class StateLimit:
