@@ -8,6 +8,7 @@ from typing import Protocol, TypeAlias
 
 from compiler.time_limits.time_limit import OutOfTimeError
 from solvers.execution.workers import InProcess, Workers
+from solvers.failure_counts import FailureCounts
 from solvers.verifier.refutations.solver_process import SmtSolver
 
 Recorded: TypeAlias = "bool | int | float | str | list[Recorded] | dict[str, Recorded] | None"
@@ -93,7 +94,7 @@ class RunContext:
     ``lemmas``, one refutation may cover many structures.  Scripts are given to the solvers in
     ``smt``, all of which must agree; if there are none, to z3 as a library.  ``out_of_time`` is
     called between steps, equally often in every run; loops within a step call
-    ``compiler.time_limits``.
+    ``compiler.time_limits``.  ``failures`` counts what was not proved.
     """
 
     seed: int = 0
@@ -107,6 +108,7 @@ class RunContext:
     evaluations: int = EVALUATIONS
     lemmas: bool = True
     smt: tuple[SmtSolver, ...] = ()
+    failures: FailureCounts = field(default_factory=FailureCounts)
 
     def check_time(self) -> None:
         """Raise OutOfTimeError once the limit is reached."""

@@ -108,6 +108,7 @@ def certified_design(
             0.0 if spread is None else missing_margin(without_limits(conditions), spread),
             beyond_loop(conditions),
             missing_at_limits(conditions, joint_names(model)),
+            obstacle,
         )
     design = replace(
         design,
@@ -214,6 +215,7 @@ def seen_broken(
             f"; the motion simulated before a proof: {worst.reason}",
             0.0 if spread is None else missing_margin(without_limits(conditions), spread),
             limits=missing_at_limits(conditions, joint_names(path_problem.model)),
+            condition=worst,
         )
     if last or seems_to_satisfy(path_problem, seen):
         return None

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from solvers.search.configuration_search import (
 )
 from solvers.search.constraint_tightening import ConstraintTightening, no_margin_text
 from solvers.search.evaluation import Recipe, recipe
+from solvers.search.failed_proof import failure_text, shorter_steps
 from solvers.search.path_task import Design
 from solvers.search.search_state import Answer, Blocked, Cause, Found
 from solvers.trajectory.control_problem import FULL, SURVEY, ControlOutcome, IterationBudget
@@ -38,6 +40,8 @@ from solvers.verifier.proofs.scene import Watch
 
 EARLY_MARGINS = 2
 """The number of margins tried for a newly found motion."""
+FailureListener: TypeAlias = Callable[[PathProblem, Configuration, Blocked], None]
+"""Receives each motion that was not proved, and what blocked it."""
 UNSTABLE_TEXT = "; the motion is unstable: its inputs alone do not cause it"
 
 
@@ -52,12 +56,16 @@ class ProofAttempt:
 
 @dataclass(frozen=True, slots=True)
 class MotionProof:
-    """Proves motions of a robot; ``task`` is the task as stated, even if motions go on for ever."""
+    """Proves motions of a robot; ``task`` is the task as stated, even if motions go on for ever.
+
+    The ``listener`` is called whenever a motion is not proved.
+    """
 
     program: ir.Program
     task: ir.Task
     derivation: Derivation
     context: RunContext
+    listener: FailureListener | None = None
 
     @property
     def watch(self) -> Watch:
@@ -183,14 +191,28 @@ class MotionProof:
             blocked = answer
             if blocked.cause in (Cause.ENDED, Cause.NO_DECIMALS):
                 break  # wider margins do not help
-            self.context.reporter.note(f"{blocked.cause.value}; trying a wider margin")
             limited = bool(blocked.limits) and path_problem.spread is not None
             if limited:
                 path_problem = inset(path_problem, np.array(blocked.limits)[:, :, None])
             tightening = tightening.wider(
                 blocked.lacking, path_problem.spread, blocked.beyond, limited=limited
             )
+            self.tell(
+                path_problem, found, blocked, goes_on=tightening is not None and tried != most
+            )
         return ProofAttempt(blocked, found.outcome.robustness)
+
+    def tell(
+        self, path_problem: PathProblem, found: Configuration, blocked: Blocked, *, goes_on: bool
+    ) -> None:
+        """Report a failed proof; ``goes_on`` says that a wider margin is tried next."""
+        note, task, condition = self.context.reporter.note, path_problem.task, blocked.condition
+        note(failure_text(blocked, goes_on=goes_on))
+        disturbed = path_problem.feedback and task.robust is not None
+        if disturbed and condition and self.context.failures.often(condition.name):
+            note(f"it fails again and again: divide the steps, as in {shorter_steps(task)}")
+        if self.listener is not None:
+            self.listener(path_problem, found, blocked)
 
 
 def is_rough(path_problem: PathProblem) -> bool:

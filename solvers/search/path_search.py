@@ -20,6 +20,7 @@ from solvers.search.calm_motion import calmer
 from solvers.search.cell_timing import settled, timed
 from solvers.search.closed_loop import needs_feedback
 from solvers.search.configuration_search import Configuration, search_configuration
+from solvers.search.failed_proof import shorter_steps
 from solvers.search.motion_proof import MotionProof
 from solvers.search.path_cores import Explanation, PathCore, PathCores
 from solvers.search.path_task import Design, PathTask, nearest_text
@@ -106,7 +107,9 @@ class PathSearch:
     def proof(self) -> MotionProof:
         """Proves motions."""
         given = self.structure
-        return MotionProof(given.program, given.task, given.derivation, given.context)
+        return MotionProof(
+            given.program, given.task, given.derivation, given.context, self.see_unproved
+        )
 
     def attempt(self, cells: Abstraction, plan: Plan, *, explaining: bool = True) -> PathAttempt:
         """A proved design for a plan; else the nearest motion and, if ``explaining``, a core.
@@ -227,6 +230,17 @@ class PathSearch:
         """Report a motion whose search or proof is still under way."""
         cause = Cause.UNDER_WAY
         self.structure.listener.see(self.nearest(path_problem, found, None, cause, ""))
+
+    def see_unproved(
+        self, path_problem: PathProblem, found: Configuration, blocked: Blocked
+    ) -> None:
+        """Report a motion that was not proved, while another one is about to be."""
+        motion = self.nearest(path_problem, found, None, Cause.UNDER_WAY, blocked.text)
+        remedy = ""
+        if path_problem.feedback and self.shape.task.robust is not None:
+            shorter = f"shorter steps ({shorter_steps(self.shape.task)})"
+            remedy = f"a longer `--time-limit`, {shorter}, or smaller bounds in `robust`"
+        self.structure.listener.see(replace(motion, remedy=remedy))
 
     def nearest(
         self,

@@ -10,7 +10,7 @@ which no motion is expected along any path is postponed by some rounds.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from compiler.robots.candidate import Candidate
 from compiler.words.derivation import Derivation
@@ -82,7 +82,9 @@ class StructureUnderWay:
             self.told()
 
     def see(self, motion: NearestMotion) -> None:
-        """Store a motion that may still become a design."""
+        """Store a motion that may still become a design, with what the last proof lacked."""
+        if self.waiting is not None and not motion.text:
+            motion = replace(motion, text=self.waiting.text, remedy=self.waiting.remedy)
         self.waiting = motion
 
     @property

@@ -20,6 +20,7 @@ from solvers.planner import CounterExample
 from solvers.search.configuration_search import PathSamples, Sample
 from solvers.search.path_task import Design
 from solvers.trajectory.trajectory import Trajectory
+from solvers.verifier.proofs.checked_condition import CheckedCondition
 
 
 class Cause(Enum):
@@ -49,6 +50,7 @@ class Blocked:
     ``lacking`` is the share by which the margin for disturbed motions must grow.  ``beyond`` is the
     share by which motions leave the set of their loop.  ``limits`` are what the
     range and the rate of each joint lack, in SI; empty if they lack nothing.
+    ``condition`` is the first one that was not proved.
     """
 
     cause: Cause
@@ -56,6 +58,7 @@ class Blocked:
     lacking: float = 0.0
     beyond: float = 0.0
     limits: tuple[tuple[float, float], ...] = ()
+    condition: CheckedCondition | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -275,3 +275,18 @@ WINDING = (
     .replace("horizon 10 steps of 0.2 s", "horizon 40 steps of 0.1 s")
 )
 """One link that visits four regions about its base for ever: a joint without range winds."""
+
+QUICK_TURN = """
+module Foot { role base; port out: F; frame out = in; }
+module Hip { role joint; dof q: revolute z in [-170, 170] deg rate in [-1, 1] rad/s;
+  port in: F; port out: G; frame out = in * rot(z, q); }
+module Tip { role effector; port in: G; point(frame: in * move(x, 0.5 m), mass: 1 kg);
+  effector(frame: in * move(x, 0.5 m)); }
+grammar Arm from ports { start Foot; with Hip, Tip; }
+workspace W { plane xy; bounds box [-1, 1] x [-1, 1] m;
+  region A box [0.45, 0.55] x [-0.05, 0.05] m; target B box [0.3, 0.45] x [0.3, 0.45] m; }
+task Turn { robot Arm; workspace W; start in A at rest; reach B; effort <= 10 N*m;
+  horizon 10 steps of 0.1 s; control feedback; modules <= 3; robust start 1 deg, 1 deg/s;
+  robust measure 0.2 deg, 3 deg/s; robust effort 1 % of bound; }
+"""
+"""Errors of measurements change the rate by more than 0.2 rad/s, a tenth of its range."""

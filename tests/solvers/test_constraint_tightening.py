@@ -22,6 +22,7 @@ from solvers.search.synthesis import synthesise
 from solvers.trajectory.disturbance_spread import DisturbanceSpread
 from solvers.verifier.proofs.checked_condition import CheckedCondition
 from solvers.verifier.proofs.tube_checks import Status
+from tests.oracles.small_specs import QUICK_TURN
 
 SPREAD = DisturbanceSpread(
     np.array([[0.0], [0.01], [0.04]]), np.array([[[0.0, 0.1]], [[0.02, 0.1]], [[0.01, 0.0]]])
@@ -122,25 +123,9 @@ def test_limits_are_narrowed_before_everything_else_is() -> None:
     assert tightening is None
 
 
-TURN = """
-module Foot { role base; port out: F; frame out = in; }
-module Hip { role joint; dof q: revolute z in [-170, 170] deg rate in [-1, 1] rad/s;
-  port in: F; port out: G; frame out = in * rot(z, q); }
-module Tip { role effector; port in: G; point(frame: in * move(x, 0.5 m), mass: 1 kg);
-  effector(frame: in * move(x, 0.5 m)); }
-grammar Arm from ports { start Foot; with Hip, Tip; }
-workspace W { plane xy; bounds box [-1, 1] x [-1, 1] m;
-  region A box [0.45, 0.55] x [-0.05, 0.05] m; target B box [0.3, 0.45] x [0.3, 0.45] m; }
-task Turn { robot Arm; workspace W; start in A at rest; reach B; effort <= 10 N*m;
-  horizon 10 steps of 0.1 s; control feedback; modules <= 3; robust start 1 deg, 1 deg/s;
-  robust measure 0.2 deg, 3 deg/s; robust effort 1 % of bound; }
-"""
-"""Errors of measurements change the rate by more than 0.2 rad/s, a tenth of its range."""
-
-
 def test_a_rate_limit_is_narrowed_as_far_as_disturbed_motions_need(tmp_path: Path) -> None:
     """Slow motions spread as much as fast ones, so some motion stays below 1 rad/s."""
-    (tmp_path / "turn.srg").write_text(TURN, encoding="utf-8")
+    (tmp_path / "turn.srg").write_text(QUICK_TURN, encoding="utf-8")
     program = load(tmp_path / "turn.srg").program
     assert program is not None
     result = synthesise(program, program.tasks["Turn"], RunContext())
