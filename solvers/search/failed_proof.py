@@ -11,7 +11,7 @@ from solvers.verifier.proofs.checked_condition import CheckedCondition
 
 WIDTH = 88
 """The most characters in a line of progress: 100, less a time stamp."""
-WIDER = "; trying a wider margin"
+WIDER = "; widening margins"
 
 
 def failure_text(blocked: Blocked, *, goes_on: bool) -> str:
@@ -25,7 +25,7 @@ def failure_text(blocked: Blocked, *, goes_on: bool) -> str:
     # The reason of a condition that stands for the end of an enclosure says all there is to say.
     if lacking.why and not np.isfinite(lacking.margin):
         return _shortened(lacking.reason, end)
-    at = "" if lacking.time is None else f" at {lacking.time:.4g} s"
+    at = "" if lacking.time is None else f" at {lacking.time:.3g} s"
     seen = "is broken in a simulation" if blocked.cause is Cause.BROKEN else "not proved"
     return _shortened(f"`{lacking.name}", f"` {seen}{at}{_lack(lacking)}{end}")
 
@@ -35,7 +35,7 @@ def _lack(condition: CheckedCondition) -> str:
     if not (condition.unit and np.isfinite(condition.margin) and condition.margin < 0):
         return ""
     unit = {"1": "of the bound", "SI": "(SI)"}.get(condition.unit, condition.unit)
-    return f", lacking {-condition.margin:.2g} {unit}"
+    return f", lacks {-condition.margin:.2g} {unit}"
 
 
 def _shortened(head: str, tail: str) -> str:

@@ -210,7 +210,7 @@ class MotionProof:
         note(failure_text(blocked, goes_on=goes_on))
         disturbed = path_problem.feedback and task.robust is not None
         if disturbed and condition and self.context.failures.often(condition.name):
-            note(f"it fails again and again: divide the steps, as in {shorter_steps(task)}")
+            note(f"it fails again and again; shorter steps may help: {shorter_steps(task)}")
         if self.listener is not None:
             self.listener(path_problem, found, blocked)
 

@@ -34,13 +34,13 @@ def blocked(
     [
         (
             blocked("rate of Hip.q (joint 2)", -0.1101, "rad/s"),
-            "`rate of Hip.q (joint 2)` not proved at 0.1 s, lacking 0.11 rad/s",
+            "`rate of Hip.q (joint 2)` not proved at 0.1 s, lacks 0.11 rad/s",
         ),
         (
             blocked("target B", -0.004, "m", 1.2, Cause.BROKEN),
-            "`target B` is broken in a simulation at 1.2 s, lacking 0.004 m",
+            "`target B` is broken in a simulation at 1.2 s, lacks 0.004 m",
         ),
-        (blocked("effort", -0.25, "1", None), "`effort` not proved, lacking 0.25 of the bound"),
+        (blocked("effort", -0.25, "1", None), "`effort` not proved, lacks 0.25 of the bound"),
         # A margin that is infinite, or has no unit, says nothing.
         (blocked("bounds", float("-inf"), "m"), "`bounds` not proved at 0.1 s"),
         (blocked("equations", -1.0, ""), "`equations` not proved at 0.1 s"),
@@ -49,7 +49,7 @@ def blocked(
 )
 def test_it_names_the_condition_its_time_and_what_it_lacks(failed: Blocked, text: str) -> None:
     assert failure_text(failed, goes_on=False) == text
-    assert failure_text(failed, goes_on=True) == f"{text}; trying a wider margin"
+    assert failure_text(failed, goes_on=True) == f"{text}; widening margins"
 
 
 def test_an_enclosure_that_ends_is_its_own_reason() -> None:
@@ -68,7 +68,7 @@ def test_it_fits_into_a_line() -> None:
     # With the time that `synth` prints before it: 100 columns.
     assert len("[9999.99 s] ") + len(text) <= 100
     assert len(text) == WIDTH
-    assert text.endswith("…` not proved at 0.1 s, lacking 0.012 m; trying a wider margin")
+    assert text.endswith("…` not proved at 0.1 s, lacks 0.012 m; widening margins")
 
 
 def test_a_remedy_is_told_once() -> None:
@@ -97,7 +97,7 @@ def test_shorter_steps_are_told_where_feedback_answers_disturbances(
     for _ in range(20):
         proof.tell(path_problem, nothing, blocked("target B", -0.01, "m"), goes_on=True)
     hints = [text for text in said if not text.startswith("`target B` not proved")]
-    hint = "it fails again and again: divide the steps, as in `horizon 24 steps of 0.05 s`"
+    hint = "it fails again and again; shorter steps may help: `horizon 24 steps of 0.05 s`"
     assert hints == ([hint] if feedback and robust else [])
     assert len(said) == 20 + len(hints)
 
@@ -141,7 +141,7 @@ def test_after_a_time_limit_the_last_proof_is_told(tmp_path: Path) -> None:
         program, task, RunContext(reporter=Seeing(), out_of_time=lambda: bool(seen))
     )
     assert "`rate of Hip.q` not proved at " in seen[0]
-    assert " rad/s; trying a wider margin" in seen[0]
+    assert " rad/s; widening margins" in seen[0]
     assert (result.verdict, result.unfinished) == ("unknown", True)
     text = synthesis_text(result, task, str(tmp_path))
     assert "margin of `rate of Hip.q` at " in text
