@@ -317,6 +317,6 @@ def test_no_robot_no_motion(opened: Open) -> None:
     page = opened("beyond_reach")
     assert page.all(SLIDER) == []
     assert page.all("#motion .robot") == []
-    assert len(page.all("#motion .target .face")) == 1
+    assert len(page.all("#motion > figure > .scene .target .face")) == 1
     assert "no robot" in page.one("#motion figcaption").text
     assert page.complaints() == []
