@@ -15,6 +15,7 @@ from compiler.robots.normal_form import family_of
 from grammar_lang.load import load_text
 from solvers.run_context import RunContext
 from solvers.search.synthesis import synthesise
+from tests.oracles.some_cases import campaign
 
 MASTS = """\
 module B { role base; }
@@ -152,9 +153,7 @@ def random_text(seed: int) -> str:
     return post.replace("HEIGHT", height).replace("0.85]", "1.2]")
 
 
-@pytest.mark.parametrize(
-    "seed", [pytest.param(n, marks=() if n < 8 else pytest.mark.slow) for n in range(120)]
-)
+@pytest.mark.parametrize("seed", [*range(8), *campaign(range(8, 120), 32)])
 def test_lemmas_contradict_no_search(seed: int) -> None:
     """What is *impossible* with lemmas is not *found* without, nor the other way round."""
     text = random_text(seed)
