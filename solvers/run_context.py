@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
 from compiler.time_limits.time_limit import OutOfTimeError
 from solvers.execution.workers import InProcess, Workers
-from solvers.failure_counts import FailureCounts
 from solvers.verifier.refutations.solver_process import SmtSolver
 
 Recorded: TypeAlias = "bool | int | float | str | list[Recorded] | dict[str, Recorded] | None"
 """A JSON value."""
+
+
+OFTEN = 3
+"""The failures of a condition after which a remedy is told."""
 
 
 class Reporter(Protocol):
@@ -81,6 +85,22 @@ class Memory:
 PATHS = 6
 EVALUATIONS = 12
 """The default numbers of paths tried for a structure, and of evaluations made for a path."""
+
+
+@dataclass(slots=True)
+class FailureCounts:
+    """The number of failed proofs by the condition that was not proved."""
+
+    counts: Counter[str] = field(default_factory=Counter[str])
+    told: bool = False
+
+    def often(self, name: str) -> bool:
+        """Count a failure; return whether a condition has now failed often, for the first time."""
+        self.counts[name] += 1
+        if self.told or self.counts[name] < OFTEN:
+            return False
+        self.told = True
+        return True
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from grammar_lang.load import load
-from solvers.failure_counts import OFTEN, FailureCounts
-from solvers.run_context import RunContext, Silent
+from solvers.run_context import OFTEN, FailureCounts, RunContext, Silent
 from solvers.search.failed_proof import WIDTH, failure_text, shorter_steps
 from solvers.search.motion_proof import MotionProof
 from solvers.search.search_state import Blocked, Cause
