@@ -10,7 +10,8 @@ In ``slow_tests.json`` are those that run in `make test-slow` alone, as those ma
   slowest of them, too, but for those below 0.03 s. The quickest test of each file stays unless it
   took 3 s, and the quickest case of each test of soundness unless it took 1 s;
 - of pages, shipped specs and what the paper says (``USUAL``), whatever took 3 s and more, but for
-  the pages that everybody reads first and one run that is repeated (``ALWAYS``);
+  the pages that everybody reads first and one run that is repeated (``ALWAYS``, which has the test
+  that the verifier loads no searcher, too);
 - by hand, those for which alone a long synthesis would be made. What tests share, fixtures and the
   syntheses of ``made``, is counted for none of them.
 """
@@ -58,6 +59,7 @@ ALWAYS = {
     "tests/srgc/test_determinism.py::test_a_small_spec[turner]",
     "tests/test_documentation.py::test_pages_run_as_shown[README.md]",
     "tests/test_documentation.py::test_pages_run_as_shown[docs/tutorial.md]",
+    "tests/test_structure.py::test_the_verify_command_loads_no_searcher",
 }
 STARTS = {"os.fork", "os.forkpty", "os.posix_spawn", "os.system", "pty.spawn", "subprocess.Popen"}
 

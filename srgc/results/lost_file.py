@@ -18,7 +18,9 @@ from srgc.results.no_robot import no_robot
 from srgc.results.result_folder import json_object
 
 CERTIFICATE, DESIGN = "certificate.json", "design.json"
+CLAIMS = MISSION, CERTIFICATE
 GOES_ON = "the `srgc synth` that began it goes on from there"
+NO_RESULTS = "name a folder with results: `srgc synth SPEC -o FOLDER` writes one"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ def lost_file(folder: Path) -> LostFile | None:
     Raises:
         UsageFault: the file that is left cannot be read, or is no JSON object.
     """
-    claims = [name for name in (MISSION, CERTIFICATE) if (folder / name).is_file()]
+    claims = [name for name in CLAIMS if (folder / name).is_file()]
     has_design = (folder / DESIGN).is_file()
     if has_design == bool(claims):
         return None
@@ -106,7 +108,9 @@ def next_after(folder: Path) -> str | None:
         return None
     if lost is not None:
         return f"{lost.restored} {lost.name}"
-    return GOES_ON if _begun(folder) else None
+    if _begun(folder):
+        return GOES_ON
+    return None if any((folder / name).is_file() for name in (DESIGN, *CLAIMS)) else NO_RESULTS
 
 
 def _begun(folder: Path) -> bool:

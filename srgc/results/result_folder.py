@@ -8,9 +8,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from solvers.run_context import Recorded
 from solvers.verdict import MISSION
 from solvers.verifier.claims.spec_copy import bounded_bytes, bounded_text
 from srgc.faults import WITH_O, UsageFault, argument
@@ -25,6 +24,9 @@ from srgc.results.folder_writer import (
     only_writer,
     refuse_links,
 )
+
+if TYPE_CHECKING:
+    from solvers.run_context import Recorded
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +70,7 @@ class ResultFolder:
 
     path: Path
     identity: Identity
-    values: dict[str, Recorded] = field(default_factory=dict[str, Recorded])
+    values: dict[str, Recorded] = field(default_factory=dict[str, Any])
     kept: Path | None = None
     files: FolderWriter = field(init=False)
 

@@ -43,6 +43,13 @@ def test_the_advice_of_verify_is_no_circle(srgc, without_certificate):
     assert ran.out.endswith(f"next:    {AGAIN} certificate.json\n")
 
 
+def test_nothing_is_left_to_explain(srgc, without_certificate):
+    (without_certificate / "design.json").unlink()
+    assert srgc("why", without_certificate).status == 2
+    said = srgc("verify", without_certificate).out.splitlines()[-1]
+    assert said.startswith("next:    name a folder with results")
+
+
 def test_the_same_synth_writes_the_certificate_again(srgc, made, without_certificate):
     ran = srgc("synth", made("turner") / "turner.srg", "-o", without_certificate, "-q")
     assert ran.status == 0
