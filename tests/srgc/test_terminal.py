@@ -146,7 +146,7 @@ VERDICTS = {
     "no plan": (["plan", "closed.srg"], "", "no path", 31, "srgc plan -o plan.svg closed.srg"),
     "verify": (["verify", "turner"], "", "valid", 32, "srgc report turner"),
     "refuted": (["verify", "false"], "", "refuted", 31, "do not rely on it"),
-    "open": (["verify", "nothing"], "", "undecided", 33, "srgc why nothing"),
+    "open": (["verify", "nothing"], "", "undecided", 33, "the same `srgc synth turner.srg`"),
 }  # fmt: skip
 
 
