@@ -6,7 +6,7 @@ far end is tried first, then nearer values.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice, takewhile
@@ -218,6 +218,9 @@ class SuggestionSearch:
             self.runs.context.check_time()
             self.runs.step(f"{place}: looking for values with poses")
 
+        def helps(value: Fraction) -> bool:
+            return self.tried(scale.at(value)) is not None
+
         tasks = [scale.posed_at(value) for value in scale.values]
         if not tasks:
             return False
@@ -226,20 +229,15 @@ class SuggestionSearch:
             return False
         least = scale.values[first]
         wider, widest = (scale.further(least, more) for more in (WIDER, WIDEST))
-        if shown and scale.with_all is not None:
-            return any(map(self.helps(scale), dict.fromkeys((least, wider, widest))))
-        if shown:
-            if not self.helps(scale)(wider):
-                return widest != wider and self.helps(scale)(widest)
+        if not shown:
+            return bool(list(takewhile(helps, dict.fromkeys((widest, wider, least)))))
+        if scale.with_all is not None:
+            return any(map(helps, dict.fromkeys((least, wider, widest))))
+        if helps(wider):
             if least != wider:
-                self.helps(scale)(least)
+                helps(least)
             return True
-        downwards = list(takewhile(self.helps(scale), dict.fromkeys((widest, wider, least))))
-        return bool(downwards)
-
-    def helps(self, scale: Scale) -> Callable[[Fraction], bool]:
-        """Whether a change by a value helps, by a run."""
-        return lambda value: self.tried(scale.at(value)) is not None
+        return widest != wider and helps(widest)
 
     def far(self, scale: Scale, promising: Fraction | None = None) -> bool:
         """Try the largest change first, and smaller ones if it helps; return whether it does.

@@ -34,7 +34,7 @@ def _lack(condition: CheckedCondition) -> str:
     """By how much a condition is not proved, in words; empty if it is not known."""
     if not (condition.unit and np.isfinite(condition.margin) and condition.margin < 0):
         return ""
-    unit = {"1": "of the bound", "SI": "(SI)"}.get(condition.unit, condition.unit)
+    unit = "of the bound" if condition.unit == "1" else condition.unit_text
     return f", lacks {-condition.margin:.2g} {unit}"
 
 
