@@ -38,7 +38,7 @@ def cheaper_text(
     explained = Explanation(cheaper.posed, Tried("impossible", "", ()), conflicts)
     blocks += conflict_blocks(explained, colour=colour)
     blocks += _listed(cheaper, cheaper.found, "Found, but with more of what comes behind")
-    blocks += _listed(cheaper, cheaper.other, "Found; no parameters give less than")
+    blocks += _listed(cheaper, cheaper.other, "Found; other parameters may give less")
     blocks += _listed(cheaper, cheaper.undecided, "Not decided, and perhaps with less")
     if ended is not None:
         blocks.append(f"not all was tried: {ended}")
@@ -48,7 +48,7 @@ def cheaper_text(
 def _head(cheaper: NextCheaper) -> str:
     name = objective_name(cheaper.amount.objective)
     if cheaper.refuted:
-        value = amount_text(cheaper.amount.objective, cheaper.refuted[0].value)
+        value = _least_text(cheaper, cheaper.refuted[0])
         robots = "\n  ".join(" ".join(each.derivation.word) for each in cheaper.refuted)
         return f"Nearest below the design, and refuted: {value}\n  {robots}"
     if cheaper.undecided or cheaper.found:
@@ -59,12 +59,18 @@ def _head(cheaper: NextCheaper) -> str:
     return f"There is no robot with less {name} in the family."
 
 
+def _least_text(cheaper: NextCheaper, robot: CheaperRobot) -> str:
+    """What a robot would have; "or more" if that depends on its parameters."""
+    value = amount_text(cheaper.amount.objective, robot.value)
+    return f"{value} or more" if robot.varies else value
+
+
 def _listed(cheaper: NextCheaper, robots: Sequence[CheaperRobot], title: str) -> Iterator[str]:
     if not robots:
         return
     lines = [f"{title}:"]
     for each in robots[:MOST_UNDECIDED]:
-        value = amount_text(cheaper.amount.objective, each.value)
+        value = _least_text(cheaper, each)
         reason = "" if each.verdict == "found" else f"\n    {each.reason}"
         lines.append(f"  {' '.join(each.derivation.word)}, {value}{reason}")
     more = len(robots) - MOST_UNDECIDED

@@ -458,7 +458,22 @@ def test_the_design_with_other_parameters(srgc: Srgc, spec: Callable[[str], Path
     assert 0.4 < stated["least"] <= 0.45 <= stated["value"]
     said = srgc("why", folder).out
     assert "comes behind" not in said
-    head, _, robots = said.partition("Found; no parameters give less than:\n")
+    head, _, robots = said.partition("Found; other parameters may give less:\n")
     assert head.startswith("verdict: found (length 0.4")
     assert head.splitlines()[2].startswith(f"No robot has less length than {stated['least']:.3f}")
     assert robots.startswith(f"  Base eps Joint eps A eps Hand, length {stated['least']:.3f}")
+    assert robots.endswith(" m or more\n")
+
+
+def test_a_refuted_robot_has_its_least_value_or_more(
+    srgc: Srgc, spec: Callable[[str], Path]
+) -> None:
+    """One tube is too short to get 0.45 m away from the base; two of them are not."""
+    tube = {"A": "param length in [0.2, 0.4] m;"}
+    text = arms(
+        tube, {"a": ("eps A", link("A.length", "1 kg"))},
+        "modules <= 5; minimize sum(length);", accept="matches Base eps Joint (eps A)+ eps Hand",
+    )  # fmt: skip
+    folder = spec(text).parent / "tubes"
+    assert srgc("synth", spec(text), "-o", folder, "--quiet", "--paths", "2").status == 0
+    assert "Nearest below the design, and refuted: length 0.2 m or more\n" in srgc("why", folder).out
