@@ -103,12 +103,17 @@ class Layers:
     """Layers 0 .. ``last``; a word uses those that exist.
 
     ``exists(j)`` is the literal that layer j exists; with ``open_end``, words may end before
-    ``last``.
+    ``last``, and what has no layer up to there is true if words go on.  A proof that there is no
+    word then rests on ``-exists(last + 1)`` wherever longer words might do.
     """
 
     last: int
     exists: Callable[[int], int]
     open_end: bool
+
+    def beyond(self) -> int:
+        """The literal that a word has a layer after the last."""
+        return self.exists(self.last + 1) if self.open_end else -TRUE
 
 
 class Regions(Protocol):
@@ -156,9 +161,9 @@ class FormulaClauses:
     # --- variables -------------------------------------------------------------------------------
 
     def _literal(self, node: SampledFormula, layer: int) -> int:
-        """The literal of a node at a layer; false beyond the last."""
+        """The literal of a node at a layer; false beyond the last, unless words go on there."""
         if layer > self._layers.last:
-            return -TRUE
+            return self._layers.beyond()
         match node:
             case Every(parts=()):
                 return self._layers.exists(layer)
@@ -218,7 +223,9 @@ class FormulaClauses:
                 if j + first < self._layers.last:
                     yield [self._literal(node, j + 1), -self._layers.exists(j + 1)]
             case Eventually(part=part, first=first, last=int() as last):
-                yield [self._literal(part, i) for i in self._window(j + first, j + last)]
+                beyond = self._layers.last + 1
+                window = range(min(j + first, beyond), min(j + last, beyond) + 1)
+                yield [self._literal(part, i) for i in window]
             case Throughout(part=part, first=first, last=int() as last):
                 for i in self._window(j + first, j + last):
                     yield self._if_there(part, i, 0)
@@ -255,6 +262,7 @@ class FormulaClauses:
         """If a layer is the last that exists, the node's part holds at it."""
         if not isinstance(node, SomewhereFrom | ThroughoutFrom):
             raise TypeError(node)
-        following = -TRUE if layer == self._layers.last else self._layers.exists(layer + 1)
+        end = layer == self._layers.last
+        following = self._layers.beyond() if end else self._layers.exists(layer + 1)
         part = self._literal(node.part, layer)
         self._clauses.clause([-literal, -self._layers.exists(layer), following, part])

@@ -155,6 +155,11 @@ def spread(seed: int, density: float) -> tuple[str, str]:
     return " ".join(texts), scattered(choose, texts, density)
 
 
+def test_at_after_horizon_is_no_name_of_a_random_program() -> None:
+    """This seed drew it as one."""
+    lawful(spread(30576, 0.02)[1])
+
+
 @settings(deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from([0.05, 0.2, 0.6]))
 def test_random_gaps_with_comments(seed: int, density: float) -> None:

@@ -89,7 +89,9 @@ def random_item(choose: random.Random, used: set[Rule]) -> list[str]:
         symbol, plan = waiting.pop()
         if not isinstance(symbol, NonTerminal):
             pool = POOLS.get(symbol.name)
-            texts.append(literals[symbol.name] if pool is None else choose.choice(pool))
+            text = literals[symbol.name] if pool is None else choose.choice(pool)
+            # After `horizon`, `at` begins `at most`.
+            texts.append("A" if (texts[-1:], text) == (["horizon"], "at") else text)
             continue
         rules = drawn.rules[symbol.name]
         budget -= 1

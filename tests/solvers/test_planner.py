@@ -287,6 +287,21 @@ def test_why_there_is_none() -> None:
     assert (end.plans, end.complete, end.why) == (0, True, Exhaustion.FORMULA)
 
 
+@pytest.mark.parametrize("changes", range(6))
+def test_a_bound_that_hides_longer_paths_is_not_complete(changes: int) -> None:
+    """Between two cells, one of them in A: to be there at the end takes an odd number of changes.
+
+    From 1 on there is always a path with two more.
+    """
+    planned = PlannedEffector(0, (0,), (), None)
+    wanted = sampled(ir.Always(ir.Eventually(A, EVER), EVER), Fraction(1), changes)
+    regions = (frozenset[str](), frozenset("A"))
+    problem = PlanningProblem(((1,), (0,)), regions, (planned,), wanted, False, changes, changes)
+    found, end = paths_of(problem)
+    assert found == [(0, 1) * half for half in range(1, (changes + 1) // 2 + 1)]
+    assert not end.complete
+
+
 def test_the_same_paths_in_the_same_order() -> None:
     problem = simple(grid(4), [0, 3], [15], [5], 9)
     assert paths_of(problem)[0] == paths_of(problem)[0]

@@ -476,4 +476,5 @@ def test_a_refuted_robot_has_its_least_value_or_more(
     )  # fmt: skip
     folder = spec(text).parent / "tubes"
     assert srgc("synth", spec(text), "-o", folder, "--quiet", "--paths", "2").status == 0
-    assert "Nearest below the design, and refuted: length 0.2 m or more\n" in srgc("why", folder).out
+    said = srgc("why", folder).out
+    assert "Nearest below the design, and refuted: length 0.2 m or more\n" in said
