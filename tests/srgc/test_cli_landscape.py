@@ -285,7 +285,9 @@ def test_altered_folders(srgc: Srgc, designs: Path, tmp_path: Path) -> None:
     (folder / "design.json").write_text("{", encoding="utf-8")
     refused(srgc("landscape", folder), "is not JSON")
     (folder / "design.json").unlink()
-    refused(srgc("landscape", folder), "No such file")
+    ran = srgc("landscape", folder)
+    assert (ran.status, ran.out) == (2, "")
+    assert ran.err.startswith(f"error: {folder} has lost its design.json")
 
 
 def test_a_picture_is_svg(srgc: Srgc, designs: Path, tmp_path: Path) -> None:
