@@ -92,8 +92,12 @@ def test_python_has_it_by_task(folder: Path) -> None:
 def test_a_budget_that_was_used_up(
     clauses: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Of 0.3 N*m neither a motion is found, nor a proof that there is none."""
-    weak = replaced(SHORT, "effort <= 10 N*m", "effort <= 0.3 N*m")
+    """So little is missing at 0.34 N*m that there is neither a motion nor a proof of that.
+
+    A constant torque turns the link by tau t^2 / (2 L^3 / 3) in t = 2 s.  Least is needed from
+    (1.2, 0.3) to (0.3, 1.2), by 1.0808 rad, for which L^2 = 1.53: 0.3409 N*m.
+    """
+    weak = replaced(SHORT, "effort <= 10 N*m", "effort <= 0.34 N*m")
     out = synthesised(tmp_path, mission(SCENE, clauses, SHORT, weak))
     (entry,) = result_files.read(out, "design.json")["open"]
     assert (entry["task"], entry["words"]) == ("B", [ARM.split()])
