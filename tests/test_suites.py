@@ -26,7 +26,8 @@ def run(folder: Path, *options: str) -> tuple[str, set[str]]:
             *["-p", "no:cacheprovider", *options, folder],
         ],
         cwd=ROOT,
-        env={**os.environ, "COLUMNS": "200", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+        env={key: value for key, value in os.environ.items() if key != "PYTEST_XDIST_WORKER"}
+        | {"COLUMNS": "200", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         capture_output=True,
         text=True,
         check=False,
