@@ -89,9 +89,9 @@ def random_item(choose: random.Random, used: set[Rule]) -> list[str]:
         symbol, plan = waiting.pop()
         if not isinstance(symbol, NonTerminal):
             pool = POOLS.get(symbol.name)
-            text = literals[symbol.name] if pool is None else choose.choice(pool)
-            # After `horizon`, `at` begins `at most`.
-            texts.append("A" if (texts[-1:], text) == (["horizon"], "at") else text)
+            if texts[-1:] == ["horizon"] and pool is NAMES:
+                pool = tuple(name for name in NAMES if name != "at")  # There it begins `at most`.
+            texts.append(literals[symbol.name] if pool is None else choose.choice(pool))
             continue
         rules = drawn.rules[symbol.name]
         budget -= 1
