@@ -1,8 +1,8 @@
 """Which tests `make quick` and `make test` leave out, because of how long they take.
 
-`make timings` records in ``long_tests.json``, file by file, which tests take 0.015 s and more, or
-start a process; `make quick` leaves them out. A test that is not listed is quick; if it starts a
-process it fails in `make quick`.
+`make timings` records in ``long_tests.json``, file by file, which tests take 0.015 s and more,
+start a process, or use a shared fixture that does or takes 0.5 s; `make quick` leaves them out. A
+test that is not listed is quick; if it starts a process it fails in `make quick`.
 
 In ``slow_tests.json`` are those that run in `make test-slow` alone, as those marked `slow` do:
 
@@ -33,6 +33,7 @@ import pytest
 LISTED = Path(__file__).with_name("long_tests.json")
 LONG_SECONDS = 0.015
 STAYS_SECONDS = 0.03
+FIXTURE_SECONDS = 0.5
 """A case that takes less stays in the usual suite."""
 SLOW = Path(__file__).with_name("slow_tests.json")
 SLOW_SECONDS = 0.2
@@ -201,12 +202,17 @@ class Recorder:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[object]) -> Iterator[object]:
-        """What a shared fixture starts counts for all tests that use it, whichever came first."""
-        before = self.processes.started
+        """What a shared fixture starts or takes counts for all tests that use it.
+
+        Whichever test came first: if that one were left out, the next one would be the first.
+        """
+        before, began = self.processes.started, time.perf_counter()
         with nullcontext() if fixturedef.scope == "function" else SHARED.making():
             result = yield
         key = (fixturedef.baseid, fixturedef.argname)
-        self.fixtures[key] = self.fixtures.get(key, False) or self.processes.started > before
+        slow = fixturedef.scope != "function" and time.perf_counter() - began >= FIXTURE_SECONDS
+        long = slow or self.processes.started > before
+        self.fixtures[key] = self.fixtures.get(key, False) or long
         return result
 
     @pytest.hookimpl(wrapper=True)

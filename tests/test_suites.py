@@ -152,6 +152,7 @@ from tests.long_tests import SHARED
 
 def test_nothing(): pass
 def test_first_of_a_fixture(shared): take(0.1)
+def test_second_of_a_fixture(shared): pass
 def test_own_fixture(own): pass
 def test_made_within():
     with SHARED.making():
@@ -169,9 +170,14 @@ def test_what_tests_share_is_counted_for_none(tmp_path: Path) -> None:
     for name in ("long.json", "slow.json"):
         (tmp_path / name).write_text("{}", encoding="utf-8")
     said, passed = run(tmp_path, "-p", "tests.long_tests", "--record-long")
-    assert len(passed) == 5, said
+    assert len(passed) == 6, said
     slow = json.loads((tmp_path / "slow.json").read_text(encoding="utf-8"))
     assert slow == {"test_timed.py": ["test_alone", "test_own_fixture"]}
+    (long,) = json.loads((tmp_path / "long.json").read_text(encoding="utf-8")).values()
+    assert long == [
+        "test_alone", "test_first_of_a_fixture", "test_made_within", "test_own_fixture",
+        "test_second_of_a_fixture",
+    ]  # fmt: skip
 
 
 def test_each_file_keeps_its_quickest_test() -> None:
