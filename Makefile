@@ -22,8 +22,9 @@ demo: .venv/installed
 	$(BIN)/srgc verify out/demo
 	@echo "pictures: out/demo/figures/workspace.svg and out/demo/figures/inputs.svg"
 
-# The tests that take less than 0.015 s each and start no process. Two processes with half of the files
-# each take two thirds of the time of two workers that import all files and report every test.
+# The tests that take less than 0.015 s each, start no process and share nothing slow. Two processes
+# with half of the files each take two thirds of the time of two workers that import all files and
+# report every test.
 QUICK := -m "not slow and not site and not types and not editor and not playground and not long"
 
 quick: .venv/installed
