@@ -33,8 +33,9 @@ import pytest
 LISTED = Path(__file__).with_name("long_tests.json")
 LONG_SECONDS = 0.015
 STAYS_SECONDS = 0.03
-FIXTURE_SECONDS = 0.5
 """A case that takes less stays in the usual suite."""
+FIXTURE_SECONDS = 0.5
+"""All tests that use a shared fixture which takes this long are long."""
 SLOW = Path(__file__).with_name("slow_tests.json")
 SLOW_SECONDS = 0.2
 CASES_SECONDS = 0.3

@@ -223,7 +223,7 @@ class FormulaClauses:
                 if j + first < self._layers.last:
                     yield [self._literal(node, j + 1), -self._layers.exists(j + 1)]
             case Eventually(part=part, first=first, last=int() as last):
-                beyond = self._layers.last + 1
+                beyond = self._layers.last + 1  # It stands for all layers that are not there.
                 window = range(min(j + first, beyond), min(j + last, beyond) + 1)
                 yield [self._literal(part, i) for i in window]
             case Throughout(part=part, first=first, last=int() as last):
