@@ -20,6 +20,7 @@ from urllib.parse import unquote, urlparse
 import pytest
 
 from srgc.version import VERSION
+from tests.oracles.axe import serious, show, source
 from tests.oracles.browsers import start
 from tests.oracles.linked_words import Article, Word, means, singular
 
@@ -276,7 +277,7 @@ def test_the_page_of_the_search_has_a_heading_and_a_field(site: Path) -> None:
     assert re.search(r'<input type="search" name="q" aria-label="Search"', article)
 
 
-# --- the search of the site, in a browser --------------------------------------------------------
+# --- the site in a browser -----------------------------------------------------------------------
 
 
 SOUGHT = {
@@ -325,3 +326,26 @@ def test_the_search_finds_what_people_look_for(
             assert page in found, (word, found)
     finally:
         driver.quit()
+
+
+@pytest.mark.parametrize(("width", "colours"), [(320, "light"), (1280, "dark")])
+def test_no_page_has_a_serious_finding(
+    address: str, site: Path, tmp_path_factory: pytest.TempPathFactory, width: int, colours: str
+) -> None:
+    """Nor is one wider than the screen. Of the decision records, which are alike, only the list."""
+    axe = source()
+    files = [file.relative_to(site) for file in sorted(site.rglob("*.html"))]
+    pages = [f for f in files if "decisions" not in f.parts or f.name == "index.html"]
+    assert len(pages) > 60
+    driver = start(tmp_path_factory.mktemp("profile"))
+    found: dict[str, list[str]] = {}
+    try:
+        driver.set_script_timeout(120)
+        show(driver, width, colours)
+        for page in pages:
+            driver.get(f"{address}/{page.as_posix()}")
+            wide = driver.execute_script("return document.documentElement.scrollWidth;")
+            found[str(page)] = serious(driver, axe) + [f"{wide} pixels wide"] * (wide > width)
+    finally:
+        driver.quit()
+    assert {page: each for page, each in found.items() if each} == {}

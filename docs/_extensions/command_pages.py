@@ -60,7 +60,7 @@ def taught(command: DocumentedCommand) -> Iterator[str]:
     if command.examples:
         yield "Examples:\n"
         yield "```sh\n" + "\n".join(command.examples) + "\n```\n"
-    yield "| exit status | |\n|---|---|"
+    yield "| exit status | meaning |\n|---|---|"
     for status, says in command.statuses.items():
         yield f"| {status} | {escaped(says)} |"
     yield ""

@@ -9,6 +9,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from tests.browser.test_whole_page import CONTRASTS
+from tests.oracles.axe import SEEN, serious, show, source
 from tests.oracles.small_specs import TURNER
 from tests.playground.conftest import ROOT, Playground
 
@@ -193,6 +194,15 @@ def test_contrast(page: Playground, scheme: str) -> None:
     for tab in ("check", "fmt", "graph", "explain"):
         page.one(f"#tab-{tab}").click()
         assert page.run(CONTRASTS) == []
+
+
+@pytest.mark.parametrize(("width", "colours"), SEEN)
+def test_no_serious_finding(page: Playground, width: int, colours: str) -> None:
+    page.show(TURNER.replace("reach T", "reach Nowhere"))
+    show(page.driver, width, colours)
+    for tab in ("check", "fmt", "graph", "explain"):
+        page.one(f"#tab-{tab}").click()
+        assert serious(page.driver, source()) == [], tab
 
 
 def test_keys_alone(page: Playground) -> None:

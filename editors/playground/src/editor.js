@@ -87,7 +87,9 @@ export class Editor {
             { key: "Tab", run: acceptCompletion },
             ...closeBracketsKeymap, ...completionKeymap, ...lintKeymap, ...historyKeymap, ...defaultKeymap,
           ]),
-          EditorView.contentAttributes.of({ "aria-label": "Spec", spellcheck: "false" }),
+          EditorView.contentAttributes.of({
+            "aria-label": "Spec", spellcheck: "false", tabindex: "0",
+          }),
           EditorView.updateListener.of((update) => update.docChanged && changed()),
         ],
       }),
