@@ -67,7 +67,7 @@ campaigns: .venv/oracles
 # The pages as a site, with the notebooks run; a warning is an error. Then the tests of the site.
 docs: .venv/installed
 	$(BIN)/sphinx-build -W --keep-going -n -q -b html docs out/docs/html
-	SRGC_DOCS_BUILT=out/docs/html $(BIN)/pytest -n 2 -m site
+	SRGC_DOCS_BUILT=out/docs/html $(BIN)/pytest -n 2 -m 'site and not slow'
 	@echo "pages: out/docs/html/index.html"
 
 # The pictures of the pages, drawn again by srgc, and the printed cheat sheet; the suite compares them
